@@ -1,0 +1,104 @@
+//! Commands: what an operator asks of a vehicle, and what a vehicle's model asks of its autopilot.
+
+use crate::{FlightMode, PositionNed};
+use minicbor::{Decode, Encode};
+use serde::{Deserialize, Serialize};
+
+/// What an operator, the coordinator or another program may ask of one vehicle.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, Encode, Decode, ts_rs::TS, schemars::JsonSchema)]
+#[serde(tag = "command", rename_all = "snake_case", deny_unknown_fields)]
+pub enum VehicleCommand {
+    /// Arm and stay on the ground (the autopilot disarms by itself after some seconds).
+    #[n(0)]
+    Arm,
+    /// Disarm; refused in the air.
+    #[n(1)]
+    Disarm,
+    /// Arm if need be, climb to a height above the launch place, then hold.
+    #[n(2)]
+    TakeOff {
+        /// Height above the launch place in metres.
+        #[n(0)]
+        height_m: f64,
+    },
+    /// Land where it is.
+    #[n(3)]
+    Land,
+    /// Fly to a place and land there.
+    #[n(4)]
+    LandAt {
+        /// The landing spot in the swarm frame; its height is that of the ground.
+        #[n(0)]
+        spot: PositionNed,
+    },
+    /// Stop and hold the position.
+    #[n(5)]
+    Hold,
+    /// Return to the launch place and land.
+    #[n(6)]
+    Return,
+    /// Fly to a place and hold there.
+    #[n(7)]
+    GoTo {
+        /// The place in the swarm frame.
+        #[n(0)]
+        position: PositionNed,
+        /// Yaw on the way and there, in radians; unchanged if left out.
+        #[n(1)]
+        yaw_rad: Option<f64>,
+        /// Speed in metres per second; the model's cruise speed if left out.
+        #[n(2)]
+        speed_m_s: Option<f64>,
+    },
+}
+
+impl VehicleCommand {
+    /// The command's name as it stands in the API and in logs.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Arm => "arm",
+            Self::Disarm => "disarm",
+            Self::TakeOff { .. } => "take_off",
+            Self::Land => "land",
+            Self::LandAt { .. } => "land_at",
+            Self::Hold => "hold",
+            Self::Return => "return",
+            Self::GoTo { .. } => "go_to",
+        }
+    }
+}
+
+/// What a vehicle's model may ask of the autopilot. The link turns it into the protocol's own command.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, Encode, Decode)]
+pub enum AutopilotCommand {
+    /// Arm the motors.
+    #[n(0)]
+    Arm,
+    /// Disarm the motors; the autopilot refuses in the air.
+    #[n(1)]
+    Disarm,
+    /// Automatic take-off from the ground to a height above the launch place. The link makes the absolute altitude of it.
+    #[n(2)]
+    TakeOff {
+        /// Height above the launch place in metres.
+        #[n(0)]
+        height_m: f64,
+    },
+    /// Automatic landing at the present place.
+    #[n(3)]
+    Land,
+    /// Automatic return to launch.
+    #[n(4)]
+    ReturnToLaunch,
+    /// Change to another flight mode than OFFBOARD.
+    #[n(5)]
+    SetMode {
+        /// The mode.
+        #[n(0)]
+        mode: FlightMode,
+    },
+    /// Enter OFFBOARD. The link does it only when its setpoint stream has run long enough.
+    #[n(6)]
+    EnterOffboard,
+}

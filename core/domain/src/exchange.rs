@@ -1,0 +1,266 @@
+//! What crosses the plugin boundary, as CBOR with numbered fields: events in, effects out. Numbers are never reused; a reader
+//! skips numbers it does not know, so that an older plugin works with a newer host and the other way round.
+
+use crate::telemetry::VehicleKinematics;
+use crate::{
+    AnchorReference, AutopilotCommand, Battery, CommandId, FlightMode, FlightState, Incarnation, LandedState, NodeTime,
+    PositionNed, Refusal, RequestId, Setpoint, VehicleCommand, VehicleId, VehicleTask,
+};
+use minicbor::{Decode, Encode};
+
+/// Schema id of [`EventBatch`]: changes only when the meaning of a number changes.
+pub const EVENT_BATCH_SCHEMA: u32 = 1;
+/// Schema id of [`EffectBatch`].
+pub const EFFECT_BATCH_SCHEMA: u32 = 1;
+
+/// What a UAV-model instance is told when it is created.
+#[derive(Debug, Clone, PartialEq, Encode, Decode)]
+pub struct CreateUav {
+    /// The vehicle it flies.
+    #[n(0)]
+    pub vehicle: VehicleId,
+    /// The instance's incarnation, from 1.
+    #[n(1)]
+    pub incarnation: Incarnation,
+    /// The instance's configuration as JSON text; `{}` if none was given.
+    #[n(2)]
+    pub config_json: String,
+    /// What the previous incarnation last gave as its snapshot; absent at the first start.
+    #[n(3)]
+    #[cbor(with = "minicbor::bytes")]
+    pub snapshot: Option<Vec<u8>>,
+    /// Now.
+    #[n(4)]
+    pub now: NodeTime,
+}
+
+/// All events of one period.
+#[derive(Debug, Clone, PartialEq, Default, Encode, Decode)]
+pub struct EventBatch {
+    /// Now.
+    #[n(0)]
+    pub now: NodeTime,
+    /// Oldest first; a [`Event::Tick`], if any, comes last.
+    #[n(1)]
+    pub events: Vec<Event>,
+}
+
+/// One event.
+#[derive(Debug, Clone, PartialEq, Encode, Decode)]
+pub enum Event {
+    /// The control period: make a setpoint if one is due.
+    #[n(0)]
+    Tick,
+    /// The vehicle's own state, once per period before the tick.
+    #[n(1)]
+    Own(#[n(0)] OwnState),
+    /// The task in the intent changed.
+    #[n(2)]
+    Task(#[n(0)] VehicleTask),
+    /// The anchor of the formation this vehicle follows, as its leader last published it.
+    #[n(3)]
+    Anchor(#[n(0)] AnchorReference),
+    /// An operator's command.
+    #[n(4)]
+    Command {
+        /// Its id, for the outcome.
+        #[n(0)]
+        id: CommandId,
+        /// The command.
+        #[n(1)]
+        command: VehicleCommand,
+        /// Not to be begun before this time (staggered take-off).
+        #[n(2)]
+        not_before: NodeTime,
+    },
+    /// The autopilot's answer to a request.
+    #[n(5)]
+    AutopilotResult {
+        /// Which request.
+        #[n(0)]
+        request: RequestId,
+        /// Why not; absent if accepted.
+        #[n(1)]
+        refusal: Option<Refusal>,
+    },
+    /// The autopilot's mode changed.
+    #[n(6)]
+    ModeChanged {
+        /// Before.
+        #[n(0)]
+        from: FlightMode,
+        /// Now.
+        #[n(1)]
+        to: FlightMode,
+        /// Whether it was asked for from here.
+        #[n(2)]
+        commanded: bool,
+    },
+    /// The link was lost (true) or regained (false).
+    #[n(7)]
+    LinkLost(#[n(0)] bool),
+    /// The autopilot restarted.
+    #[n(8)]
+    Rebooted,
+    /// The gate refused the last setpoint or command effect.
+    #[n(9)]
+    Refused(#[n(0)] Refusal),
+    /// A drill: fail in this way, on purpose. Handled by the SDK before the plugin sees it.
+    #[n(10)]
+    FaultDrill(#[n(0)] FaultDrill),
+}
+
+/// How to fail in a drill.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Encode, Decode)]
+#[cbor(index_only)]
+pub enum FaultDrill {
+    /// Panic.
+    #[n(0)]
+    Panic,
+    /// Never return.
+    #[n(1)]
+    Hang,
+}
+
+/// The vehicle's own state as its model sees it.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Encode, Decode)]
+pub struct OwnState {
+    /// Position, velocity and yaw in the swarm frame; absent without an estimate.
+    #[n(0)]
+    pub kinematics: Option<VehicleKinematics>,
+    /// Mode.
+    #[n(1)]
+    pub mode: FlightMode,
+    /// Armed.
+    #[n(2)]
+    pub armed: bool,
+    /// Landed or not.
+    #[n(3)]
+    pub landed: LandedState,
+    /// Whether the autopilot would arm; absent until it says.
+    #[n(4)]
+    pub ready_to_arm: Option<bool>,
+    /// Launch place in the swarm frame.
+    #[n(5)]
+    pub home: Option<PositionNed>,
+    /// Battery.
+    #[n(6)]
+    pub battery: Battery,
+    /// Frames arrive.
+    #[n(7)]
+    pub link_connected: bool,
+}
+
+/// All effects of one period.
+#[derive(Debug, Clone, PartialEq, Default, Encode, Decode)]
+pub struct EffectBatch {
+    /// In the order they are to be carried out.
+    #[n(0)]
+    pub effects: Vec<Effect>,
+}
+
+/// One effect.
+#[derive(Debug, Clone, PartialEq, Encode, Decode)]
+pub enum Effect {
+    /// Stream this setpoint (through the gate).
+    #[n(0)]
+    Setpoint(#[n(0)] Setpoint),
+    /// End the setpoint stream on purpose.
+    #[n(1)]
+    StopStream,
+    /// Ask the autopilot (through the gate).
+    #[n(2)]
+    Autopilot {
+        /// Chosen by the plugin; the result refers to it.
+        #[n(0)]
+        request: RequestId,
+        /// What is asked.
+        #[n(1)]
+        command: AutopilotCommand,
+    },
+    /// How an operator's command goes on.
+    #[n(3)]
+    CommandProgress {
+        /// Which command.
+        #[n(0)]
+        id: CommandId,
+        /// How.
+        #[n(1)]
+        progress: CommandProgress,
+    },
+    /// The flight state changed.
+    #[n(4)]
+    State {
+        /// The new state.
+        #[n(0)]
+        state: FlightState,
+        /// Why, for the operator; may be empty.
+        #[n(1)]
+        detail: String,
+    },
+    /// What followers use as their anchor, while leading.
+    #[n(5)]
+    Anchor(#[n(0)] AnchorReference),
+    /// Something worth an operator's attention.
+    #[n(6)]
+    Notice {
+        /// How urgent.
+        #[n(0)]
+        severity: Severity,
+        /// One sentence.
+        #[n(1)]
+        text: String,
+    },
+    /// How far the vehicle is from where its task wants it, in metres; absent when it has no slot or goal.
+    #[n(7)]
+    TrackingError {
+        /// Distance in metres.
+        #[n(0)]
+        distance_m: f64,
+    },
+    /// The leader has come to the end of its route.
+    #[n(8)]
+    RouteFinished,
+}
+
+/// How a command goes on.
+#[derive(Debug, Clone, PartialEq, Encode, Decode, serde::Serialize, serde::Deserialize, ts_rs::TS)]
+#[serde(tag = "progress", rename_all = "snake_case")]
+pub enum CommandProgress {
+    /// Taken up; being carried out.
+    #[n(0)]
+    Executing,
+    /// What was asked for is the case.
+    #[n(1)]
+    Done,
+    /// Not carried out, or broken off.
+    #[n(2)]
+    Refused {
+        /// Why.
+        #[n(0)]
+        refusal: Refusal,
+    },
+}
+
+/// How urgent a notice is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Encode, Decode)]
+#[derive(serde::Serialize, serde::Deserialize, ts_rs::TS, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[cbor(index_only)]
+pub enum Severity {
+    /// For the record.
+    #[n(0)]
+    Info,
+    /// An automatic reaction that an operator should know of.
+    #[n(1)]
+    Advisory,
+    /// Needs attention.
+    #[n(2)]
+    Warning,
+    /// Needs action now.
+    #[n(3)]
+    Critical,
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,29 @@
+//! The words every other crate speaks: identities, frames with units in their types, vehicle state, setpoints,
+//! commands, intent, refusals, and the events and effects that cross the plugin boundary.
+//!
+//! Must never do: I/O, read a clock, spawn, draw random numbers. Time comes in as [`NodeTime`].
+#![forbid(unsafe_code)]
+
+pub mod command;
+pub mod exchange;
+pub mod formation;
+pub mod frames;
+pub mod ids;
+pub mod intent;
+pub mod link;
+pub mod refusal;
+pub mod setpoint;
+pub mod telemetry;
+pub mod time;
+
+pub use command::{AutopilotCommand, VehicleCommand};
+pub use formation::{FormationRequest, HeadingRequest, Shape};
+pub use frames::{
+    AccelerationNed, Geodetic, LocalFrame, LocalPositionNed, OffsetFrd, PositionNed, SwarmFrame, VelocityNed,
+};
+pub use ids::{CommandId, Incarnation, RequestId, SystemId, VehicleId};
+pub use intent::{AnchorReference, FormationHeading, Intent, Route, SlotMove, Task, VehicleTask};
+pub use refusal::Refusal;
+pub use setpoint::Setpoint;
+pub use telemetry::{Battery, FlightMode, FlightState, Gnss, GnssFix, LandedState, LinkHealth, Telemetry};
+pub use time::NodeTime;

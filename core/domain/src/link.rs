@@ -1,0 +1,82 @@
+//! The port between a vehicle actor and whatever carries it to an autopilot (MAVLink, DDS). The actor cannot tell which.
+//!
+//! Implementations hold the safety rules that live on the link: OFFBOARD only with the stream already running, setpoint
+//! expiry (hold, then stop on purpose), pilot wins.
+
+use crate::setpoint::LocalSetpoint;
+use crate::{AutopilotCommand, FlightMode, LinkHealth, NodeTime, Refusal, RequestId, SystemId, Telemetry};
+
+/// What happened on a link since it was last asked; drained by the vehicle actor once per period.
+#[derive(Debug, Clone, PartialEq)]
+pub enum LinkEvent {
+    /// The autopilot answered a request, or all retries ran out.
+    Result {
+        /// Which request.
+        request: RequestId,
+        /// Accepted, or why not.
+        outcome: Result<(), Refusal>,
+    },
+    /// The flight mode changed.
+    ModeChanged {
+        /// Before.
+        from: FlightMode,
+        /// Now.
+        to: FlightMode,
+        /// Whether we had asked for it. An unasked change out of OFFBOARD is the pilot's or the autopilot's failsafe.
+        commanded: bool,
+    },
+    /// The motors were armed or disarmed.
+    ArmedChanged {
+        /// Armed now.
+        armed: bool,
+    },
+    /// Nothing was heard for the configured time.
+    Lost,
+    /// Heard again after a loss.
+    Regained,
+    /// The autopilot restarted (its boot time jumped back).
+    Rebooted,
+    /// A status text of the autopilot, chunks joined.
+    StatusText {
+        /// Severity as MAVLink counts it: 0 emergency .. 7 debug.
+        severity: u8,
+        /// The text.
+        text: String,
+    },
+    /// The setpoint stream changed what it does.
+    Stream(StreamState),
+}
+
+/// What a link's setpoint stream is doing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum StreamState {
+    /// Nothing is sent.
+    Stopped,
+    /// Fresh setpoints are sent.
+    Fresh,
+    /// The last setpoint expired: a position hold is sent, for a bounded time.
+    HoldingExpired,
+    /// The bounded time is over: nothing is sent on purpose, the autopilot's own failsafe takes over.
+    GivenUp,
+}
+
+/// One vehicle's link. All calls return at once; nothing waits for the vehicle.
+pub trait VehicleLink: Send + Sync + 'static {
+    /// The system id the vehicle uses on this link.
+    fn system_id(&self) -> SystemId;
+
+    /// Latest telemetry and link health.
+    fn read(&self, now: NodeTime) -> (Telemetry, LinkHealth);
+
+    /// Events since the last call, oldest first. Bounded: status texts beyond the bound are dropped oldest first, others never.
+    fn take_events(&self) -> Vec<LinkEvent>;
+
+    /// Ask the autopilot for something; the outcome comes as [`LinkEvent::Result`] with the same id.
+    fn request(&self, now: NodeTime, request: RequestId, command: AutopilotCommand);
+
+    /// Send a setpoint now and hold it valid until `expires`.
+    fn stream(&self, now: NodeTime, setpoint: LocalSetpoint, expires: NodeTime);
+
+    /// End the stream on purpose (after landing, or when the pilot has taken over).
+    fn stop_stream(&self, now: NodeTime);
+}

@@ -1,0 +1,200 @@
+//! Why something was refused: one typed reason from the gate, the model, the link or the autopilot to whoever asked.
+
+use crate::{FlightState, Incarnation, VehicleId};
+use minicbor::{Decode, Encode};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// A typed refusal. Its display text is the sentence an operator reads.
+#[derive(Debug, Clone, PartialEq, Error, Serialize, Deserialize, Encode, Decode, ts_rs::TS, schemars::JsonSchema)]
+#[serde(tag = "reason", rename_all = "snake_case")]
+pub enum Refusal {
+    /// No vehicle of that id is known here.
+    #[error("there is no vehicle {vehicle}")]
+    #[n(0)]
+    UnknownVehicle {
+        /// The id asked for.
+        #[n(0)]
+        vehicle: VehicleId,
+    },
+    /// The vehicle is known but not heard.
+    #[error("the link to vehicle {vehicle} is lost")]
+    #[n(1)]
+    LinkLost {
+        /// Its id.
+        #[n(0)]
+        vehicle: VehicleId,
+    },
+    /// The flight state does not allow the command.
+    #[error("cannot {command} while {state}")]
+    #[n(2)]
+    WrongState {
+        /// The state the vehicle is in.
+        #[n(0)]
+        state: FlightState,
+        /// The command's name.
+        #[n(1)]
+        command: String,
+    },
+    /// A human pilot or the autopilot's own failsafe is flying.
+    #[error("the pilot or the autopilot's failsafe is in control")]
+    #[n(3)]
+    PilotInControl,
+    /// The autopilot says it cannot be armed now.
+    #[error("not ready to arm: {detail}")]
+    #[n(4)]
+    NotReadyToArm {
+        /// What the autopilot says.
+        #[n(0)]
+        detail: String,
+    },
+    /// The autopilot refused; its result code in words and the status text that came with it.
+    #[error("autopilot: {result}{}", if text.is_empty() { String::new() } else { format!(" ({text})") })]
+    #[n(5)]
+    Autopilot {
+        /// The result of the acknowledgement, for example `temporarily_rejected`.
+        #[n(0)]
+        result: String,
+        /// Status text sent beside it, empty if none came.
+        #[n(1)]
+        text: String,
+    },
+    /// No acknowledgement after all retries, or the state that should have followed did not come.
+    #[error("no answer to {what} within {after_s:.1} s")]
+    #[n(6)]
+    TimedOut {
+        /// What was waited for.
+        #[n(0)]
+        what: String,
+        /// For how long, in seconds.
+        #[n(1)]
+        after_s: f64,
+    },
+    /// A newer command replaced it before it was done.
+    #[error("replaced by a newer command")]
+    #[n(7)]
+    Superseded,
+    /// A setpoint or goal is outside of the fence.
+    #[error("outside the fence: {detail}")]
+    #[n(8)]
+    OutsideFence {
+        /// Which limit, with value and limit.
+        #[n(0)]
+        detail: String,
+    },
+    /// Faster than allowed.
+    #[error("{speed_m_s:.1} m/s is over the limit of {limit_m_s:.1} m/s")]
+    #[n(9)]
+    TooFast {
+        /// Asked speed in metres per second.
+        #[n(0)]
+        speed_m_s: f64,
+        /// The limit in metres per second.
+        #[n(1)]
+        limit_m_s: f64,
+    },
+    /// It would bring two vehicles too close.
+    #[error("{distance_m:.1} m from vehicle {other}, under the limit of {limit_m:.1} m")]
+    #[n(10)]
+    TooClose {
+        /// The other vehicle.
+        #[n(0)]
+        other: VehicleId,
+        /// Predicted distance in metres.
+        #[n(1)]
+        distance_m: f64,
+        /// The limit in metres.
+        #[n(2)]
+        limit_m: f64,
+    },
+    /// A number is not finite, a list is empty, a value is out of its range.
+    #[error("invalid value: {detail}")]
+    #[n(11)]
+    InvalidValue {
+        /// Which value and what would be right.
+        #[n(0)]
+        detail: String,
+    },
+    /// The swarm's common frame is not set yet, so that no position has a meaning.
+    #[error("the swarm frame is not known yet")]
+    #[n(12)]
+    NoSwarmFrame,
+    /// The vehicle has no usable position estimate.
+    #[error("no position estimate")]
+    #[n(13)]
+    NoPosition,
+    /// Not enough vehicles are in the air for it.
+    #[error("{have} vehicles are available, {need} are needed")]
+    #[n(14)]
+    NotEnoughVehicles {
+        /// Available.
+        #[n(0)]
+        have: u32,
+        /// Needed.
+        #[n(1)]
+        need: u32,
+    },
+    /// The message was meant for an earlier incarnation.
+    #[error("incarnation {got} is stale, {current} is running")]
+    #[n(15)]
+    StaleIncarnation {
+        /// What the message carried.
+        #[n(0)]
+        got: Incarnation,
+        /// What is running.
+        #[n(1)]
+        current: Incarnation,
+    },
+    /// Two vehicles with one system id are heard: none of them is obeyed as long as it is not clear which is which.
+    #[error("two vehicles use system id {system_id}")]
+    #[n(16)]
+    DuplicateSystemId {
+        /// The system id.
+        #[n(0)]
+        system_id: u8,
+    },
+    /// The plugin or actor that should do it is being restarted or has been given up.
+    #[error("{what} is not running")]
+    #[n(17)]
+    NotRunning {
+        /// Which part.
+        #[n(0)]
+        what: String,
+    },
+    /// The effect or operation is not permitted by the manifest or the configuration.
+    #[error("not permitted: {detail}")]
+    #[n(18)]
+    NotPermitted {
+        /// What and why.
+        #[n(0)]
+        detail: String,
+    },
+}
+
+impl Refusal {
+    /// The machine-readable word for the reason, as in JSON.
+    #[must_use]
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::UnknownVehicle { .. } => "unknown_vehicle",
+            Self::LinkLost { .. } => "link_lost",
+            Self::WrongState { .. } => "wrong_state",
+            Self::PilotInControl => "pilot_in_control",
+            Self::NotReadyToArm { .. } => "not_ready_to_arm",
+            Self::Autopilot { .. } => "autopilot",
+            Self::TimedOut { .. } => "timed_out",
+            Self::Superseded => "superseded",
+            Self::OutsideFence { .. } => "outside_fence",
+            Self::TooFast { .. } => "too_fast",
+            Self::TooClose { .. } => "too_close",
+            Self::InvalidValue { .. } => "invalid_value",
+            Self::NoSwarmFrame => "no_swarm_frame",
+            Self::NoPosition => "no_position",
+            Self::NotEnoughVehicles { .. } => "not_enough_vehicles",
+            Self::StaleIncarnation { .. } => "stale_incarnation",
+            Self::DuplicateSystemId { .. } => "duplicate_system_id",
+            Self::NotRunning { .. } => "not_running",
+            Self::NotPermitted { .. } => "not_permitted",
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! Node time: microseconds on this node's monotonic clock since the node started. It is passed in, never read here.
+
+use minicbor::{Decode, Encode};
+use serde::{Deserialize, Serialize};
+
+/// A moment on the node's monotonic clock, in microseconds since the node started.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+#[derive(Serialize, Deserialize, Encode, Decode, ts_rs::TS, schemars::JsonSchema)]
+#[serde(transparent)]
+#[cbor(transparent)]
+pub struct NodeTime(#[n(0)] pub u64);
+
+impl NodeTime {
+    /// A moment `seconds` after the node started.
+    #[must_use]
+    pub fn from_seconds(seconds: f64) -> Self {
+        Self((seconds.max(0.0) * 1e6).round() as u64)
+    }
+
+    /// Seconds since the node started.
+    #[must_use]
+    pub fn as_seconds(self) -> f64 {
+        self.0 as f64 * 1e-6
+    }
+
+    /// Seconds from `earlier` to this moment; negative if `earlier` is later.
+    #[must_use]
+    pub fn seconds_since(self, earlier: Self) -> f64 {
+        (self.0 as i128 - i128::from(earlier.0)) as f64 * 1e-6
+    }
+
+    /// This moment moved by `seconds`, not below zero.
+    #[must_use]
+    pub fn plus_seconds(self, seconds: f64) -> Self {
+        let moved = self.0 as i128 + (seconds * 1e6).round() as i128;
+        Self(moved.clamp(0, i128::from(u64::MAX)) as u64)
+    }
+}
