@@ -26,4 +26,4 @@ pub use intent::{AnchorReference, FormationHeading, Intent, Route, SlotMove, Tas
 pub use refusal::Refusal;
 pub use setpoint::Setpoint;
 pub use telemetry::{Battery, FlightMode, FlightState, Gnss, GnssFix, LandedState, LinkHealth, Telemetry};
-pub use time::NodeTime;
+pub use time::{Clock, NodeTime};

@@ -36,3 +36,9 @@ impl NodeTime {
         Self(moved.clamp(0, i128::from(u64::MAX)) as u64)
     }
 }
+
+/// A source of node time. The node's is tokio's clock, which tests can pause; pure code is given a [`NodeTime`] instead.
+pub trait Clock: Send + Sync + 'static {
+    /// Now.
+    fn now(&self) -> NodeTime;
+}
