@@ -224,7 +224,8 @@ pub enum Effect {
 }
 
 /// How a command goes on.
-#[derive(Debug, Clone, PartialEq, Encode, Decode, serde::Serialize, serde::Deserialize, ts_rs::TS)]
+#[derive(Debug, Clone, PartialEq, Encode, Decode)]
+#[derive(serde::Serialize, serde::Deserialize, ts_rs::TS, schemars::JsonSchema)]
 #[serde(tag = "progress", rename_all = "snake_case")]
 pub enum CommandProgress {
     /// Taken up; being carried out.

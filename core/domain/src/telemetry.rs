@@ -165,7 +165,8 @@ impl FlightState {
 }
 
 /// Battery, as reported.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, Encode, Decode, ts_rs::TS)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Serialize, Deserialize, Encode, Decode, ts_rs::TS, schemars::JsonSchema)]
 pub struct Battery {
     /// Remaining charge, 0..=1.
     #[n(0)]
@@ -179,7 +180,8 @@ pub struct Battery {
 }
 
 /// Satellite navigation, as reported.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, Encode, Decode, ts_rs::TS)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Serialize, Deserialize, Encode, Decode, ts_rs::TS, schemars::JsonSchema)]
 pub struct Gnss {
     /// Kind of fix.
     #[n(0)]
@@ -193,7 +195,8 @@ pub struct Gnss {
 }
 
 /// State of the link to one vehicle, measured by this node.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, Encode, Decode, ts_rs::TS)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Serialize, Deserialize, Encode, Decode, ts_rs::TS, schemars::JsonSchema)]
 pub struct LinkHealth {
     /// Frames arrive. False from the moment the link is declared lost until it is regained.
     #[n(0)]
@@ -256,7 +259,8 @@ pub struct Telemetry {
 }
 
 /// One vehicle as the swarm sees it: telemetry in the common frame. What peers, plugins and screens read.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, Encode, Decode, ts_rs::TS)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Serialize, Deserialize, Encode, Decode, ts_rs::TS, schemars::JsonSchema)]
 pub struct VehicleKinematics {
     /// Position in the swarm frame.
     #[n(0)]

@@ -16,7 +16,7 @@ pub enum Targets {
 }
 
 /// What became of a command at one vehicle: taken up (how it goes on comes as events), or refused.
-#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS)]
+#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct CommandReceipt {
     /// The vehicle.
     pub vehicle: VehicleId,
@@ -27,7 +27,7 @@ pub struct CommandReceipt {
 }
 
 /// What a change of formation will look like.
-#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS)]
+#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct FormationReceipt {
     /// Who leads.
     pub leader: VehicleId,

@@ -9,7 +9,7 @@ use skein_domain::{
 };
 
 /// The fleet at one moment.
-#[derive(Debug, Clone, Default, Serialize, ts_rs::TS)]
+#[derive(Debug, Clone, Default, Serialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct FleetSnapshot {
     /// When it was made, on the node's clock.
     pub time: NodeTime,
@@ -28,7 +28,7 @@ pub struct FleetSnapshot {
 }
 
 /// One vehicle at one moment.
-#[derive(Debug, Clone, Serialize, ts_rs::TS)]
+#[derive(Debug, Clone, Serialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct VehicleSnapshot {
     /// The swarm's id for it.
     pub id: VehicleId,
@@ -83,7 +83,7 @@ pub struct VehicleSnapshot {
 }
 
 /// A supervised actor or plugin instance.
-#[derive(Debug, Clone, Default, Serialize, ts_rs::TS)]
+#[derive(Debug, Clone, Default, Serialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct ActorHealth {
     /// Name in the supervision tree, for example `vehicle-3`.
     pub name: String,
@@ -98,7 +98,7 @@ pub struct ActorHealth {
 }
 
 /// What a supervised actor is doing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, ts_rs::TS)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, ts_rs::TS, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ActorStatus {
     /// Running.
@@ -111,7 +111,7 @@ pub enum ActorStatus {
 }
 
 /// A vehicle that is heard but not flown.
-#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS)]
+#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct UnadoptedVehicle {
     /// Its system id.
     pub system_id: SystemId,
@@ -122,7 +122,7 @@ pub struct UnadoptedVehicle {
 }
 
 /// The formation being flown.
-#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS)]
+#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct FormationSnapshot {
     /// What was asked for, with the defaults filled in.
     pub request: FormationRequest,
@@ -143,7 +143,7 @@ pub struct FormationSnapshot {
 }
 
 /// One thing that happened.
-#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS)]
+#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct EventRecord {
     /// Grows by one with every event of this node.
     pub seq: u64,
@@ -160,7 +160,7 @@ pub struct EventRecord {
 }
 
 /// What kind of thing happened.
-#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS)]
+#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum EventKind {
     /// A vehicle was found and taken into the swarm.
