@@ -1,1 +1,89 @@
-//! Placeholder.
+//! The configuration of a node: typed, with units in the key names, unknown keys refused, checked whole before any socket opens.
+//! `default.toml` beside this crate documents every key; a test parses it and compares it with the defaults here.
+//!
+//! Must never do: open sockets, read anything but the one file it is asked to read, fill in a value silently that was given wrongly.
+#![forbid(unsafe_code)]
+
+mod check;
+mod ids;
+pub mod settings;
+
+pub use check::Problem;
+pub use ids::SystemIdSet;
+pub use settings::{
+    AdoptionRule, CoordinatorSettings, EndpointSettings, FaultSettings, FenceSettings, LinkSettings, NodeConfig,
+    NodeSettings, PluginSettings, SafetySettings, SwarmSettings, WebSettings,
+};
+
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// The documented default configuration, as text.
+pub const DEFAULT_TOML: &str = include_str!("../default.toml");
+
+/// Why a configuration could not be used.
+#[derive(Debug, Error)]
+pub enum ConfigError {
+    /// The file could not be read.
+    #[error("cannot read the configuration {path}: {source}")]
+    Unreadable {
+        /// Which file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// It is not TOML, a key is unknown, or a value has the wrong type. The message names line and key.
+    #[error("the configuration {path} does not parse:\n{message}")]
+    Unparsable {
+        /// Which file; `<text>` for text.
+        path: PathBuf,
+        /// The parser's message with line and column.
+        message: String,
+    },
+    /// It parses, but values make no sense; all of them are listed.
+    #[error("the configuration {path} is wrong:\n{}", problems.iter().map(|p| format!("  {p}")).collect::<Vec<_>>().join("\n"))]
+    Wrong {
+        /// Which file; `<text>` for text.
+        path: PathBuf,
+        /// Everything that is wrong.
+        problems: Vec<Problem>,
+    },
+}
+
+impl NodeConfig {
+    /// Reads and checks a configuration file. Relative directories in it are taken from the file's own folder.
+    ///
+    /// # Errors
+    /// When the file cannot be read, does not parse, or its values make no sense.
+    pub fn load(path: &Path) -> Result<Self, ConfigError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| ConfigError::Unreadable { path: path.to_owned(), source })?;
+        let mut config = Self::parse_named(&text, path)?;
+        if let Some(folder) = path.parent() {
+            for directory in &mut config.plugins.directories {
+                if directory.is_relative() {
+                    *directory = folder.join(&*directory);
+                }
+            }
+        }
+        Ok(config)
+    }
+
+    /// Parses and checks a configuration text.
+    ///
+    /// # Errors
+    /// As [`Self::load`], but for reading.
+    pub fn parse(text: &str) -> Result<Self, ConfigError> {
+        Self::parse_named(text, Path::new("<text>"))
+    }
+
+    fn parse_named(text: &str, path: &Path) -> Result<Self, ConfigError> {
+        let config: Self = toml::from_str(text)
+            .map_err(|e| ConfigError::Unparsable { path: path.to_owned(), message: e.to_string() })?;
+        let problems = config.problems();
+        if problems.is_empty() { Ok(config) } else { Err(ConfigError::Wrong { path: path.to_owned(), problems }) }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,107 @@
+//! What makes a configuration that parses still wrong. Every problem is listed, not only the first.
+
+use crate::settings::NodeConfig;
+use std::fmt;
+
+/// One wrong value: its key as it stands in the file, and what would be right.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Problem {
+    /// The key, for example `safety.max_speed_m_s`.
+    pub key: String,
+    /// What is wrong and what would be right.
+    pub message: String,
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.key, self.message)
+    }
+}
+
+impl NodeConfig {
+    /// Everything that is wrong with the values.
+    #[must_use]
+    pub fn problems(&self) -> Vec<Problem> {
+        let mut problems = Vec::new();
+        for (key, value, low, high) in self.ranges() {
+            if !(low..=high).contains(&value) {
+                problems.push(Problem { key: key.into(), message: format!("{value} is not between {low} and {high}") });
+            }
+        }
+        if self.link.own_system_id == 0 {
+            problems.push(problem("link.own_system_id", "0 means everybody; choose 1 to 255"));
+        }
+        if self.plugins.directories.is_empty() {
+            problems.push(problem("plugins.directories", "name at least one directory"));
+        }
+        if self.plugins.runner_threads == 0 || self.plugins.runner_threads > 64 {
+            problems.push(problem("plugins.runner_threads", "choose 1 to 64"));
+        }
+        if let Some(origin) = &self.swarm.origin
+            && !origin.is_valid()
+        {
+            problems.push(problem("swarm.origin", "not a place on Earth"));
+        }
+        if self.link.setpoint_valid_s * self.node.control_rate_hz < 2.0 {
+            problems.push(problem(
+                "link.setpoint_valid_s",
+                "must be at least two control periods, or every late period would stop the vehicle",
+            ));
+        }
+        self.name_problems(&mut problems);
+        problems
+    }
+
+    fn name_problems(&self, problems: &mut Vec<Problem>) {
+        let names: Vec<&str> = self.endpoints.iter().map(|e| e.name.as_deref().unwrap_or(&e.address)).collect();
+        for (i, name) in names.iter().enumerate() {
+            if names.iter().take(i).any(|earlier| earlier == name) {
+                problems.push(problem(&format!("endpoints[{i}]"), &format!("\"{name}\" is there twice")));
+            }
+        }
+        for (i, rule) in self.adopt.iter().enumerate() {
+            if rule.name.trim().is_empty() {
+                problems.push(problem(&format!("adopt[{i}].name"), "must not be empty"));
+            }
+            if let Some(endpoint) = &rule.endpoint
+                && !names.contains(&endpoint.as_str())
+            {
+                problems.push(problem(&format!("adopt[{i}].endpoint"), &format!("there is no endpoint \"{endpoint}\"")));
+            }
+        }
+    }
+
+    /// Every number with the range it must be in.
+    fn ranges(&self) -> Vec<(&'static str, f64, f64, f64)> {
+        let (node, link, safety, coordinator) = (&self.node, &self.link, &self.safety, &self.coordinator);
+        let mut ranges = vec![
+            ("node.control_rate_hz", node.control_rate_hz, 5.0, 200.0),
+            ("node.snapshot_rate_hz", node.snapshot_rate_hz, 0.5, 50.0),
+            ("link.lost_after_s", link.lost_after_s, 0.2, 60.0),
+            ("link.setpoint_valid_s", link.setpoint_valid_s, 0.02, 0.5),
+            ("link.hold_for_s", link.hold_for_s, 0.0, 60.0),
+            ("link.position_rate_hz", link.position_rate_hz, 1.0, 200.0),
+            ("plugins.call_deadline_s", self.plugins.call_deadline_s, 0.001, 1.0),
+            ("safety.max_speed_m_s", safety.max_speed_m_s, 0.1, 60.0),
+            ("safety.max_climb_m_s", safety.max_climb_m_s, 0.1, 30.0),
+            ("safety.max_descent_m_s", safety.max_descent_m_s, 0.1, 30.0),
+            ("safety.min_separation_m", safety.min_separation_m, 0.0, 100.0),
+            ("safety.separation_horizon_s", safety.separation_horizon_s, 0.0, 10.0),
+            ("coordinator.take_off_stagger_s", coordinator.take_off_stagger_s, 0.0, 60.0),
+            ("coordinator.transition_speed_m_s", coordinator.transition_speed_m_s, 0.1, 30.0),
+            ("coordinator.transition_acceleration_m_s2", coordinator.transition_acceleration_m_s2, 0.1, 20.0),
+            ("coordinator.transition_climb_m_s", coordinator.transition_climb_m_s, 0.1, 10.0),
+            ("coordinator.transition_min_distance_m", coordinator.transition_min_distance_m, 0.5, 100.0),
+            ("coordinator.leader_lost_after_s", coordinator.leader_lost_after_s, 0.1, 60.0),
+        ];
+        if let Some(fence) = &safety.fence {
+            ranges.push(("safety.fence.floor_m", fence.floor_m, -1000.0, fence.ceiling_m));
+            ranges.push(("safety.fence.ceiling_m", fence.ceiling_m, fence.floor_m, 20_000.0));
+        }
+        ranges
+    }
+}
+
+fn problem(key: &str, message: &str) -> Problem {
+    Problem { key: key.into(), message: message.into() }
+}

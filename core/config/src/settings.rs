@@ -1,0 +1,270 @@
+//! The settings themselves, one struct per table of the file. `default.toml` says what each key is for.
+
+use crate::SystemIdSet;
+use serde::{Deserialize, Serialize};
+use skein_domain::Geodetic;
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+/// The whole configuration of a node.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct NodeConfig {
+    /// The node itself.
+    pub node: NodeSettings,
+    /// The swarm's common frame.
+    pub swarm: SwarmSettings,
+    /// Where vehicles are heard.
+    pub endpoints: Vec<EndpointSettings>,
+    /// How links behave.
+    pub link: LinkSettings,
+    /// What a newly seen vehicle becomes; the first rule that fits is taken.
+    pub adopt: Vec<AdoptionRule>,
+    /// Where plugins come from and how long they may take.
+    pub plugins: PluginSettings,
+    /// The safety gate.
+    pub safety: SafetySettings,
+    /// How the coordinator moves the swarm.
+    pub coordinator: CoordinatorSettings,
+    /// The web API and dashboard.
+    pub web: WebSettings,
+    /// Fault injection.
+    pub faults: FaultSettings,
+}
+
+/// `[node]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct NodeSettings {
+    /// Name shown to people.
+    pub name: String,
+    /// Control periods per second.
+    pub control_rate_hz: f64,
+    /// Snapshots per second for screens and metrics.
+    pub snapshot_rate_hz: f64,
+}
+
+impl Default for NodeSettings {
+    fn default() -> Self {
+        Self { name: "skein".into(), control_rate_hz: 50.0, snapshot_rate_hz: 20.0 }
+    }
+}
+
+/// `[swarm]`
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SwarmSettings {
+    /// Origin of the common frame; unset: the first vehicle's place.
+    pub origin: Option<Geodetic>,
+}
+
+/// `[[endpoints]]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EndpointSettings {
+    /// Name shown to people; the address if left out.
+    #[serde(default)]
+    pub name: Option<String>,
+    /// For example `udp-listen://127.0.0.1:14540`.
+    pub address: String,
+}
+
+/// `[link]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LinkSettings {
+    /// Our MAVLink system id.
+    pub own_system_id: u8,
+    /// Our MAVLink component id.
+    pub own_component_id: u8,
+    /// A vehicle not heard for so long is lost, in seconds.
+    pub lost_after_s: f64,
+    /// How long a setpoint is good, in seconds.
+    pub setpoint_valid_s: f64,
+    /// How long the link holds position after its setpoint has expired, in seconds.
+    pub hold_for_s: f64,
+    /// Rate asked for LOCAL_POSITION_NED.
+    pub position_rate_hz: f64,
+}
+
+impl Default for LinkSettings {
+    fn default() -> Self {
+        Self {
+            own_system_id: 245,
+            own_component_id: 190,
+            lost_after_s: 1.5,
+            setpoint_valid_s: 0.1,
+            hold_for_s: 5.0,
+            position_rate_hz: 50.0,
+        }
+    }
+}
+
+/// `[[adopt]]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AdoptionRule {
+    /// System ids it fits; every one if left out.
+    #[serde(default = "SystemIdSet::all")]
+    pub system_ids: SystemIdSet,
+    /// Name of the endpoint it fits; every one if left out.
+    #[serde(default)]
+    pub endpoint: Option<String>,
+    /// Vehicle name; `{system_id}` and `{vehicle_id}` are filled in.
+    #[serde(default = "AdoptionRule::default_name")]
+    pub name: String,
+    /// Added to the system id to make the vehicle id, so that several networks can use the same system ids.
+    #[serde(default)]
+    pub vehicle_id_offset: u16,
+    /// UAV-model plugin.
+    #[serde(default = "AdoptionRule::default_model")]
+    pub model: String,
+    /// Configuration handed to the plugin.
+    #[serde(default)]
+    pub model_config: toml::Table,
+}
+
+impl AdoptionRule {
+    fn default_name() -> String {
+        "uav-{system_id}".into()
+    }
+
+    fn default_model() -> String {
+        "generic-uav".into()
+    }
+
+    /// The plugin configuration as JSON text.
+    #[must_use]
+    pub fn model_config_json(&self) -> String {
+        serde_json::to_string(&self.model_config).unwrap_or_else(|_| "{}".into())
+    }
+}
+
+impl Default for AdoptionRule {
+    fn default() -> Self {
+        Self {
+            system_ids: SystemIdSet::all(),
+            endpoint: None,
+            name: Self::default_name(),
+            vehicle_id_offset: 0,
+            model: Self::default_model(),
+            model_config: toml::Table::new(),
+        }
+    }
+}
+
+/// `[plugins]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PluginSettings {
+    /// Directories searched for plugins, in order; relative ones from the folder of the configuration file.
+    pub directories: Vec<PathBuf>,
+    /// Longest time one call may take, in seconds.
+    pub call_deadline_s: f64,
+    /// Threads the calls run on.
+    pub runner_threads: usize,
+}
+
+impl Default for PluginSettings {
+    fn default() -> Self {
+        Self { directories: vec![PathBuf::from("plugins")], call_deadline_s: 0.05, runner_threads: 2 }
+    }
+}
+
+/// `[safety]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SafetySettings {
+    /// Horizontal speed limit in metres per second.
+    pub max_speed_m_s: f64,
+    /// Climb limit in metres per second.
+    pub max_climb_m_s: f64,
+    /// Descent limit in metres per second.
+    pub max_descent_m_s: f64,
+    /// Smallest distance between two vehicles in the air, in metres.
+    pub min_separation_m: f64,
+    /// How far ahead the separation check looks, in seconds.
+    pub separation_horizon_s: f64,
+    /// The fence; none if left out.
+    pub fence: Option<FenceSettings>,
+}
+
+impl Default for SafetySettings {
+    fn default() -> Self {
+        Self {
+            max_speed_m_s: 12.0,
+            max_climb_m_s: 4.0,
+            max_descent_m_s: 3.0,
+            min_separation_m: 2.0,
+            separation_horizon_s: 0.8,
+            fence: None,
+        }
+    }
+}
+
+/// `[safety.fence]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FenceSettings {
+    /// Corners as [north_m, east_m] in the swarm frame.
+    pub polygon_m: Vec<[f64; 2]>,
+    /// Lowest height above the swarm origin in metres.
+    pub floor_m: f64,
+    /// Greatest height above the swarm origin in metres.
+    pub ceiling_m: f64,
+}
+
+/// `[coordinator]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CoordinatorSettings {
+    /// Time between the take-offs of two vehicles that were told to take off together, in seconds.
+    pub take_off_stagger_s: f64,
+    /// Horizontal speed limit within the formation while it changes shape, in metres per second.
+    pub transition_speed_m_s: f64,
+    /// Acceleration limit within the formation while it changes shape, in metres per second squared.
+    pub transition_acceleration_m_s2: f64,
+    /// Climb limit within the formation while it changes shape, in metres per second.
+    pub transition_climb_m_s: f64,
+    /// Smallest distance that a planned change may bring about, in metres.
+    pub transition_min_distance_m: f64,
+    /// A leader not heard for so long is replaced, in seconds.
+    pub leader_lost_after_s: f64,
+}
+
+impl Default for CoordinatorSettings {
+    fn default() -> Self {
+        Self {
+            take_off_stagger_s: 0.4,
+            transition_speed_m_s: 6.0,
+            transition_acceleration_m_s2: 3.0,
+            transition_climb_m_s: 2.5,
+            transition_min_distance_m: 2.8,
+            leader_lost_after_s: 1.0,
+        }
+    }
+}
+
+/// `[web]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct WebSettings {
+    /// Address the dashboard and API listen on; loopback unless changed here.
+    pub listen: SocketAddr,
+    /// Host names, beside addresses and `localhost`, under which browsers may reach it.
+    pub allowed_hosts: Vec<String>,
+}
+
+impl Default for WebSettings {
+    fn default() -> Self {
+        Self { listen: SocketAddr::from(([127, 0, 0, 1], 8080)), allowed_hosts: Vec::new() }
+    }
+}
+
+/// `[faults]`
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FaultSettings {
+    /// Whether faults may be injected through the API.
+    pub enabled: bool,
+}
