@@ -11,6 +11,7 @@ pub mod frames;
 pub mod ids;
 pub mod intent;
 pub mod link;
+pub mod manifest;
 pub mod refusal;
 pub mod setpoint;
 pub mod telemetry;

@@ -1,0 +1,129 @@
+//! The entry points of a plugin and what goes through them.
+
+use crate::{Buffer, Slice};
+use std::ffi::c_void;
+
+/// How a call ended. A number, not an enum: a library may answer one that this host does not know.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[repr(transparent)]
+pub struct Status(pub u32);
+
+impl Status {
+    /// Done; the buffer holds the answer.
+    pub const OK: Self = Self(0);
+    /// The plugin panicked; the buffer holds its message as text. The instance must only be destroyed.
+    pub const PANICKED: Self = Self(1);
+    /// The plugin refuses, for example its configuration; the buffer holds the reason as text.
+    pub const REFUSED: Self = Self(2);
+    /// The plugin does not know this method.
+    pub const UNKNOWN_METHOD: Self = Self(3);
+    /// The plugin does not know this schema.
+    pub const UNKNOWN_SCHEMA: Self = Self(4);
+    /// The plugin cannot decode the bytes; the buffer holds the reason as text.
+    pub const UNDECODABLE: Self = Self(5);
+    /// The instance panicked earlier.
+    pub const POISONED: Self = Self(6);
+}
+
+/// How urgent a log line is. The host takes an unknown number for [`LogLevel::ERROR`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[repr(transparent)]
+pub struct LogLevel(pub u32);
+
+impl LogLevel {
+    /// Something failed.
+    pub const ERROR: Self = Self(1);
+    /// Something is not as it should be.
+    pub const WARN: Self = Self(2);
+    /// For the record.
+    pub const INFO: Self = Self(3);
+    /// For whoever looks for a fault.
+    pub const DEBUG: Self = Self(4);
+    /// Everything.
+    pub const TRACE: Self = Self(5);
+}
+
+/// An instance, as the plugin that made it knows it. The host only keeps it and gives it back.
+pub type PluginHandle = *mut c_void;
+
+/// Where an instance sends its log lines. Given to `create`, so that it is there before any code of the instance runs, and valid
+/// until `destroy` of that instance has returned. May be called from any thread in that time.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub struct HostSink {
+    /// Size of this struct in bytes.
+    pub size: usize,
+    /// The host's; given back in every call.
+    pub context: *mut c_void,
+    /// Takes one line: context, a [`LogLevel`], UTF-8 text.
+    pub log: unsafe extern "C" fn(context: *mut c_void, level: u32, text: Slice),
+}
+
+// SAFETY: the host promises that `log` may be called with `context` from any thread.
+unsafe impl Send for HostSink {}
+// SAFETY: as above.
+unsafe impl Sync for HostSink {}
+
+/// How a call ended, with its answer.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Outcome {
+    /// A [`Status`].
+    pub status: u32,
+    /// Schema of the bytes in `buffer`, 0 for text.
+    pub schema: u32,
+    /// The answer; its owner is the plugin.
+    pub buffer: Buffer,
+}
+
+impl Outcome {
+    /// An answer.
+    #[must_use]
+    pub fn ok(schema: u32, bytes: Vec<u8>) -> Self {
+        Self { status: Status::OK.0, schema, buffer: Buffer::from_vec(bytes) }
+    }
+
+    /// A failure with its reason.
+    #[must_use]
+    pub fn failed(status: Status, reason: String) -> Self {
+        Self { status: status.0, schema: 0, buffer: Buffer::from_vec(reason.into_bytes()) }
+    }
+}
+
+/// How the creation of an instance ended.
+#[derive(Debug)]
+#[repr(C)]
+pub struct CreateOutcome {
+    /// A [`Status`].
+    pub status: u32,
+    /// Zero.
+    pub reserved: u32,
+    /// The instance; null unless the status is [`Status::OK`].
+    pub handle: PluginHandle,
+    /// The reason as text unless the status is [`Status::OK`]; its owner is the plugin.
+    pub buffer: Buffer,
+}
+
+/// The entry points of a plugin. Never grows: new things come as new methods of `invoke`.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub struct PluginTable {
+    /// The manifest (`skein_domain::manifest::PluginManifest`) as CBOR.
+    pub manifest: unsafe extern "C" fn() -> Outcome,
+    /// Makes an instance: where it logs to, schema of the bytes, the bytes (what depends on the kind of plugin).
+    pub create: unsafe extern "C" fn(sink: *const HostSink, schema: u32, bytes: Slice) -> CreateOutcome,
+    /// Calls a method of an instance: a number from [`method`], schema of the bytes, the bytes.
+    pub invoke: unsafe extern "C" fn(handle: PluginHandle, method: u32, schema: u32, bytes: Slice) -> Outcome,
+    /// Ends an instance; the handle is not used again.
+    pub destroy: unsafe extern "C" fn(handle: PluginHandle) -> Outcome,
+    /// Takes back a buffer of this plugin.
+    pub free: unsafe extern "C" fn(buffer: Buffer),
+}
+
+/// Methods of `invoke`. Numbers are never reused.
+pub mod method {
+    /// Every kind: the state to go on from after a restart; takes nothing, gives the plugin's own bytes (schema 0).
+    pub const SNAPSHOT: u32 = 1;
+    /// UAV model: takes an event batch, gives an effect batch.
+    pub const HANDLE_EVENTS: u32 = 2;
+}
