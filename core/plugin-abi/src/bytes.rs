@@ -14,7 +14,10 @@ impl Slice {
     /// The bytes of `bytes`, borrowed: the caller keeps them alive as long as the slice is used.
     #[must_use]
     pub const fn of(bytes: &[u8]) -> Self {
-        Self { data: bytes.as_ptr(), len: bytes.len() }
+        Self {
+            data: bytes.as_ptr(),
+            len: bytes.len(),
+        }
     }
 
     /// The bytes.
@@ -45,7 +48,11 @@ pub struct Buffer {
 
 impl Buffer {
     /// No bytes, nothing to free.
-    pub const EMPTY: Self = Self { data: std::ptr::null_mut(), len: 0, capacity: 0 };
+    pub const EMPTY: Self = Self {
+        data: std::ptr::null_mut(),
+        len: 0,
+        capacity: 0,
+    };
 
     /// Hands a vector over. It comes back with [`Self::into_vec`] on the same side of the boundary.
     #[must_use]
@@ -53,7 +60,11 @@ impl Buffer {
         if bytes.capacity() == 0 {
             return Self::EMPTY;
         }
-        let buffer = Self { data: bytes.as_mut_ptr(), len: bytes.len(), capacity: bytes.capacity() };
+        let buffer = Self {
+            data: bytes.as_mut_ptr(),
+            len: bytes.len(),
+            capacity: bytes.capacity(),
+        };
         std::mem::forget(bytes);
         buffer
     }
@@ -74,6 +85,9 @@ impl Buffer {
     /// The bytes, borrowed.
     #[must_use]
     pub const fn as_slice(&self) -> Slice {
-        Slice { data: self.data.cast_const(), len: self.len }
+        Slice {
+            data: self.data.cast_const(),
+            len: self.len,
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! The handshake: what a host reads of a library before it calls anything in it.
 
-use crate::PluginTable;
+use crate::{EntryPoints, PluginTable};
 
 /// Version of the binary interface; see `ABI.md` for its history and when it changes. Apart from the crates' versions.
 pub const ABI_VERSION: u32 = 1;
@@ -127,7 +127,7 @@ pub enum HandshakeMismatch {
     },
     /// A panic in it would end the process.
     PanicAborts,
-    /// The table of entry points is missing.
+    /// The table of entry points, or one of them, is missing.
     NoTable,
 }
 
@@ -140,8 +140,11 @@ impl std::fmt::Display for HandshakeMismatch {
                 write!(f, "its {name} has {found} bytes instead of {expected}")
             }
             Self::Target { found } => write!(f, "it is built for {found}"),
-            Self::PanicAborts => write!(f, "it is built with panic = \"abort\", so that a panic would end the process"),
-            Self::NoTable => write!(f, "it has no table of entry points"),
+            Self::PanicAborts => write!(
+                f,
+                "it is built with panic = \"abort\", so that a panic would end the process"
+            ),
+            Self::NoTable => write!(f, "it lacks an entry point"),
         }
     }
 }
@@ -159,42 +162,72 @@ impl Handshake {
             table_size: size_of::<PluginTable>() as u32,
             kind: kind.0,
             pointer_bits: usize::BITS as u8,
-            endianness: if cfg!(target_endian = "little") { ENDIAN_LITTLE } else { ENDIAN_BIG },
-            panic_strategy: if cfg!(panic = "unwind") { PANIC_UNWIND } else { PANIC_ABORT },
+            endianness: if cfg!(target_endian = "little") {
+                ENDIAN_LITTLE
+            } else {
+                ENDIAN_BIG
+            },
+            panic_strategy: if cfg!(panic = "unwind") {
+                PANIC_UNWIND
+            } else {
+                PANIC_ABORT
+            },
             reserved: [0; 5],
             target: target(),
             table,
         }
     }
 
-    /// Whether this handshake fits a host built with this crate. Looks only at what the checks before it have vouched for.
-    pub fn check(&self) -> Result<(), HandshakeMismatch> {
-        if self.magic != MAGIC {
+    /// The handshake at `symbol`, if it has this version's magic, number and size: only then is the rest of it looked at.
+    ///
+    /// # Safety
+    /// `symbol` must be the address of a data symbol of a library that stays loaded for ever.
+    pub unsafe fn read(symbol: *const Self) -> Result<&'static Self, HandshakeMismatch> {
+        if symbol.is_null() || !symbol.is_aligned() {
             return Err(HandshakeMismatch::Magic);
         }
-        if self.abi_version != ABI_VERSION {
-            return Err(HandshakeMismatch::AbiVersion { expected: ABI_VERSION, found: self.abi_version });
+        let prefix = symbol.cast::<Prefix>();
+        // SAFETY: aligned and not null; every data symbol of a library is followed by at least the rest of its page, and a
+        // handshake of any version begins with this prefix.
+        let prefix = unsafe { prefix.read() };
+        prefix.check()?;
+        // SAFETY: a handshake of this version and size, constant, in a library that stays.
+        Ok(unsafe { &*symbol })
+    }
+
+    /// Whether this handshake fits a host built with this crate, and its entry points.
+    pub fn check(&self) -> Result<EntryPoints, HandshakeMismatch> {
+        let Self {
+            magic,
+            abi_version,
+            handshake_size,
+            ..
+        } = *self;
+        Prefix {
+            magic,
+            abi_version,
+            handshake_size,
         }
-        let sizes = [
-            ("handshake", size_of::<Self>() as u32, self.handshake_size),
-            ("table", size_of::<PluginTable>() as u32, self.table_size),
-        ];
-        for (name, expected, found) in sizes {
-            if expected != found {
-                return Err(HandshakeMismatch::StructSize { name, expected, found });
-            }
-        }
-        let endianness = if cfg!(target_endian = "little") { ENDIAN_LITTLE } else { ENDIAN_BIG };
+        .check()?;
+        struct_size("table", size_of::<PluginTable>(), self.table_size)?;
+        let endianness = if cfg!(target_endian = "little") {
+            ENDIAN_LITTLE
+        } else {
+            ENDIAN_BIG
+        };
         if u32::from(self.pointer_bits) != usize::BITS || self.endianness != endianness || self.target != target() {
-            return Err(HandshakeMismatch::Target { found: self.target_text() });
+            return Err(HandshakeMismatch::Target {
+                found: self.target_text(),
+            });
         }
         if self.panic_strategy != PANIC_UNWIND {
             return Err(HandshakeMismatch::PanicAborts);
         }
-        if self.table.is_null() {
+        if self.table.is_null() || !self.table.is_aligned() {
             return Err(HandshakeMismatch::NoTable);
         }
-        Ok(())
+        // SAFETY: not null, aligned, and of the size this version gives it; constant data of the library, which stays loaded.
+        unsafe { &*self.table }.complete().ok_or(HandshakeMismatch::NoTable)
     }
 
     /// The target in words.
@@ -202,6 +235,39 @@ impl Handshake {
     pub fn target_text(&self) -> String {
         let text = self.target.split(|b| *b == 0).next().unwrap_or_default();
         String::from_utf8_lossy(text).into_owned()
+    }
+}
+
+/// What is the same in every version.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+struct Prefix {
+    magic: [u8; 8],
+    abi_version: u32,
+    handshake_size: u32,
+}
+
+impl Prefix {
+    fn check(&self) -> Result<(), HandshakeMismatch> {
+        if self.magic != MAGIC {
+            return Err(HandshakeMismatch::Magic);
+        }
+        if self.abi_version != ABI_VERSION {
+            return Err(HandshakeMismatch::AbiVersion {
+                expected: ABI_VERSION,
+                found: self.abi_version,
+            });
+        }
+        struct_size("handshake", size_of::<Handshake>(), self.handshake_size)
+    }
+}
+
+fn struct_size(name: &'static str, expected: usize, found: u32) -> Result<(), HandshakeMismatch> {
+    let expected = expected as u32;
+    if expected == found {
+        Ok(())
+    } else {
+        Err(HandshakeMismatch::StructSize { name, expected, found })
     }
 }
 

@@ -20,7 +20,10 @@ mod table;
 
 pub use bytes::{Buffer, Slice};
 pub use handshake::{
-    ABI_VERSION, ENDIAN_BIG, ENDIAN_LITTLE, ENTRY_SYMBOL, Handshake, HandshakeMismatch, MAGIC, PANIC_ABORT, PANIC_UNWIND,
-    PluginKind, TARGET_LEN, target,
+    ABI_VERSION, ENDIAN_BIG, ENDIAN_LITTLE, ENTRY_SYMBOL, Handshake, HandshakeMismatch, MAGIC, PANIC_ABORT,
+    PANIC_UNWIND, PluginKind, TARGET_LEN, target,
 };
-pub use table::{CreateOutcome, HostSink, LogLevel, Outcome, PluginHandle, PluginTable, Status, method};
+pub use table::{
+    CreateFn, CreateOutcome, DestroyFn, EntryPoints, FreeFn, HostSink, InvokeFn, LogLevel, ManifestFn, Outcome,
+    PluginHandle, PluginTable, Status, method,
+};

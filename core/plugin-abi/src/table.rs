@@ -46,8 +46,8 @@ impl LogLevel {
 /// An instance, as the plugin that made it knows it. The host only keeps it and gives it back.
 pub type PluginHandle = *mut c_void;
 
-/// Where an instance sends its log lines. Given to `create`, so that it is there before any code of the instance runs, and valid
-/// until `destroy` of that instance has returned. May be called from any thread in that time.
+/// Where an instance sends its log lines. Given to `create`, so that it is there before any code of the instance runs. The struct is
+/// borrowed for the call; what it holds is valid until `create` has failed or `destroy` has returned, from any thread.
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
 pub struct HostSink {
@@ -80,13 +80,21 @@ impl Outcome {
     /// An answer.
     #[must_use]
     pub fn ok(schema: u32, bytes: Vec<u8>) -> Self {
-        Self { status: Status::OK.0, schema, buffer: Buffer::from_vec(bytes) }
+        Self {
+            status: Status::OK.0,
+            schema,
+            buffer: Buffer::from_vec(bytes),
+        }
     }
 
     /// A failure with its reason.
     #[must_use]
     pub fn failed(status: Status, reason: String) -> Self {
-        Self { status: status.0, schema: 0, buffer: Buffer::from_vec(reason.into_bytes()) }
+        Self {
+            status: status.0,
+            schema: 0,
+            buffer: Buffer::from_vec(reason.into_bytes()),
+        }
     }
 }
 
@@ -104,20 +112,61 @@ pub struct CreateOutcome {
     pub buffer: Buffer,
 }
 
-/// The entry points of a plugin. Never grows: new things come as new methods of `invoke`.
+/// Gives the manifest (`skein_domain::manifest::PluginManifest`) as CBOR.
+pub type ManifestFn = unsafe extern "C" fn() -> Outcome;
+/// Makes an instance: where it logs to, schema of the bytes, the bytes (what they are depends on the kind of plugin).
+pub type CreateFn = unsafe extern "C" fn(sink: *const HostSink, schema: u32, bytes: Slice) -> CreateOutcome;
+/// Calls a method of an instance: a number from [`method`], schema of the bytes, the bytes.
+pub type InvokeFn = unsafe extern "C" fn(handle: PluginHandle, method: u32, schema: u32, bytes: Slice) -> Outcome;
+/// Ends an instance; the handle is not used again.
+pub type DestroyFn = unsafe extern "C" fn(handle: PluginHandle) -> Outcome;
+/// Takes back a buffer of this plugin, from any thread.
+pub type FreeFn = unsafe extern "C" fn(buffer: Buffer);
+
+/// The entry points of a plugin. Never grows: new things come as new methods of `invoke`. Each may be null in a library that was
+/// not made with the SDK, so the host looks before it calls ([`PluginTable::complete`]).
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
 pub struct PluginTable {
-    /// The manifest (`skein_domain::manifest::PluginManifest`) as CBOR.
-    pub manifest: unsafe extern "C" fn() -> Outcome,
-    /// Makes an instance: where it logs to, schema of the bytes, the bytes (what depends on the kind of plugin).
-    pub create: unsafe extern "C" fn(sink: *const HostSink, schema: u32, bytes: Slice) -> CreateOutcome,
-    /// Calls a method of an instance: a number from [`method`], schema of the bytes, the bytes.
-    pub invoke: unsafe extern "C" fn(handle: PluginHandle, method: u32, schema: u32, bytes: Slice) -> Outcome,
-    /// Ends an instance; the handle is not used again.
-    pub destroy: unsafe extern "C" fn(handle: PluginHandle) -> Outcome,
-    /// Takes back a buffer of this plugin.
-    pub free: unsafe extern "C" fn(buffer: Buffer),
+    /// See [`ManifestFn`].
+    pub manifest: Option<ManifestFn>,
+    /// See [`CreateFn`].
+    pub create: Option<CreateFn>,
+    /// See [`InvokeFn`].
+    pub invoke: Option<InvokeFn>,
+    /// See [`DestroyFn`].
+    pub destroy: Option<DestroyFn>,
+    /// See [`FreeFn`].
+    pub free: Option<FreeFn>,
+}
+
+/// The entry points of a plugin that has them all. The host's own copy; does not cross.
+#[derive(Debug, Clone, Copy)]
+pub struct EntryPoints {
+    /// See [`ManifestFn`].
+    pub manifest: ManifestFn,
+    /// See [`CreateFn`].
+    pub create: CreateFn,
+    /// See [`InvokeFn`].
+    pub invoke: InvokeFn,
+    /// See [`DestroyFn`].
+    pub destroy: DestroyFn,
+    /// See [`FreeFn`].
+    pub free: FreeFn,
+}
+
+impl PluginTable {
+    /// All entry points, or `None` if one is null.
+    #[must_use]
+    pub fn complete(&self) -> Option<EntryPoints> {
+        Some(EntryPoints {
+            manifest: self.manifest?,
+            create: self.create?,
+            invoke: self.invoke?,
+            destroy: self.destroy?,
+            free: self.free?,
+        })
+    }
 }
 
 /// Methods of `invoke`. Numbers are never reused.

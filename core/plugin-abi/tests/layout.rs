@@ -1,8 +1,10 @@
 //! The committed layout of everything that crosses: fails when a change of the structs was not meant as a new ABI version.
 
+#![expect(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+
 use skein_plugin_abi::{
-    ABI_VERSION, Buffer, CreateOutcome, Handshake, HandshakeMismatch, HostSink, LogLevel, Outcome, PluginKind, PluginTable, Slice,
-    Status, method,
+    ABI_VERSION, Buffer, CreateOutcome, Handshake, HandshakeMismatch, HostSink, LogLevel, Outcome, PluginKind,
+    PluginTable, Slice, Status, method,
 };
 use std::fmt::Write;
 use std::mem::{align_of, offset_of, size_of};
@@ -21,9 +23,26 @@ fn layout() -> String {
     describe!(out, Slice { data, len });
     describe!(out, Buffer { data, len, capacity });
     describe!(out, Outcome { status, schema, buffer });
-    describe!(out, CreateOutcome { status, reserved, handle, buffer });
+    describe!(
+        out,
+        CreateOutcome {
+            status,
+            reserved,
+            handle,
+            buffer
+        }
+    );
     describe!(out, HostSink { size, context, log });
-    describe!(out, PluginTable { manifest, create, invoke, destroy, free });
+    describe!(
+        out,
+        PluginTable {
+            manifest,
+            create,
+            invoke,
+            destroy,
+            free
+        }
+    );
     describe!(
         out,
         Handshake {
@@ -63,7 +82,13 @@ fn layout() -> String {
     ] {
         writeln!(out, "level {name} {}", level.0).unwrap();
     }
-    writeln!(out, "method snapshot {}\nmethod handle_events {}", method::SNAPSHOT, method::HANDLE_EVENTS).unwrap();
+    writeln!(
+        out,
+        "method snapshot {}\nmethod handle_events {}",
+        method::SNAPSHOT,
+        method::HANDLE_EVENTS
+    )
+    .unwrap();
     out
 }
 
@@ -82,7 +107,10 @@ fn layout_is_the_committed_one() {
 fn every_version_has_a_row_in_the_history() {
     let history = include_str!("../ABI.md");
     for version in 1..=ABI_VERSION {
-        assert!(history.contains(&format!("\n| {version} | ")), "ABI.md does not tell what version {version} changed");
+        assert!(
+            history.contains(&format!("\n| {version} | ")),
+            "ABI.md does not tell what version {version} changed"
+        );
     }
 }
 
@@ -90,7 +118,12 @@ unsafe extern "C" fn no_manifest() -> Outcome {
     Outcome::ok(0, vec![])
 }
 unsafe extern "C" fn no_create(_: *const HostSink, _: u32, _: Slice) -> CreateOutcome {
-    CreateOutcome { status: Status::REFUSED.0, reserved: 0, handle: std::ptr::null_mut(), buffer: Buffer::EMPTY }
+    CreateOutcome {
+        status: Status::REFUSED.0,
+        reserved: 0,
+        handle: std::ptr::null_mut(),
+        buffer: Buffer::EMPTY,
+    }
 }
 unsafe extern "C" fn no_invoke(_: *mut std::ffi::c_void, _: u32, _: u32, _: Slice) -> Outcome {
     Outcome::ok(0, vec![])
@@ -103,36 +136,67 @@ unsafe extern "C" fn free(buffer: Buffer) {
     drop(unsafe { buffer.into_vec() });
 }
 
-static TABLE: PluginTable =
-    PluginTable { manifest: no_manifest, create: no_create, invoke: no_invoke, destroy: no_destroy, free };
+static TABLE: PluginTable = PluginTable {
+    manifest: Some(no_manifest),
+    create: Some(no_create),
+    invoke: Some(no_invoke),
+    destroy: Some(no_destroy),
+    free: Some(free),
+};
 
 #[test]
 fn a_handshake_is_judged_field_by_field() {
+    static INCOMPLETE: PluginTable = PluginTable { free: None, ..TABLE };
+    type Change = fn(&mut Handshake);
+    let cases: &[(Change, &str)] = &[
+        (|h| h.magic = *b"SOMETHIN", "is not a handshake"),
+        (|h| h.abi_version = 9, "ABI version 9, this host has 1"),
+        (|h| h.table_size = 8, "its table has 8 bytes instead of 40"),
+        (|h| h.handshake_size = 8, "its handshake has 8 bytes instead of 72"),
+        (|h| h.pointer_bits = 16, "built for"),
+        (|h| h.endianness = 7, "built for"),
+        (|h| h.target = [b'x'; 32], "built for xxxx"),
+        (|h| h.panic_strategy = 2, "panic = \"abort\""),
+        (|h| h.table = std::ptr::null(), "lacks an entry point"),
+        (|h| h.table = &INCOMPLETE, "lacks an entry point"),
+        // An older version is named as such even if its structs had other sizes.
+        (|h| (h.abi_version, h.handshake_size) = (0, 8), "ABI version 0"),
+    ];
     let good = || Handshake::new(PluginKind::UAV_MODEL, &TABLE);
-    assert_eq!(good().check(), Ok(()));
-    assert_eq!(Handshake { magic: *b"SOMETHIN", ..good() }.check(), Err(HandshakeMismatch::Magic));
+    assert!(good().check().is_ok());
+    for (change, said) in cases {
+        let mut handshake = good();
+        change(&mut handshake);
+        let mismatch = handshake.check().unwrap_err().to_string();
+        assert!(mismatch.contains(said), "{mismatch:?} does not say {said:?}");
+    }
+}
+
+#[test]
+fn a_symbol_is_looked_at_no_further_than_its_prefix_vouches_for() {
+    static OURS: Handshake = Handshake::new(PluginKind::CAMERA, &TABLE);
+    #[repr(align(8))]
+    struct Foreign(#[expect(dead_code, reason = "only read through the pointer")] [u8; 16]);
+    static FOREIGN: Foreign = Foreign([7; 16]);
+    static OLD: Foreign = Foreign(*b"SKEINPLG\0\0\0\0\x10\0\0\0");
+    let read = |symbol: *const Handshake| {
+        // SAFETY: statics of this program; the short ones end their reading at the prefix.
+        unsafe { Handshake::read(symbol) }.map(|handshake| handshake.kind)
+    };
+    assert_eq!(read(&raw const OURS), Ok(PluginKind::CAMERA.0));
+    assert_eq!(read((&raw const FOREIGN).cast()), Err(HandshakeMismatch::Magic));
     assert_eq!(
-        Handshake { abi_version: 9, ..good() }.check(),
-        Err(HandshakeMismatch::AbiVersion { expected: ABI_VERSION, found: 9 })
+        read((&raw const OLD).cast()),
+        Err(HandshakeMismatch::AbiVersion {
+            expected: ABI_VERSION,
+            found: 0
+        })
     );
-    assert!(matches!(
-        Handshake { table_size: 8, ..good() }.check(),
-        Err(HandshakeMismatch::StructSize { name: "table", found: 8, .. })
-    ));
-    assert!(matches!(
-        Handshake { handshake_size: 8, ..good() }.check(),
-        Err(HandshakeMismatch::StructSize { name: "handshake", found: 8, .. })
-    ));
-    assert!(matches!(Handshake { pointer_bits: 16, ..good() }.check(), Err(HandshakeMismatch::Target { .. })));
-    assert!(matches!(Handshake { endianness: 7, ..good() }.check(), Err(HandshakeMismatch::Target { .. })));
-    assert!(matches!(Handshake { target: [b'x'; 32], ..good() }.check(), Err(HandshakeMismatch::Target { .. })));
-    assert_eq!(Handshake { panic_strategy: 2, ..good() }.check(), Err(HandshakeMismatch::PanicAborts));
-    assert_eq!(Handshake { table: std::ptr::null(), ..good() }.check(), Err(HandshakeMismatch::NoTable));
-    // An older version is named as such even if its structs had other sizes.
-    assert!(matches!(
-        Handshake { abi_version: 0, handshake_size: 8, ..good() }.check(),
-        Err(HandshakeMismatch::AbiVersion { found: 0, .. })
-    ));
+    assert_eq!(read(std::ptr::null()), Err(HandshakeMismatch::Magic));
+    assert_eq!(
+        read((&raw const OURS).wrapping_byte_add(1)),
+        Err(HandshakeMismatch::Magic)
+    );
 }
 
 #[test]
