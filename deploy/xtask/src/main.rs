@@ -1,2 +1,116 @@
-//! Placeholder entry.
-fn main() {}
+//! `cargo xtask`: one ladder of checks and builds, the same at the desk and in CI. Here: arguments and dispatch only.
+//!
+//! Must never do: keep a rule of its own beside the ones in `tidy`, or a way to test that CI does not use.
+#![forbid(unsafe_code)]
+
+mod bench;
+mod browser;
+mod demo;
+mod fast;
+mod plugins;
+mod report;
+mod screenshot;
+mod step;
+mod tally;
+mod tidy;
+mod tiers;
+mod ui;
+mod workspace;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+use workspace::Workspace;
+
+/// Builds, checks and flies Skein from its source tree.
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", disable_version_flag = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// About a minute: formatting, lints and tests of the crates you changed and of those that use them, and tidy.
+    Fast {
+        /// Compare with this revision (default: where this branch left main).
+        #[arg(long, value_name = "REVISION")]
+        since: Option<String>,
+    },
+    /// Everything CI runs, or the tiers named. Sets up what they need.
+    Test {
+        /// Tiers: unit, integration, plugin-boundary, faults, e2e, interop, ui. None: all of them and the static checks.
+        #[arg(value_parser = tiers::parse)]
+        tiers: Vec<tiers::Tier>,
+        /// Also the long ones: a soak flight of 50 vehicles, and fuzzing.
+        #[arg(long)]
+        all: bool,
+    },
+    /// Compiles the plugins and copies them to where the program looks for them.
+    BuildPlugins {
+        /// With optimisation, for the release program.
+        #[arg(long)]
+        release: bool,
+    },
+    /// Builds the dashboard (skipped if its sources have not changed).
+    BuildUi,
+    /// Builds everything and flies the demo; arguments go on to `skein demo`.
+    Demo {
+        /// For example `--vehicles 20 --headless`.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<String>,
+    },
+    /// Measures the program beside a bare loop; arguments go on to `skein bench fleet`.
+    Bench {
+        /// For example `--vehicles 100 --seconds 10`.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<String>,
+    },
+    /// Checks the habits of the house that neither rustc nor clippy can check.
+    Tidy,
+    /// Flies the demo and takes pictures of the dashboard at desktop and tablet size.
+    Screenshot {
+        /// The folder they go to.
+        #[arg(long, value_name = "FOLDER", default_value = "deploy/images")]
+        into: std::path::PathBuf,
+        /// How many vehicles to fly.
+        #[arg(long, default_value_t = 12)]
+        vehicles: u16,
+        /// Seconds into the flight at which the pictures are taken.
+        #[arg(long, default_value_t = 45)]
+        after_s: u64,
+    },
+}
+
+fn main() -> ExitCode {
+    match run(Arguments::parse().command) {
+        Ok(code) => code,
+        Err(error) => {
+            eprintln!("xtask: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(task: Task) -> Result<ExitCode> {
+    let workspace = Workspace::load()?;
+    match task {
+        Task::Fast { since } => fast::run(&workspace, since.as_deref()),
+        Task::Test { tiers, all } => tiers::run(&workspace, &tiers, all),
+        Task::BuildPlugins { release } => {
+            let folder = plugins::build(&workspace, plugins::Profile::from_release(release))?;
+            println!("plugins are in {}", folder.display());
+            Ok(ExitCode::SUCCESS)
+        }
+        Task::BuildUi => ui::build(&workspace).map(|()| ExitCode::SUCCESS),
+        Task::Demo { arguments } => demo::run(&workspace, &arguments),
+        Task::Bench { arguments } => bench::run(&workspace, &arguments),
+        Task::Tidy => tidy::run(&workspace),
+        Task::Screenshot {
+            into,
+            vehicles,
+            after_s,
+        } => screenshot::run(&workspace, &into, vehicles, after_s),
+    }
+}

@@ -1,0 +1,73 @@
+//! `screenshot`: the pictures in the documents, taken of a real flight in a real browser.
+//!
+//! Must never do: show something that the demo does not show.
+
+use crate::workspace::Workspace;
+use crate::{browser, demo, ui};
+use anyhow::{Context, Result, ensure};
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, ExitCode, Stdio};
+
+/// The script that drives the browser; it runs where the dashboard's packages are.
+const SCRIPT: &str = include_str!("screenshot.mjs");
+
+/// Flies the demo and takes the pictures.
+pub fn run(workspace: &Workspace, into: &Path, vehicles: u16, after_s: u64) -> Result<ExitCode> {
+    demo::build(workspace)?;
+    let chromium = browser::chromium()?;
+    let into = workspace.root.join(into);
+    std::fs::create_dir_all(&into)?;
+    let mut flight = Flight::start(workspace, vehicles)?;
+    let address = flight.address()?;
+    println!("flying at {address}, pictures after {after_s} s");
+    let script = workspace.target.join("xtask/screenshot.mjs");
+    std::fs::write(&script, SCRIPT)?;
+    let mut shoot = Command::new("node");
+    shoot
+        .arg(&script)
+        .current_dir(workspace.web_ui())
+        .env(browser::VARIABLE, chromium);
+    shoot.args([&address, &after_s.to_string()]).arg(&into);
+    ensure!(
+        shoot.status().context("cannot start node")?.success(),
+        "the browser took no pictures: see above"
+    );
+    println!("pictures are in {}", into.display());
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The demo as a child; ended when this goes.
+struct Flight(Child);
+
+impl Flight {
+    fn start(workspace: &Workspace, vehicles: u16) -> Result<Self> {
+        ui::install(workspace)?;
+        let mut command = Command::new(workspace.target.join("release/skein"));
+        command
+            .args(["demo", "--vehicles", &vehicles.to_string()])
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped());
+        Ok(Self(command.spawn().context("cannot start the demo")?))
+    }
+
+    /// The address it prints. Its further output is shown.
+    fn address(&mut self) -> Result<String> {
+        let output = self.0.stdout.take().context("the demo's output is piped")?;
+        let mut lines = BufReader::new(output).lines().map_while(Result::ok);
+        let address = lines.find_map(|line| {
+            let at = line.find("http://")?;
+            line.get(at..)?.split_whitespace().next().map(str::to_owned)
+        });
+        std::thread::spawn(move || lines.for_each(|line| println!("{line}")));
+        address.context("the demo ended before it printed its address")
+    }
+}
+
+impl Drop for Flight {
+    fn drop(&mut self) {
+        // it may have ended by itself
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}

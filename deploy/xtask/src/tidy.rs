@@ -1,0 +1,123 @@
+//! `tidy`: the habits of the house that neither rustc nor clippy can check. Runs by command and as a test.
+//!
+//! Must never do: pass an exception that `tidy-exceptions.toml` does not name with its reason, or keep one that is not needed.
+
+mod documents;
+mod exceptions;
+mod layers;
+mod manifests;
+mod sources;
+#[cfg(test)]
+mod tests;
+
+use crate::workspace::Workspace;
+use anyhow::{Context, Result, ensure};
+use std::collections::BTreeSet;
+use std::fmt;
+use std::process::{Command, ExitCode};
+
+/// One breach of one rule.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Finding {
+    /// Where, relative to the root.
+    path: String,
+    /// Line, from 1; 0 if it is about the whole file.
+    line: usize,
+    /// Short name of the rule, as in the exceptions.
+    rule: &'static str,
+    /// What is wrong and what to do.
+    what: String,
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let line = if self.line == 0 {
+            String::new()
+        } else {
+            format!(":{}", self.line)
+        };
+        write!(f, "{}{line}: {} [{}]", self.path, self.what, self.rule)
+    }
+}
+
+/// A text file of the repository.
+pub struct File {
+    /// Path relative to the root, with `/` between its parts.
+    path: String,
+    /// Its content.
+    text: String,
+}
+
+impl File {
+    /// Whether the path ends in that extension.
+    fn is(&self, extension: &str) -> bool {
+        self.path
+            .strip_suffix(extension)
+            .is_some_and(|rest| rest.ends_with('.'))
+    }
+
+    fn finding(&self, line: usize, rule: &'static str, what: impl Into<String>) -> Finding {
+        Finding {
+            path: self.path.clone(),
+            line,
+            rule,
+            what: what.into(),
+        }
+    }
+}
+
+/// The `tidy` command.
+pub fn run(workspace: &Workspace) -> Result<ExitCode> {
+    check(workspace)?;
+    println!("tidy");
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Checks every rule; an error if one is broken. Prints findings and notes.
+pub fn check(workspace: &Workspace) -> Result<()> {
+    let files = files(workspace)?;
+    let mut findings = BTreeSet::new();
+    for file in &files {
+        findings.extend(sources::check(file));
+        findings.extend(documents::words(file));
+    }
+    findings.extend(sources::crate_roots(workspace, &files));
+    findings.extend(sources::shims(&files));
+    findings.extend(sources::messages(&files));
+    findings.extend(manifests::check(workspace, &files));
+    findings.extend(layers::check(workspace));
+    findings.extend(documents::check(workspace, &files));
+    let findings = exceptions::apply(&workspace.root, findings)?;
+    sources::long_files(&files)
+        .iter()
+        .for_each(|note| println!("note: {note}"));
+    findings.iter().for_each(|finding| println!("{finding}"));
+    ensure!(findings.is_empty(), "{} findings", findings.len());
+    Ok(())
+}
+
+/// What git keeps or would keep, as far as it is text and there.
+fn files(workspace: &Workspace) -> Result<Vec<File>> {
+    let mut command = Command::new("git");
+    command
+        .current_dir(&workspace.root)
+        .args(["ls-files", "-z", "--cached", "--others", "--exclude-standard"]);
+    let output = command.output().context("cannot start git")?;
+    ensure!(
+        output.status.success(),
+        "git ls-files: {}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let paths = String::from_utf8(output.stdout).context("a path is not UTF-8")?;
+    let paths: BTreeSet<&str> = paths.split('\0').filter(|path| !path.is_empty()).collect();
+    let read = |path: &str| std::fs::read_to_string(workspace.root.join(path)).ok();
+    Ok(paths
+        .into_iter()
+        .filter_map(|path| {
+            Some(File {
+                path: path.to_owned(),
+                text: read(path)?,
+            })
+        })
+        .collect())
+}

@@ -1,0 +1,79 @@
+//! Imports only point down: the order of the crates of `core`, and what plugins may know.
+
+use super::Finding;
+use crate::workspace::{Package, Workspace};
+
+/// The crates of `core` from the binary to the words; each may depend on what stands below it.
+/// Names of crates that are not built yet keep their place.
+const ORDER: [&str; 15] = [
+    "skein",
+    "skein-api",
+    "skein-runtime",
+    "skein-link-px4",
+    "skein-link-dds",
+    "skein-bus",
+    "skein-recorder",
+    "skein-plugin-host",
+    "skein-plugin-sdk",
+    "skein-plugin-abi",
+    "skein-sim",
+    "skein-config",
+    "skein-flight",
+    "skein-safety",
+    "skein-domain",
+];
+/// What of ours a plugin may know: how to be one, the words, and the pure arithmetic of flight.
+const PLUGINS_MAY_USE: [&str; 3] = ["skein-plugin-sdk", "skein-domain", "skein-flight"];
+
+/// Checks every dependency between members that ships.
+pub fn check(workspace: &Workspace) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    for package in &workspace.packages {
+        if package.folder.starts_with("core/") && place(&package.name).is_none() {
+            findings.push(finding(
+                package,
+                format!("{} has no place in the order of tidy/layers.rs", package.name),
+            ));
+        }
+        let ours = package
+            .dependencies
+            .iter()
+            .filter(|on| on.ships() && workspace.package(&on.name).is_some());
+        for on in ours {
+            if let Some(what) = breach(package, &on.name) {
+                findings.push(finding(package, what));
+            }
+        }
+    }
+    findings
+}
+
+fn finding(package: &Package, what: String) -> Finding {
+    Finding {
+        path: format!("{}/Cargo.toml", package.folder),
+        line: 0,
+        rule: "layers",
+        what,
+    }
+}
+
+fn place(name: &str) -> Option<usize> {
+    ORDER.iter().position(|known| *known == name)
+}
+
+/// Why `package` must not depend on `on`, if it must not.
+pub fn breach(package: &Package, on: &str) -> Option<String> {
+    if package.folder.starts_with("core/") {
+        return match (place(&package.name), place(on)) {
+            (Some(from), Some(to)) if to > from => None,
+            (Some(_), Some(_)) => Some(format!("depends on {on}, which does not stand below it")),
+            _ => Some(format!("depends on {on}, which is no crate of core")),
+        };
+    }
+    if package.folder.starts_with("plugins/") {
+        let own_logic = package.folder.ends_with("/cdylib") && package.name == format!("{on}-plugin");
+        let allowed = own_logic || PLUGINS_MAY_USE.contains(&on);
+        return (!allowed).then(|| format!("depends on {on}; a plugin knows {} only", PLUGINS_MAY_USE.join(", ")));
+    }
+    None
+}

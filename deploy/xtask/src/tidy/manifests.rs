@@ -1,0 +1,71 @@
+//! Rules about manifests: names that follow from the path, dependencies that a role rules out, shared lints.
+
+use super::{File, Finding};
+use crate::workspace::{Package, Workspace};
+
+/// What a pure crate or the ABI may depend on besides crates of ours. Longer lists need a reason in review, not a rule.
+const ALLOWED: [(&str, &[&str]); 4] = [
+    (
+        "core/domain",
+        &["minicbor", "nalgebra", "schemars", "serde", "thiserror", "ts-rs"],
+    ),
+    ("core/flight", &["nalgebra", "pathfinding", "thiserror"]),
+    ("core/safety", &["nalgebra", "serde", "thiserror"]),
+    ("core/plugin-abi", &[]),
+];
+
+/// Every rule about manifests but the order of the crates.
+pub fn check(workspace: &Workspace, files: &[File]) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    for package in &workspace.packages {
+        let path = format!("{}/Cargo.toml", package.folder);
+        let mut broken = |rule, what: String| {
+            findings.push(Finding {
+                path: path.clone(),
+                line: 0,
+                rule,
+                what,
+            })
+        };
+        if let Some(name) = wanted_name(&package.folder).filter(|name| *name != package.name) {
+            broken("crate-name", format!("is {}; by its folder it is {name}", package.name));
+        }
+        if let Some(what) = forbidden(workspace, package) {
+            broken("dependencies", what);
+        }
+        let manifest = files.iter().find(|file| file.path == path);
+        if !manifest.is_some_and(|file| file.text.contains("[lints]\nworkspace = true")) {
+            broken("lints", "add `[lints]` with `workspace = true`".to_owned());
+        }
+    }
+    findings
+}
+
+/// Path = name = role.
+pub fn wanted_name(folder: &str) -> Option<String> {
+    let parts: Vec<&str> = folder.split('/').collect();
+    match *parts.as_slice() {
+        ["core", "skein"] => Some("skein".to_owned()),
+        ["core", name] | ["tests", name @ ("testkit" | "bench")] => Some(format!("skein-{name}")),
+        ["tests", name] => Some(format!("skein-tests-{name}")),
+        ["tests", _, "fixtures", name] => Some(format!("fixture-{name}")),
+        ["plugins", name] | ["deploy", name] => Some(name.to_owned()),
+        ["plugins", name, "cdylib"] => Some(format!("{name}-plugin")),
+        _ => None,
+    }
+}
+
+fn forbidden(workspace: &Workspace, package: &Package) -> Option<String> {
+    let mut ships = package.dependencies.iter().filter(|on| on.ships());
+    let may_use_anyhow =
+        package.folder == "core/skein" || ["tests/", "deploy/"].iter().any(|f| package.folder.starts_with(f));
+    if !may_use_anyhow && ships.clone().any(|on| on.name == "anyhow") {
+        return Some("depends on anyhow: errors here are typed facts (thiserror)".to_owned());
+    }
+    let (_, allowed) = ALLOWED.iter().find(|(folder, _)| *folder == package.folder)?;
+    let stranger = ships.find(|on| workspace.package(&on.name).is_none() && !allowed.contains(&on.name.as_str()))?;
+    Some(format!(
+        "depends on {}, which a crate without effects does not need (list in tidy/manifests.rs)",
+        stranger.name
+    ))
+}

@@ -1,0 +1,220 @@
+//! The repository keeps the rules, and each rule finds what it is there to find.
+
+use super::*;
+use crate::workspace::{Dependency, Package, Target};
+
+fn file(path: &str, text: &str) -> File {
+    File {
+        path: path.to_owned(),
+        text: text.to_owned(),
+    }
+}
+
+fn package(name: &str, folder: &str) -> Package {
+    Package {
+        name: name.to_owned(),
+        folder: folder.to_owned(),
+        dependencies: Vec::new(),
+        targets: Vec::new(),
+    }
+}
+
+fn rules(findings: &[Finding]) -> Vec<&str> {
+    findings.iter().map(|finding| finding.rule).collect()
+}
+
+#[test]
+fn the_repository_is_tidy() {
+    check(&Workspace::load().expect("cargo describes the workspace")).expect("see the findings above");
+}
+
+#[test]
+fn a_source_file_opens_with_what_it_holds() {
+    assert_eq!(
+        rules(&sources::check(&file("core/x/src/a.rs", "use std::fmt;\n"))),
+        ["opening"]
+    );
+    assert!(sources::check(&file("core/x/src/a.rs", "//! Holds it.\n")).is_empty());
+}
+
+#[test]
+fn size_and_names_are_limited() {
+    let long = format!("//! Long.\n{}", "\n".repeat(600));
+    assert_eq!(rules(&sources::check(&file("core/x/src/a.rs", &long))), ["file-size"]);
+    assert_eq!(
+        rules(&sources::check(&file("core/x/src/utils.rs", "//! What?\n"))),
+        ["names"]
+    );
+    assert_eq!(
+        rules(&sources::check(&file("core/x/src/common/a.rs", "//! What?\n"))),
+        ["names"]
+    );
+    assert_eq!(
+        rules(&sources::check(&file("core/x/src/a/mod.rs", "//! What?\n"))),
+        ["names"]
+    );
+    let main = format!("//! Wires.\n{}", "\n".repeat(149));
+    assert_eq!(
+        rules(&sources::check(&file("core/x/src/main.rs", &main))),
+        ["main-size"]
+    );
+    let shim = "\n".repeat(60);
+    assert_eq!(
+        rules(&sources::shims(&[file("plugins/x/cdylib/src/lib.rs", &shim)])),
+        ["shim-size"]
+    );
+}
+
+#[test]
+fn an_unsafe_block_says_why_it_is_sound() {
+    let block = concat!("unsafe", " { call() }");
+    let bare = format!("//! Calls.\nfn f() {{\n    {block}\n}}\n");
+    let explained = format!("//! Calls.\nfn f() {{\n    // SAFETY: it is sound.\n    {block}\n}}\n");
+    assert_eq!(rules(&sources::check(&file("core/x/src/a.rs", &bare))), ["safety-line"]);
+    assert!(sources::check(&file("core/x/src/a.rs", &explained)).is_empty());
+}
+
+#[test]
+fn a_lint_is_switched_off_with_a_reason() {
+    let start = concat!("#[", "allow(");
+    let bare = format!("//! A.\n{start}dead_code)]\nfn f() {{}}\n");
+    let explained = format!("//! A.\n{start}\n    dead_code,\n    reason = \"kept\"\n)]\nfn f() {{}}\n");
+    assert_eq!(rules(&sources::check(&file("core/x/src/a.rs", &bare))), ["lint-reason"]);
+    assert!(sources::check(&file("core/x/src/a.rs", &explained)).is_empty());
+}
+
+#[test]
+fn a_pure_crate_has_no_clock() {
+    let text = "//! A.\nlet now = std::time::Instant::now();\n";
+    assert_eq!(
+        rules(&sources::check(&file("core/flight/src/a.rs", text))),
+        ["pure-core"]
+    );
+    assert!(sources::check(&file("core/flight/src/a/tests.rs", text)).is_empty());
+    assert!(sources::check(&file("core/sim/src/a.rs", text)).is_empty());
+}
+
+#[test]
+fn messages_of_actors_stay_private() {
+    let vehicle = || file("core/runtime/src/vehicle.rs", "//! A.\npub enum VehicleMessage {\n}\n");
+    let found = |root: &str| rules(&sources::messages(&[file("core/runtime/src/lib.rs", root), vehicle()])).join(" ");
+    assert_eq!(found("//! R.\npub mod vehicle;\n"), "handles");
+    assert_eq!(
+        found("//! R.\nmod vehicle;\npub use vehicle::VehicleMessage;\n"),
+        "handles"
+    );
+    assert_eq!(found("//! R.\nmod vehicle;\n"), "");
+}
+
+#[test]
+fn imports_point_down() {
+    let runtime = package("skein-runtime", "core/runtime");
+    assert!(layers::breach(&runtime, "skein-domain").is_none());
+    assert!(layers::breach(&runtime, "skein-api").is_some());
+    assert!(layers::breach(&runtime, "skein-testkit").is_some());
+    let plugin = package("gimbal", "plugins/gimbal");
+    assert!(layers::breach(&plugin, "skein-plugin-sdk").is_none());
+    assert!(layers::breach(&plugin, "skein-runtime").is_some());
+    let library = package("gimbal-plugin", "plugins/gimbal/cdylib");
+    assert!(layers::breach(&library, "gimbal").is_none());
+    assert!(layers::breach(&library, "camera").is_some());
+}
+
+#[test]
+fn names_follow_from_the_folder() {
+    for (folder, name) in [
+        ("core/safety", "skein-safety"),
+        ("core/skein", "skein"),
+        ("plugins/gimbal", "gimbal"),
+        ("plugins/gimbal/cdylib", "gimbal-plugin"),
+        ("tests/faults", "skein-tests-faults"),
+        ("tests/testkit", "skein-testkit"),
+        ("tests/plugin-boundary/fixtures/hangs", "fixture-hangs"),
+    ] {
+        assert_eq!(manifests::wanted_name(folder).as_deref(), Some(name));
+    }
+}
+
+#[test]
+fn roles_rule_out_dependencies() {
+    let on = |name: &str| Dependency {
+        name: name.to_owned(),
+        kind: None,
+    };
+    let manifest = |folder: &str| file(&format!("{folder}/Cargo.toml"), "[lints]\nworkspace = true\n");
+    let broken = |name: &str, folder: &str, dependency: &str| {
+        let package = Package {
+            dependencies: vec![on(dependency)],
+            ..package(name, folder)
+        };
+        let workspace = Workspace {
+            root: "/".into(),
+            target: "/".into(),
+            packages: vec![package],
+        };
+        rules(&manifests::check(&workspace, &[manifest(folder)])).join(" ")
+    };
+    assert_eq!(broken("skein-safety", "core/safety", "tokio"), "dependencies");
+    assert_eq!(broken("skein-safety", "core/safety", "thiserror"), "");
+    assert_eq!(
+        broken("skein-plugin-abi", "core/plugin-abi", "thiserror"),
+        "dependencies"
+    );
+    assert_eq!(broken("skein-sim", "core/sim", "anyhow"), "dependencies");
+    assert_eq!(broken("skein", "core/skein", "anyhow"), "");
+}
+
+#[test]
+fn a_crate_root_forbids_unsafe_code() {
+    let target = Target {
+        kind: vec!["lib".to_owned()],
+        src_path: "/core/x/src/lib.rs".into(),
+    };
+    let package = Package {
+        targets: vec![target],
+        ..package("skein-x", "core/x")
+    };
+    let workspace = Workspace {
+        root: "/".into(),
+        target: "/".into(),
+        packages: vec![package],
+    };
+    let found = |text: &str| sources::crate_roots(&workspace, &[file("core/x/src/lib.rs", text)]).len();
+    assert_eq!(found("//! X.\n"), 1);
+    assert_eq!(found("//! X.\n#![forbid(unsafe_code)]\n"), 0);
+}
+
+#[test]
+fn documents_hold_no_words_of_process_and_no_commands_that_are_not() {
+    let word = concat!("Mile", "stone");
+    assert_eq!(
+        rules(&documents::words(&file("README.md", &format!("# {word} 1\n")))),
+        ["words"]
+    );
+    assert!(documents::words(&file("README.md", "# What it does\n")).is_empty());
+    let commands = ["test".to_owned()];
+    let text = concat!("run `cargo xtask", " test unit` or `cargo xtask", " fly`");
+    let found = documents::commands_exist(&file("README.md", text), &commands);
+    assert_eq!(rules(&found), ["commands"]);
+}
+
+#[test]
+fn an_exception_needs_a_reason_and_a_cause() {
+    let finding = Finding {
+        path: "a.rs".to_owned(),
+        line: 0,
+        rule: "file-size",
+        what: String::new(),
+    };
+    let list =
+        |rule: &str, reason: &str| format!("[[exception]]\nrule = \"{rule}\"\npath = \"a.rs\"\nreason = \"{reason}\"");
+    let left = |list: &str| {
+        exceptions::without(list, BTreeSet::from([finding.clone()]))
+            .expect("a good list")
+            .len()
+    };
+    assert_eq!(left(""), 1);
+    assert_eq!(left(&list("file-size", "one table, better read whole")), 0);
+    assert_eq!(left(&list("file-size", "long")), 1);
+    assert_eq!(left(&list("names", "one table, better read whole")), 2);
+}

@@ -1,0 +1,269 @@
+//! `test`: what CI runs, tier by tier, with the set-up each one needs.
+//!
+//! Must never do: pass a tier in which no test ran, or check at the desk otherwise than in CI.
+
+use crate::plugins::{self, Profile};
+use crate::report::Report;
+use crate::step::Step;
+use crate::tally::Runner;
+use crate::workspace::Workspace;
+use crate::{browser, fast, tidy, ui};
+use anyhow::Result;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+/// A tier of tests. `tests/README.md` says what each proves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tier {
+    /// Beside the code: every crate's own tests, and the dashboard's.
+    Unit,
+    /// The whole node in one process, against simulated vehicles.
+    Integration,
+    /// Built plugin libraries, good and misbehaving.
+    PluginBoundary,
+    /// Actors and plugins killed, links cut.
+    Faults,
+    /// The program as it ships.
+    E2e,
+    /// Other people's software and recordings of a real autopilot.
+    Interop,
+    /// The dashboard in a real browser.
+    Ui,
+}
+
+const ALL: [(Tier, &str); 7] = [
+    (Tier::Unit, "unit"),
+    (Tier::Integration, "integration"),
+    (Tier::PluginBoundary, "plugin-boundary"),
+    (Tier::Faults, "faults"),
+    (Tier::E2e, "e2e"),
+    (Tier::Interop, "interop"),
+    (Tier::Ui, "ui"),
+];
+
+const SEE_TESTS: &str = "the failing tests are named above; run this tier alone with";
+
+/// Reads a tier's name from the command line.
+pub fn parse(name: &str) -> Result<Tier, String> {
+    ALL.iter()
+        .find(|(_, known)| *known == name)
+        .map(|(tier, _)| *tier)
+        .ok_or_else(|| {
+            let names: Vec<&str> = ALL.iter().map(|(_, name)| *name).collect();
+            format!("no such tier yet; there are {}", names.join(", "))
+        })
+}
+
+impl Tier {
+    fn name(self) -> &'static str {
+        ALL.iter().find(|(tier, _)| *tier == self).map_or("", |(_, name)| name)
+    }
+
+    /// The crate that holds the tier, if it is one.
+    fn package(self) -> Option<&'static str> {
+        match self {
+            Self::Unit | Self::Ui => None,
+            Self::Integration => Some("skein-tests-integration"),
+            Self::PluginBoundary => Some("skein-tests-plugin-boundary"),
+            Self::Faults => Some("skein-tests-faults"),
+            Self::E2e => Some("skein-tests-e2e"),
+            Self::Interop => Some("skein-tests-interop"),
+        }
+    }
+}
+
+/// Runs the tiers named; with none, the static checks and every tier.
+pub fn run(workspace: &Workspace, tiers: &[Tier], long_ones_too: bool) -> Result<ExitCode> {
+    let mut report = Report::new();
+    let everything = tiers.is_empty();
+    let tiers: Vec<Tier> = if everything {
+        ALL.iter().map(|(tier, _)| *tier).collect()
+    } else {
+        tiers.to_vec()
+    };
+    let needs_page = tiers
+        .iter()
+        .any(|tier| matches!(tier, Tier::Unit | Tier::E2e | Tier::Ui));
+    if everything {
+        static_checks(workspace, &mut report);
+    }
+    if needs_page {
+        report.check("dashboard built", "run `cargo xtask build-ui`", || ui::build(workspace));
+    }
+    let built = if tiers == [Tier::Unit] {
+        None
+    } else {
+        build_program(workspace, &mut report)
+    };
+    for tier in &tiers {
+        match (tier, &built) {
+            (Tier::Unit, _) => unit(workspace, &mut report),
+            (_, None) => report.left_out(tier.name(), "the program or its plugins did not build"),
+            (Tier::Ui, Some(built)) => browser_tests(workspace, &mut report, built),
+            (_, Some(built)) => crate_tier(workspace, &mut report, *tier, built),
+        }
+    }
+    if let (true, Some(built)) = (long_ones_too, &built) {
+        long_runs(workspace, &mut report, built);
+    }
+    Ok(report.close())
+}
+
+/// Formatting, habits, lints, licences: nothing that runs our code.
+fn static_checks(workspace: &Workspace, report: &mut Report) {
+    let mut format = workspace.cargo();
+    format.args(["fmt", "--all", "--check"]);
+    report.step("formatting", "run `cargo fmt --all`", Step::new(format));
+    report.check(
+        "tidy",
+        "each finding says what to do; `cargo xtask tidy` repeats them",
+        || tidy::check(workspace),
+    );
+    let mut lints = workspace.cargo();
+    lints.args(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]);
+    report.step("clippy", "mend what clippy names above", Step::new(lints));
+    if fast::is_installed("cargo-deny") {
+        let mut deny = workspace.cargo();
+        deny.args(["deny", "--all-features", "check"]);
+        report.step(
+            "cargo-deny",
+            "see deny.toml: an exception needs a reason",
+            Step::new(deny),
+        );
+    } else {
+        report.left_out("cargo-deny", "it is not installed (cargo install cargo-deny)");
+    }
+}
+
+/// Where the artefacts under test are; the tests find them through these variables (see skein-testkit).
+struct Built {
+    binary: PathBuf,
+    plugins: PathBuf,
+}
+
+impl Built {
+    fn tell<'c>(&self, command: &'c mut Command) -> &'c mut Command {
+        command
+            .env("SKEIN_BINARY", &self.binary)
+            .env("SKEIN_PLUGINS", &self.plugins)
+    }
+}
+
+fn build_program(workspace: &Workspace, report: &mut Report) -> Option<Built> {
+    let mut build = workspace.cargo();
+    build.args(["build", "-p", "skein"]);
+    let ok = report.step("program built", "mend the compile error above", Step::new(build));
+    let mut folder = PathBuf::new();
+    let ok = report.check("plugins built", "run `cargo xtask build-plugins`", || {
+        folder = plugins::build(workspace, Profile::Dev)?;
+        Ok(())
+    }) && ok;
+    let binary = workspace.target.join(Profile::Dev.folder()).join("skein");
+    ok.then_some(Built {
+        binary,
+        plugins: folder,
+    })
+}
+
+fn unit(workspace: &Workspace, report: &mut Report) {
+    let mut tests = workspace.cargo();
+    tests.args(["test", "--workspace", "--no-fail-fast"]);
+    for package in workspace
+        .packages
+        .iter()
+        .filter(|package| fast::is_tier_or_fixture(&package.folder))
+    {
+        tests.args(["--exclude", &package.name]);
+    }
+    let advice = format!("{SEE_TESTS} `cargo xtask test unit`");
+    report.step("unit: crates", &advice, Step::tests(tests, Runner::CargoTest));
+    let advice = "run `npm run check` in web-ui";
+    report.step(
+        "unit: dashboard types",
+        advice,
+        Step::new(ui::npm(workspace, &["run", "check"])),
+    );
+    let tests = Step::tests(ui::npm(workspace, &["run", "test"]), Runner::Vitest);
+    report.step("unit: dashboard", "run `npm test` in web-ui", tests);
+}
+
+fn crate_tier(workspace: &Workspace, report: &mut Report, tier: Tier, built: &Built) {
+    let Some(package) = tier.package() else { return };
+    let mut tests = workspace.cargo();
+    tests.args(["test", "-p", package, "--no-fail-fast"]);
+    built.tell(&mut tests);
+    let advice = format!("{SEE_TESTS} `cargo xtask test {}`", tier.name());
+    report.step(tier.name(), &advice, Step::tests(tests, Runner::CargoTest));
+}
+
+fn browser_tests(workspace: &Workspace, report: &mut Report, built: &Built) {
+    let mut found = None;
+    let advice = format!("install Chromium, or set {} to its path", browser::VARIABLE);
+    report.check("ui: browser", &advice, || {
+        found = Some(browser::chromium()?);
+        Ok(())
+    });
+    let Some(chromium) = found else { return };
+    let mut tests = ui::npm(workspace, &["run", "e2e"]);
+    // Playwright must not look for browsers of its own
+    built
+        .tell(&mut tests)
+        .env(browser::VARIABLE, chromium)
+        .env("PLAYWRIGHT_SKIP_BROWSER_DOWNLOAD", "1");
+    let advice = format!("{SEE_TESTS} `cargo xtask test ui`; traces are in test-results/");
+    report.step("ui", &advice, Step::tests(tests, Runner::Playwright));
+}
+
+/// Minutes each: not in CI.
+fn long_runs(workspace: &Workspace, report: &mut Report, built: &Built) {
+    let folder = workspace.target.join("xtask");
+    let soak = workspace.target.join("release/skein");
+    let advice = "the report named above holds every figure of the flight";
+    report.check("soak: program built", "mend the compile error above", || {
+        crate::demo::build(workspace)
+    });
+    let flights: [(&str, &[&str]); 2] = [
+        ("soak: 50 vehicles", &["--vehicles", "50", "--seconds", "180"]),
+        (
+            "soak: 15 minutes with faults",
+            &["--vehicles", "8", "--seconds", "900", "--faults"],
+        ),
+    ];
+    for (name, arguments) in flights {
+        let file = folder.join(format!(
+            "{}.json",
+            arguments.join("").replace("--", "-").trim_start_matches('-')
+        ));
+        report.step(name, advice, Step::new(flight(&soak, arguments, &file)));
+    }
+    let mut bytes = workspace.cargo();
+    bytes.args([
+        "test",
+        "-p",
+        "skein-link-px4",
+        "-p",
+        "skein-config",
+        "-p",
+        "skein-plugin-host",
+        "--no-fail-fast",
+    ]);
+    built.tell(&mut bytes).env("PROPTEST_CASES", "20000");
+    let advice = "proptest prints the smallest failing input; commit the regression file it wrote";
+    report.step(
+        "fuzz: properties, 20000 cases",
+        advice,
+        Step::tests(bytes, Runner::CargoTest),
+    );
+    fast::fuzz_targets(workspace, report);
+}
+
+fn flight(binary: &Path, arguments: &[&str], report_file: &Path) -> Command {
+    let mut command = Command::new(binary);
+    command
+        .arg("demo")
+        .args(arguments)
+        .arg("--headless")
+        .arg("--report")
+        .arg(report_file);
+    command
+}
