@@ -1,1 +1,24 @@
-//! Placeholder.
+//! Formations, slot assignment, transitions between formations, routes, and what a follower should do now: pure geometry and
+//! kinematics.
+//!
+//! Must never do: I/O, read a clock, spawn, draw random numbers. Time comes in as an argument, so that the same input gives the
+//! same output. No function panics or loops on numbers that are not finite: constructors refuse them with a typed error, and what
+//! samples hands them on, so that the safety gate refuses them.
+#![forbid(unsafe_code)]
+
+pub mod assignment;
+pub mod follow;
+pub mod formation;
+pub mod goto;
+pub mod heading;
+pub mod limits;
+pub mod route;
+mod speed;
+mod time_law;
+pub mod transition;
+
+pub use formation::FormationError;
+pub use goto::GoTo;
+pub use heading::HeadingFollower;
+pub use route::{PathLimits, RouteError, RouteSample, RouteTrajectory};
+pub use transition::{MotionLimits, SlotSample, TransitionPlan};

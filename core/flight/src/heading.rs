@@ -1,0 +1,87 @@
+//! The heading of a formation over time: fixed, or after the leader's course as fast as the formation may turn.
+
+use skein_domain::FormationHeading;
+use skein_domain::frames::wrap_angle_rad;
+
+/// Time in which the rate of turning grows from zero to its limit, in seconds. A sudden rate would ask of the outermost vehicle a
+/// sudden speed.
+const RAMP_S: f64 = 2.0;
+
+/// Follows a course with a limited rate that changes gently. One per leader, stepped once per control period.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeadingFollower {
+    mode: FormationHeading,
+    heading_rad: f64,
+    rate_rad_s: f64,
+}
+
+impl HeadingFollower {
+    /// A follower that starts at `initial_rad` without turning; a fixed heading is taken up at once.
+    #[must_use]
+    pub fn new(mode: FormationHeading, initial_rad: f64) -> Self {
+        let mut follower = Self {
+            mode,
+            heading_rad: 0.0,
+            rate_rad_s: 0.0,
+        };
+        if initial_rad.is_finite() {
+            follower.heading_rad = wrap_angle_rad(initial_rad);
+        }
+        if let FormationHeading::Fixed { heading_rad } = mode
+            && heading_rad.is_finite()
+        {
+            follower.heading_rad = wrap_angle_rad(heading_rad);
+        }
+        follower
+    }
+
+    /// How the heading is chosen.
+    #[must_use]
+    pub fn mode(&self) -> FormationHeading {
+        self.mode
+    }
+
+    /// The present heading in radians, within -π..=π.
+    #[must_use]
+    pub fn heading_rad(&self) -> f64 {
+        self.heading_rad
+    }
+
+    /// The present rate in radians per second.
+    #[must_use]
+    pub fn rate_rad_s(&self) -> f64 {
+        self.rate_rad_s
+    }
+
+    /// One step of `dt_s` towards `course_rad`; gives heading and rate. The rate is the one over this step, never above the
+    /// limit. A course that is not finite leaves the heading where it is (the turning fades out).
+    pub fn step(&mut self, course_rad: f64, dt_s: f64) -> (f64, f64) {
+        let FormationHeading::Course { max_rate_rad_s } = self.mode else {
+            return (self.heading_rad, 0.0);
+        };
+        let max_rate = if max_rate_rad_s.is_finite() {
+            max_rate_rad_s.max(0.0)
+        } else {
+            0.0
+        };
+        if !(dt_s > 0.0 && dt_s.is_finite()) {
+            return (self.heading_rad, self.rate_rad_s);
+        }
+        let error = if course_rad.is_finite() {
+            wrap_angle_rad(course_rad - self.heading_rad)
+        } else {
+            0.0
+        };
+        let ramp = max_rate / RAMP_S;
+        // As fast as can still be slowed down from before the course is reached; within a step's reach, just onto it.
+        let stoppable = (2.0 * ramp * error.abs() + (0.5 * ramp * dt_s).powi(2)).sqrt() - 0.5 * ramp * dt_s;
+        let wanted = stoppable.min(error.abs() / dt_s).copysign(error);
+        let change = (wanted - self.rate_rad_s).clamp(-ramp * dt_s, ramp * dt_s);
+        self.rate_rad_s = (self.rate_rad_s + change).clamp(-max_rate, max_rate);
+        self.heading_rad = wrap_angle_rad(self.heading_rad + self.rate_rad_s * dt_s);
+        (self.heading_rad, self.rate_rad_s)
+    }
+}
+
+#[cfg(test)]
+mod tests;

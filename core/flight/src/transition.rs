@@ -1,0 +1,197 @@
+//! The change from one formation into another: who takes which slot, on which way, over which time, with a verified distance
+//! between any two vehicles over the whole move.
+//!
+//! All members move on one common time law, so that what two of them do relative to each other depends on the share of the way
+//! alone, and a distance can be verified once, whatever the speed and however the formation as a whole moves and turns.
+
+mod clearance;
+mod detour;
+
+use crate::formation::FormationError;
+use crate::time_law::{bump_over_time, min_jerk};
+use crate::{assignment, transition::detour::Ways};
+use nalgebra::Vector3;
+use skein_domain::{NodeTime, OffsetFrd, SlotMove};
+
+/// What the vehicles can do and how close they may come, for a transition.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotionLimits {
+    /// Largest speed relative to the leader in metres per second.
+    pub speed_m_s: f64,
+    /// Largest acceleration relative to the leader in metres per second squared.
+    pub acceleration_m_s2: f64,
+    /// Largest climb and descent rate in metres per second.
+    pub climb_m_s: f64,
+    /// Smallest distance between any two vehicles on the way in metres.
+    pub min_distance_m: f64,
+}
+
+/// A planned transition.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TransitionPlan {
+    /// Each member's way, in the order in which the members were given.
+    pub moves: Vec<SlotMove>,
+    /// How long all of them take, in seconds.
+    pub duration_s: f64,
+    /// Smallest distance between any two members over the whole move in metres (infinite for one alone). It is below the asked
+    /// one only if two members start or end closer than a quarter above it; then they come no more than a fifth closer than that.
+    pub min_distance_m: f64,
+}
+
+/// Where a slot is now, relative to the anchor, in the formation's own turning axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SlotSample {
+    /// The offset.
+    pub offset: OffsetFrd,
+    /// Its rate of change along forward, right and down in metres per second.
+    pub velocity: Vector3<f64>,
+    /// The second rate of change in metres per second squared.
+    pub acceleration: Vector3<f64>,
+}
+
+/// Plans the way of all members from their present offsets into the slots. Index 0 of both is the leader, which stays at zero
+/// offset; the slots' order among the others does not matter. Heading: both lists must be relative to the new heading.
+///
+/// # Errors
+/// [`FormationError`] for lists that do not fit, numbers that are not usable, or if no way keeps the distance.
+pub fn plan(
+    from: &[OffsetFrd],
+    slots: &[OffsetFrd],
+    limits: &MotionLimits,
+    start: NodeTime,
+) -> Result<TransitionPlan, FormationError> {
+    check(from, slots, limits)?;
+    let mut starts: Vec<Vector3<f64>> = from.iter().map(OffsetFrd::vector).collect();
+    if let Some(leader) = starts.first_mut() {
+        *leader = Vector3::zeros();
+    }
+    let targets: Vec<Vector3<f64>> = slots.iter().map(OffsetFrd::vector).collect();
+    let candidates = [
+        // Least squares: pairs of followers cannot cross, only the leader may be in the way.
+        assign_members(&starts, &targets, |_, _| 0.0),
+        // The same with ways around the leader preferred; pays where a detour over it would be too steep.
+        assign_members(&starts, &targets, |a, b| leader_penalty_m2(a, b, limits.min_distance_m)),
+    ];
+    let mut best: Option<(Ways, f64)> = None;
+    let mut best_failed_m = 0.0_f64;
+    for keep in [1.0, RELAXED_SHARE] {
+        for ends in &candidates {
+            let mut ways = Ways::new(&starts, ends, limits.min_distance_m, keep);
+            if !ways.resolve() {
+                best_failed_m = best_failed_m.max(ways.min_distance_m());
+                continue;
+            }
+            let duration_s = ways.longest_s(limits);
+            if best
+                .as_ref()
+                .is_none_or(|(_, shortest_s)| duration_s < *shortest_s - 1e-9)
+            {
+                best = Some((ways, duration_s));
+            }
+        }
+        if best.is_some() {
+            break;
+        }
+    }
+    let Some((ways, duration_s)) = best else {
+        return Err(FormationError::NoSafeTransition {
+            best_m: best_failed_m,
+            limit_m: limits.min_distance_m,
+        });
+    };
+    Ok(TransitionPlan {
+        moves: ways.moves(start, duration_s),
+        duration_s,
+        min_distance_m: ways.min_distance_m(),
+    })
+}
+
+/// Two members that start or end nearly as close as allowed cannot but come a little closer on most ways; this share of their
+/// distance at the ends must remain if nothing better is found.
+const RELAXED_SHARE: f64 = 0.8;
+
+fn check(from: &[OffsetFrd], slots: &[OffsetFrd], limits: &MotionLimits) -> Result<(), FormationError> {
+    if from.is_empty() {
+        return Err(FormationError::NoMembers);
+    }
+    if slots.len() < from.len() {
+        return Err(FormationError::NotEnoughSlots {
+            members: from.len(),
+            slots: slots.len(),
+        });
+    }
+    for list in [from, slots] {
+        if let Some(index) = list.iter().position(|offset| !offset.is_finite()) {
+            return Err(FormationError::NotFinite { index });
+        }
+    }
+    for (limit, value) in [
+        ("speed_m_s", limits.speed_m_s),
+        ("acceleration_m_s2", limits.acceleration_m_s2),
+        ("climb_m_s", limits.climb_m_s),
+        ("min_distance_m", limits.min_distance_m),
+    ] {
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(FormationError::InvalidLimit { limit, value });
+        }
+    }
+    Ok(())
+}
+
+/// Ends for all members: the leader's is zero, the others' those of the cheapest assignment.
+fn assign_members(
+    starts: &[Vector3<f64>],
+    slots: &[Vector3<f64>],
+    extra_m2: impl Fn(&Vector3<f64>, &Vector3<f64>) -> f64,
+) -> Vec<Vector3<f64>> {
+    let followers = starts.get(1..).unwrap_or_default();
+    let free = slots.get(1..).unwrap_or_default();
+    let cost = |i: usize, j: usize| match (followers.get(i), free.get(j)) {
+        (Some(a), Some(b)) => (a - b).norm_squared() + extra_m2(a, b),
+        _ => f64::NAN,
+    };
+    let chosen = assignment::assign_by(followers.len(), free.len(), cost);
+    let ends = chosen
+        .iter()
+        .zip(followers)
+        .map(|(&slot, start)| free.get(slot).copied().unwrap_or(*start));
+    std::iter::once(Vector3::zeros()).chain(ends).collect()
+}
+
+/// What a way that passes closer to the leader than allowed costs on top.
+fn leader_penalty_m2(a: &Vector3<f64>, b: &Vector3<f64>, min_distance_m: f64) -> f64 {
+    if clearance::straight_m(a, &(b - a)) < min_distance_m {
+        4.0 * (b - a).norm_squared() + 100.0
+    } else {
+        0.0
+    }
+}
+
+/// Where the slot is at `now`: at its start before the move, at its end after it. Numbers that are not finite come out as such.
+#[must_use]
+pub fn sample(slot: &SlotMove, now: NodeTime) -> SlotSample {
+    let (from, to) = (slot.from.vector(), slot.to.vector());
+    let tau = if slot.duration_s > 0.0 {
+        now.seconds_since(slot.start) / slot.duration_s
+    } else {
+        1.0
+    };
+    if !(0.0..1.0).contains(&tau) {
+        let offset = if tau < 0.0 { slot.from } else { slot.to };
+        return SlotSample {
+            offset,
+            velocity: Vector3::zeros(),
+            acceleration: Vector3::zeros(),
+        };
+    }
+    let (s, b) = (min_jerk(tau), bump_over_time(tau));
+    let (way, lift) = (to - from, Vector3::new(0.0, 0.0, -slot.detour_up_m));
+    SlotSample {
+        offset: (from + way * s.value + lift * b.value).into(),
+        velocity: (way * s.first + lift * b.first) / slot.duration_s,
+        acceleration: (way * s.second + lift * b.second) / (slot.duration_s * slot.duration_s),
+    }
+}
+
+#[cfg(test)]
+mod tests;
