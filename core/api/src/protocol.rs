@@ -1,0 +1,234 @@
+//! The JSON that goes over the wire, beside the domain's and the runtime's own types: bodies, answers and stream messages.
+//!
+//! Each type here is exported to TypeScript and to the OpenAPI document. Must never do: hold behaviour.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use skein_domain::{Geodetic, NodeTime, Route, SwarmFrame, SystemId, VehicleCommand, VehicleId};
+use skein_runtime::handle::{CommandReceipt, Targets};
+use skein_runtime::snapshot::{ActorHealth, EventRecord, FormationSnapshot, UnadoptedVehicle, VehicleSnapshot};
+use ts_rs::TS;
+
+/// Version of the stream's messages and of the binary frame.
+pub const PROTOCOL_VERSION: u32 = 1;
+
+/// Every answer that is not a success.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, TS, JsonSchema)]
+pub struct ErrorBody {
+    /// What went wrong.
+    pub error: ErrorDetail,
+}
+
+/// What went wrong.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, TS, JsonSchema)]
+pub struct ErrorDetail {
+    /// A word for programs. For refusals the same as the refusal's `reason`.
+    pub code: String,
+    /// A sentence for people.
+    pub message: String,
+    /// Facts that go with the code: the refusal itself, the place in the body, what would be allowed. May be null.
+    #[ts(type = "unknown")]
+    pub detail: serde_json::Value,
+}
+
+/// Which program, which version, which node.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, TS, JsonSchema)]
+pub struct VersionInfo {
+    /// Always `skein`.
+    pub program: String,
+    /// Version of the program.
+    pub version: String,
+    /// Name of the node.
+    pub node: String,
+    /// Version of the stream's messages and of the binary frame.
+    pub protocol: u32,
+}
+
+/// How the node is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, TS, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum HealthStatus {
+    /// All is well.
+    Ok,
+    /// It runs, but an actor is being restarted or has been given up.
+    Degraded,
+    /// No new picture of the fleet has been made for over a second: nobody should rely on it.
+    Stalled,
+}
+
+/// How the node is, with the facts.
+#[derive(Debug, Clone, Serialize, TS, JsonSchema)]
+pub struct Health {
+    /// In one word.
+    pub status: HealthStatus,
+    /// Node time: how long the node has been running, in microseconds.
+    pub time: NodeTime,
+    /// Age of the newest picture of the fleet, in seconds.
+    pub snapshot_age_s: f64,
+    /// How many vehicles are flown by this node.
+    pub vehicles: u32,
+    /// How many of them are heard.
+    pub vehicles_connected: u32,
+    /// How many are heard but not flown.
+    pub vehicles_unadopted: u32,
+    /// Actors and model instances that are not running.
+    pub not_running: Vec<ActorHealth>,
+}
+
+/// All vehicles at one moment.
+#[derive(Debug, Clone, Serialize, TS, JsonSchema)]
+pub struct VehicleList {
+    /// When.
+    pub time: NodeTime,
+    /// Those that are flown, by ascending id.
+    pub vehicles: Vec<VehicleSnapshot>,
+    /// Those that are heard but not flown.
+    pub unadopted: Vec<UnadoptedVehicle>,
+}
+
+/// A command and whom it is for.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, TS, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CommandBody {
+    /// Whom it is for.
+    pub targets: Targets,
+    /// The command.
+    pub command: VehicleCommand,
+}
+
+/// What became of a command, vehicle by vehicle.
+#[derive(Debug, Clone, PartialEq, Serialize, TS, JsonSchema)]
+pub struct CommandReceipts {
+    /// One for each vehicle it was for.
+    pub receipts: Vec<CommandReceipt>,
+}
+
+/// The formation, if one is flown.
+#[derive(Debug, Clone, PartialEq, Serialize, TS, JsonSchema)]
+pub struct FormationAnswer {
+    /// Null if none is flown.
+    pub formation: Option<FormationSnapshot>,
+}
+
+/// A route for the leader.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, TS, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RouteBody {
+    /// The route.
+    pub route: Route,
+}
+
+/// It was taken up; how it goes on comes as events.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, TS, JsonSchema)]
+pub struct Accepted {
+    /// Always true.
+    pub accepted: bool,
+}
+
+/// Events after a given one.
+#[derive(Debug, Clone, PartialEq, Serialize, TS, JsonSchema)]
+pub struct EventList {
+    /// Oldest first.
+    pub events: Vec<EventRecord>,
+    /// How many between the given one and the first of the list are no longer kept.
+    pub missed: u64,
+}
+
+/// What is said of the fleet at a slow rate: everything that is not in the binary frame.
+#[derive(Debug, Clone, Default, Serialize, TS, JsonSchema)]
+pub struct FleetInfo {
+    /// The swarm's common frame, once known.
+    pub frame: Option<SwarmFrame>,
+    /// Vehicles by ascending id.
+    pub vehicles: Vec<VehicleInfo>,
+    /// Vehicles that are heard but not flown, and why.
+    pub unadopted: Vec<UnadoptedVehicle>,
+    /// The formation being flown, if any.
+    pub formation: Option<FormationSnapshot>,
+    /// Actors of the node under supervision.
+    pub actors: Vec<ActorHealth>,
+    /// The fence, if there is one.
+    pub fence: Option<FenceInfo>,
+    /// Whether faults may be injected here.
+    pub faults_enabled: bool,
+}
+
+/// What changes seldom about one vehicle.
+#[derive(Debug, Clone, Serialize, TS, JsonSchema)]
+pub struct VehicleInfo {
+    /// The swarm's id for it.
+    pub id: VehicleId,
+    /// Its name.
+    pub name: String,
+    /// MAVLink system id on its link.
+    pub system_id: SystemId,
+    /// Name of the UAV-model plugin that flies it.
+    pub plugin: String,
+    /// Version of that plugin.
+    pub plugin_version: String,
+    /// Why it is in its flight state; may be empty.
+    pub state_detail: String,
+    /// Launch place.
+    pub home: Option<Geodetic>,
+    /// Its actor.
+    pub actor: ActorHealth,
+    /// Its UAV-model plugin instance.
+    pub model: ActorHealth,
+}
+
+/// The fence, for display. The gate in the node keeps it, not the browser.
+#[derive(Debug, Clone, PartialEq, Serialize, TS, JsonSchema)]
+pub struct FenceInfo {
+    /// Corners as metres north and east of the swarm's origin.
+    pub polygon_m: Vec<[f64; 2]>,
+    /// Lowest height above the swarm's origin in metres.
+    pub floor_m: f64,
+    /// Greatest height above the swarm's origin in metres.
+    pub ceiling_m: f64,
+}
+
+/// What the server says on the stream as text. Readers skip types they do not know.
+#[derive(Debug, Clone, Serialize, TS, JsonSchema)]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub enum ServerMessage {
+    /// First of all.
+    Hello {
+        /// Version of these messages and of the binary frame.
+        protocol: u32,
+        /// Version of the program.
+        version: String,
+        /// Name of the node.
+        node: String,
+    },
+    /// The slow part of the fleet's state, whole; sent at the start and when it has changed.
+    Fleet(FleetInfo),
+    /// Something happened.
+    Event(EventRecord),
+    /// Events were lost, because this client was too slow or had been away for too long.
+    Gap {
+        /// How many.
+        missed: u64,
+    },
+    /// The rate of binary frames, as an answer to the same message of the client.
+    Rate {
+        /// Frames per second.
+        rate_hz: f64,
+    },
+    /// The client's last message was not understood; the stream goes on.
+    Error {
+        /// Why.
+        error: ErrorDetail,
+    },
+}
+
+/// What a client may say on the stream as text.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, TS, JsonSchema)]
+#[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
+pub enum ClientMessage {
+    /// Ask for another rate of binary frames.
+    Rate {
+        /// Frames per second, 1 to 50.
+        #[schemars(range(min = 1.0, max = 50.0))]
+        rate_hz: f64,
+    },
+}
