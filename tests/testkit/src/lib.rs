@@ -1,1 +1,23 @@
-//! Placeholder.
+//! What every tier of tests needs, in one place:
+//!
+//! | for | use |
+//! |---|---|
+//! | the program and the plugins under test, built once per run | [`skein_binary`], [`plugins_dir`], [`library`] |
+//! | a file of the repository | [`repository`] |
+//! | waiting for something without sleeping | [`eventually`] with [`patience`] |
+//! | a port that nobody uses | [`free_udp_port`], [`free_tcp_port`] |
+//! | a child process that cannot outlive its test | [`Process`] |
+//!
+//! Must never do: stand in for our own code. What runs in a test is what ships; vehicles are `skein-sim`'s, over real sockets.
+//! Everything here panics when it cannot do its work: a test that cannot be set up has failed.
+#![forbid(unsafe_code)]
+
+mod artefacts;
+mod patience;
+mod ports;
+mod process;
+
+pub use artefacts::{library, plugins_dir, repository, skein_binary};
+pub use patience::{eventually, patience};
+pub use ports::{free_tcp_port, free_udp_port};
+pub use process::Process;
