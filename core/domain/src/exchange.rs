@@ -8,6 +8,8 @@ use crate::{
 };
 use minicbor::{Decode, Encode};
 
+/// Schema id of [`CreateUav`].
+pub const CREATE_UAV_SCHEMA: u32 = 1;
 /// Schema id of [`EventBatch`]: changes only when the meaning of a number changes.
 pub const EVENT_BATCH_SCHEMA: u32 = 1;
 /// Schema id of [`EffectBatch`].

@@ -59,6 +59,11 @@ fn layout() -> String {
             table,
         }
     );
+    out + &numbers()
+}
+
+fn numbers() -> String {
+    let mut out = String::new();
     for (name, status) in [
         ("ok", Status::OK),
         ("panicked", Status::PANICKED),

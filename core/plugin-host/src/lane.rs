@@ -1,0 +1,238 @@
+//! One lane: a queue of calls and the one thread that makes them, in order. If a call does not return in time, the thread is given up
+//! with the instance it is in, and a fresh thread goes on with the same queue.
+//!
+//! Must never do: hold the lock while a plugin runs, take more than one job off the queue at a time (what is taken is lost to a hang).
+
+use crate::PluginError;
+use crate::body::{Answer, InstanceBody};
+use parking_lot::{Condvar, Mutex};
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::atomic::AtomicUsize;
+use std::time::Duration;
+use tokio::sync::oneshot;
+use tokio::time::Instant;
+
+/// How often a thread that found its queue empty lets others run and looks again before it sleeps. A period's calls arrive one by
+/// one within microseconds; this makes them share one wake-up.
+const LOOKS_BEFORE_SLEEP: u32 = 4;
+
+/// To whom the result goes.
+pub(crate) type Reply = oneshot::Sender<Result<Option<Answer>, PluginError>>;
+
+/// What is to be done with an instance.
+#[derive(Debug)]
+pub(crate) enum Task {
+    /// Make it.
+    Create { schema: u32, bytes: Vec<u8> },
+    /// Call one of its methods, and if that went well take a snapshot.
+    Invoke {
+        method: u32,
+        schema: u32,
+        bytes: Vec<u8>,
+        then_snapshot: bool,
+    },
+    /// End it.
+    Destroy,
+}
+
+/// One job of a lane.
+#[derive(Debug)]
+pub(crate) struct Job {
+    pub(crate) body: Arc<InstanceBody>,
+    pub(crate) task: Task,
+    pub(crate) deadline: Duration,
+    /// None: nobody waits for the result.
+    pub(crate) reply: Option<Reply>,
+}
+
+/// A lane as those see it who put jobs on it. Its thread ends when the last of these goes and the queue is empty.
+#[derive(Debug)]
+pub(crate) struct Lane {
+    pub(crate) shared: Arc<LaneShared>,
+    /// How many instances live on it.
+    pub(crate) instances: AtomicUsize,
+}
+
+#[derive(Debug)]
+pub(crate) struct LaneShared {
+    index: usize,
+    state: Mutex<LaneState>,
+    wake: Condvar,
+}
+
+#[derive(Debug, Default)]
+struct LaneState {
+    queue: VecDeque<Job>,
+    /// The call being made.
+    running: Option<Running>,
+    /// Counts the threads; a thread with another number has been given up.
+    generation: u32,
+    /// Whether the present thread was started.
+    has_thread: bool,
+    /// Whether it sleeps.
+    asleep: bool,
+    closed: bool,
+}
+
+#[derive(Debug)]
+struct Running {
+    body: Arc<InstanceBody>,
+    reply: Option<Reply>,
+    started: Instant,
+    deadline: Duration,
+    /// How often the watchdog has seen this call.
+    seen: u32,
+}
+
+impl Lane {
+    pub(crate) fn new(index: usize) -> Self {
+        let shared = LaneShared {
+            index,
+            state: Mutex::default(),
+            wake: Condvar::new(),
+        };
+        Self {
+            shared: Arc::new(shared),
+            instances: AtomicUsize::new(0),
+        }
+    }
+
+    /// Puts a job on the queue. Gives it back if there is no thread to do it and none can be started.
+    pub(crate) fn push(&self, job: Job) -> Result<(), (Job, PluginError)> {
+        let mut state = self.shared.state.lock();
+        if let Err(error) = self.shared.ensure_thread(&mut state) {
+            return Err((job, error));
+        }
+        state.queue.push_back(job);
+        if std::mem::take(&mut state.asleep) {
+            drop(state);
+            self.shared.wake.notify_one();
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Lane {
+    fn drop(&mut self) {
+        self.shared.state.lock().closed = true;
+        self.shared.wake.notify_all();
+    }
+}
+
+impl LaneShared {
+    fn ensure_thread(self: &Arc<Self>, state: &mut LaneState) -> Result<(), PluginError> {
+        if state.has_thread {
+            return Ok(());
+        }
+        let (shared, generation) = (Arc::clone(self), state.generation);
+        std::thread::Builder::new()
+            .name(format!("plugins-{}.{generation}", self.index))
+            .spawn(move || shared.run(generation))
+            .map_err(|e| PluginError::NoThread { detail: e.to_string() })?;
+        state.has_thread = true;
+        Ok(())
+    }
+
+    /// The thread's life.
+    fn run(&self, generation: u32) {
+        while let Some((body, task)) = self.next(generation) {
+            let result = body.run(&task);
+            let mut state = self.state.lock();
+            if state.generation != generation {
+                drop(state);
+                body.end_late();
+                return;
+            }
+            let running = state.running.take();
+            drop(state);
+            if let (Task::Destroy, Err(error)) = (&task, &result) {
+                tracing::warn!(target: "plugin", instance = %body.name, "did not end well: {error}");
+            }
+            if let Some(reply) = running.and_then(|running| running.reply) {
+                // Nobody may be waiting any more.
+                let _ = reply.send(result);
+            }
+        }
+    }
+
+    /// Waits for the next job and notes it as running. None: this thread's time is over.
+    fn next(&self, generation: u32) -> Option<(Arc<InstanceBody>, Task)> {
+        let mut looks = 0;
+        let mut state = self.state.lock();
+        loop {
+            if state.generation != generation {
+                return None;
+            }
+            if let Some(Job {
+                body,
+                task,
+                deadline,
+                reply,
+            }) = state.queue.pop_front()
+            {
+                let running = Running {
+                    body: Arc::clone(&body),
+                    reply,
+                    started: Instant::now(),
+                    deadline,
+                    seen: 0,
+                };
+                state.running = Some(running);
+                return Some((body, task));
+            }
+            if state.closed {
+                return None;
+            }
+            if looks < LOOKS_BEFORE_SLEEP {
+                looks += 1;
+                drop(state);
+                std::thread::yield_now();
+                state = self.state.lock();
+            } else {
+                looks = 0;
+                state.asleep = true;
+                self.wake.wait(&mut state);
+                state.asleep = false;
+            }
+        }
+    }
+
+    /// The watchdog looks in: gives the thread up if its call is over its deadline and was seen `enough` times. The count makes sure
+    /// that a call is not blamed for a time in which the whole process did not run.
+    pub(crate) fn inspect(self: &Arc<Self>, now: Instant, enough: u32) {
+        let mut state = self.state.lock();
+        let Some(running) = state.running.as_mut() else { return };
+        running.seen = running.seen.saturating_add(1);
+        let after = now.duration_since(running.started);
+        if after < running.deadline || running.seen < enough {
+            return;
+        }
+        let Some(Running { body, reply, .. }) = state.running.take() else {
+            return;
+        };
+        state.generation = state.generation.wrapping_add(1);
+        state.has_thread = false;
+        body.abandon(after);
+        // The others' calls go on with a fresh thread. If none can be started now, the next call tries again.
+        if !state.queue.is_empty()
+            && let Err(error) = self.ensure_thread(&mut state)
+        {
+            tracing::error!(target: "plugin", "{error}");
+        }
+        drop(state);
+        tracing::error!(
+            target: "plugin", plugin = %body.plugin.manifest().name, instance = %body.name,
+            "a call did not return within {} ms: its thread and the instance are given up", after.as_millis()
+        );
+        if let Some(reply) = reply {
+            let _ = reply.send(Err(PluginError::DeadlineExceeded { after }));
+        }
+    }
+
+    /// Whether nothing will ever run here again.
+    pub(crate) fn is_over(&self) -> bool {
+        let state = self.state.lock();
+        state.closed && state.queue.is_empty() && state.running.is_none()
+    }
+}

@@ -1,0 +1,107 @@
+//! One plugin: a library loaded from a private copy, its handshake and its manifest found right.
+//!
+//! Must never do: unload. Threads, thread-local values and buffers of a plugin may outlive everything the host knows of.
+
+use crate::entry::Entry;
+use crate::private_copy::PrivateCopy;
+use crate::{LoadError, Manifest, PluginError};
+use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
+use skein_plugin_abi::{ENTRY_SYMBOL, Handshake, PluginKind};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
+
+/// Loading and the manifest take milliseconds. A library that takes longer than this hangs.
+const LOAD_DEADLINE: Duration = Duration::from_secs(10);
+
+/// A loaded plugin. It stays loaded until the process ends.
+#[derive(Debug)]
+pub struct Plugin {
+    manifest: Manifest,
+    path: PathBuf,
+    pub(crate) entry: Entry,
+    /// Threads that were given up inside this plugin and have not come back.
+    pub(crate) hanging: AtomicU32,
+}
+
+impl Plugin {
+    /// Loads the library at `path`. Loading the same file again gives another plugin, independent of the first, even if the file
+    /// did not change.
+    pub fn load(path: &Path) -> Result<Arc<Self>, LoadError> {
+        // On a thread of its own, since the library's constructors and its manifest are the plugin's code.
+        let (send, receive) = std::sync::mpsc::sync_channel(1);
+        let of = path.to_owned();
+        std::thread::Builder::new()
+            .name("plugin-load".to_owned())
+            .spawn(move || {
+                // Nobody may be waiting any more.
+                let _ = send.send(Self::load_here(of));
+            })?;
+        receive
+            .recv_timeout(LOAD_DEADLINE)
+            .unwrap_or(Err(LoadError::TimedOut { after: LOAD_DEADLINE }))
+            .map(Arc::new)
+    }
+
+    fn load_here(path: PathBuf) -> Result<Self, LoadError> {
+        let copy = PrivateCopy::of(&path)?;
+        // SAFETY: the library's constructors run here; that nobody else could have written them was checked just now.
+        let library =
+            unsafe { Library::open(Some(copy.path()), RTLD_NOW | RTLD_LOCAL) }.map_err(|e| LoadError::NotLoadable {
+                detail: loader_detail(&e, copy.path()),
+            })?;
+        // SAFETY: the symbol is only used as an address, which `Handshake::read` judges.
+        let symbol = unsafe { library.get::<*const Handshake>(ENTRY_SYMBOL) }.map(|symbol| symbol.into_raw());
+        // Never unloaded from here on, whatever it turns out to be: its constructors may have started threads.
+        std::mem::forget(library);
+        let symbol = symbol.map_err(|_| LoadError::MissingSymbol)?;
+        // SAFETY: the address of a data symbol of a library that stays loaded.
+        let handshake = unsafe { Handshake::read(symbol.cast()) }?;
+        let entry = Entry::new(handshake.check()?);
+        let kind = PluginKind(handshake.kind);
+        if kind.word().is_none() {
+            return Err(LoadError::UnknownKind { kind: handshake.kind });
+        }
+        let manifest = entry.manifest().map_err(|e| match e {
+            PluginError::Panicked { message } => LoadError::ManifestPanicked { message },
+            other => LoadError::BadManifest {
+                detail: other.to_string(),
+            },
+        })?;
+        let manifest = Manifest::decode(kind, manifest.bytes())?;
+        Ok(Self {
+            manifest,
+            path,
+            entry,
+            hanging: AtomicU32::new(0),
+        })
+    }
+
+    /// What the plugin says of itself.
+    #[must_use]
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// The file it was loaded from. It may have changed since.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// How many threads hang in this plugin.
+    #[must_use]
+    pub fn hanging_threads(&self) -> u32 {
+        self.hanging.load(Ordering::Relaxed)
+    }
+}
+
+/// The loader's text without the path of the copy, which nobody can look at any more.
+fn loader_detail(error: &libloading::Error, copy: &Path) -> String {
+    let mut text = error.to_string();
+    if let Some(cause) = std::error::Error::source(error) {
+        text = format!("{text}: {cause}");
+    }
+    text.replace(&format!("{}: ", copy.display()), "")
+}

@@ -1,0 +1,68 @@
+//! The private copy a library is loaded from. A library that was loaded stays as it was when it was judged, whatever happens to its
+//! file; and the same file, exchanged for a newer version, can be loaded beside it: the loader sees another file.
+//!
+//! Must never do: judge one file and copy another. It is opened once; the open file is judged and copied.
+
+use crate::LoadError;
+use std::fs::File;
+use std::os::unix::fs::{OpenOptionsExt, PermissionsExt};
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+/// Permission bit: others may write.
+const OTHERS_MAY_WRITE: u32 = 0o002;
+
+/// A copy that only this user can read, in a directory that goes when this value does. A loaded library outlives its file.
+pub(crate) struct PrivateCopy {
+    path: PathBuf,
+    _directory: TempDir,
+}
+
+impl PrivateCopy {
+    /// Judges and copies the library at `path`.
+    pub(crate) fn of(path: &Path) -> Result<Self, LoadError> {
+        let mut original = File::open(path)?;
+        let real_path = path.canonicalize()?;
+        refuse_if_others_may_write(&real_path, &original.metadata()?)?;
+        if let Some(directory) = real_path.parent() {
+            refuse_if_others_may_write(directory, &directory.metadata()?)?;
+        }
+        Self::copy(&mut original, path).map_err(|source| LoadError::NotCopied { source })
+    }
+
+    fn copy(original: &mut File, path: &Path) -> std::io::Result<Self> {
+        // Only its owner may enter a directory made by tempfile.
+        let directory = tempfile::Builder::new().prefix("skein-plugin-").tempdir()?;
+        let copy = directory.path().join(path.file_name().unwrap_or_default());
+        let mut file = std::fs::OpenOptions::new()
+            .write(true)
+            .create_new(true)
+            .mode(0o700)
+            .open(&copy)?;
+        std::io::copy(original, &mut file)?;
+        Ok(Self {
+            path: copy,
+            _directory: directory,
+        })
+    }
+
+    /// Where the copy is.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+/// Refuses what anyone on this machine could change.
+pub(crate) fn refuse_if_others_may_write(path: &Path, metadata: &std::fs::Metadata) -> Result<(), LoadError> {
+    let mode = metadata.permissions().mode() & 0o777;
+    if mode & OTHERS_MAY_WRITE == 0 {
+        return Ok(());
+    }
+    Err(LoadError::WritableByOthers {
+        path: path.to_owned(),
+        mode,
+    })
+}
+
+#[cfg(test)]
+mod tests;

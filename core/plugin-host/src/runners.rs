@@ -1,0 +1,227 @@
+//! The pool of threads on which plugins run. Each instance lives on one lane; a lane is a queue and a watched thread.
+
+use crate::body::{Answer, InstanceBody};
+use crate::lane::{Job, Lane, Task};
+use crate::{Instance, Plugin, PluginError, watchdog};
+use skein_domain::exchange::{CREATE_UAV_SCHEMA, CreateUav};
+use skein_plugin_abi::PluginKind;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+use tokio::sync::oneshot;
+
+/// Bounds of everything that instances do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RunnerSettings {
+    /// Threads that make calls, at least one. A handful serves hundreds of instances.
+    pub threads: usize,
+    /// A call that has not returned after this time is given up, with its instance and its thread. It is noticed up to a quarter
+    /// later.
+    pub call_deadline: Duration,
+    /// The same for the creation and the end of an instance, which may have files to read.
+    pub create_deadline: Duration,
+    /// Longest answer to an event batch in bytes.
+    pub max_answer_bytes: usize,
+    /// Longest snapshot in bytes.
+    pub max_snapshot_bytes: usize,
+    /// Most effects of one batch.
+    pub max_effects: u64,
+    /// A plugin in which so many threads hang gets no more.
+    pub max_hanging_threads: u32,
+}
+
+impl Default for RunnerSettings {
+    fn default() -> Self {
+        Self {
+            threads: 2,
+            call_deadline: Duration::from_millis(50),
+            create_deadline: Duration::from_secs(1),
+            max_answer_bytes: 64 << 10,
+            max_snapshot_bytes: 256 << 10,
+            max_effects: 200,
+            max_hanging_threads: 8,
+        }
+    }
+}
+
+/// How the pool is doing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RunnersHealth {
+    /// Lanes, each with one thread.
+    pub lanes: usize,
+    /// Living instances.
+    pub instances: usize,
+}
+
+/// The pool. Its threads end when it and all its instances are gone.
+#[derive(Debug)]
+pub struct Runners {
+    settings: RunnerSettings,
+    lanes: Vec<Arc<Lane>>,
+    watched: AtomicBool,
+}
+
+impl Runners {
+    /// A pool of `threads` threads with a deadline per call.
+    #[must_use]
+    pub fn new(threads: usize, call_deadline: Duration) -> Arc<Self> {
+        let defaults = RunnerSettings::default();
+        let create_deadline = defaults.create_deadline.max(call_deadline);
+        Self::with_settings(RunnerSettings {
+            threads,
+            call_deadline,
+            create_deadline,
+            ..defaults
+        })
+    }
+
+    /// A pool with all bounds given. Threads start with the first instance that needs them.
+    #[must_use]
+    pub fn with_settings(settings: RunnerSettings) -> Arc<Self> {
+        let lanes = (0..settings.threads.max(1))
+            .map(|index| Arc::new(Lane::new(index)))
+            .collect();
+        Arc::new(Self {
+            settings,
+            lanes,
+            watched: AtomicBool::new(false),
+        })
+    }
+
+    /// The bounds.
+    #[must_use]
+    pub fn settings(&self) -> &RunnerSettings {
+        &self.settings
+    }
+
+    /// How the pool is doing.
+    #[must_use]
+    pub fn health(&self) -> RunnersHealth {
+        let instances = self
+            .lanes
+            .iter()
+            .map(|lane| lane.instances.load(Ordering::Relaxed))
+            .sum();
+        RunnersHealth {
+            lanes: self.lanes.len(),
+            instances,
+        }
+    }
+
+    /// Makes an instance that flies one vehicle. In logs it is called `vehicle-<id>`.
+    pub async fn create(self: &Arc<Self>, plugin: Arc<Plugin>, create: CreateUav) -> Result<Instance, PluginError> {
+        let (expected, found) = (PluginKind::UAV_MODEL, plugin.manifest().kind);
+        if expected != found {
+            return Err(PluginError::WrongKind { expected, found });
+        }
+        let bytes = encode(&create)?;
+        let name = format!("vehicle-{}", create.vehicle);
+        let calls = Calls::create(self, plugin, name, CREATE_UAV_SCHEMA, bytes).await?;
+        Ok(Instance::new(calls))
+    }
+
+    fn watch(&self) -> Result<(), PluginError> {
+        if self.watched.swap(true, Ordering::Relaxed) {
+            return Ok(());
+        }
+        let lanes = self.lanes.iter().map(|lane| Arc::clone(&lane.shared)).collect();
+        watchdog::watch(lanes, self.settings.call_deadline).map_err(|e| {
+            self.watched.store(false, Ordering::Relaxed);
+            PluginError::NoThread { detail: e.to_string() }
+        })
+    }
+}
+
+/// CBOR of a value, or that it could not be encoded (which only a custom encoder can cause).
+pub(crate) fn encode<T: minicbor::Encode<()>>(value: &T) -> Result<Vec<u8>, PluginError> {
+    minicbor::to_vec(value).map_err(|e| PluginError::NotUnderstood {
+        detail: format!("cannot be encoded: {e}"),
+    })
+}
+
+/// The untyped calls of one instance, of any kind of plugin.
+#[derive(Debug)]
+pub(crate) struct Calls {
+    pub(crate) body: Arc<InstanceBody>,
+    lane: Arc<Lane>,
+    pub(crate) settings: RunnerSettings,
+}
+
+impl Calls {
+    async fn create(
+        runners: &Runners,
+        plugin: Arc<Plugin>,
+        name: String,
+        schema: u32,
+        bytes: Vec<u8>,
+    ) -> Result<Self, PluginError> {
+        let hanging = plugin.hanging_threads();
+        if hanging >= runners.settings.max_hanging_threads {
+            return Err(PluginError::Quarantined { hanging });
+        }
+        runners.watch()?;
+        let lane = runners
+            .lanes
+            .iter()
+            .min_by_key(|lane| lane.instances.load(Ordering::Relaxed));
+        let lane = Arc::clone(lane.ok_or(PluginError::Gone)?);
+        lane.instances.fetch_add(1, Ordering::Relaxed);
+        // From here on `drop` takes the instance off its lane again, whatever becomes of it.
+        let calls = Self {
+            body: Arc::new(InstanceBody::new(plugin, name)),
+            lane,
+            settings: runners.settings,
+        };
+        calls
+            .ask(Task::Create { schema, bytes }, calls.settings.create_deadline)
+            .await?;
+        Ok(calls)
+    }
+
+    /// Calls a method; with `then_snapshot` the same visit also takes a snapshot.
+    pub(crate) async fn invoke(
+        &self,
+        method: u32,
+        schema: u32,
+        bytes: Vec<u8>,
+        then_snapshot: bool,
+    ) -> Result<Answer, PluginError> {
+        let task = Task::Invoke {
+            method,
+            schema,
+            bytes,
+            then_snapshot,
+        };
+        self.ask(task, self.settings.call_deadline)
+            .await?
+            .ok_or(PluginError::Gone)
+    }
+
+    async fn ask(&self, task: Task, deadline: Duration) -> Result<Option<Answer>, PluginError> {
+        let (reply, answer) = oneshot::channel();
+        let job = Job {
+            body: Arc::clone(&self.body),
+            task,
+            deadline,
+            reply: Some(reply),
+        };
+        self.lane.push(job).map_err(|(_, error)| error)?;
+        answer.await.unwrap_or(Err(PluginError::Gone))
+    }
+}
+
+impl Drop for Calls {
+    fn drop(&mut self) {
+        self.lane.instances.fetch_sub(1, Ordering::Relaxed);
+        let deadline = self.settings.create_deadline;
+        let job = Job {
+            body: Arc::clone(&self.body),
+            task: Task::Destroy,
+            deadline,
+            reply: None,
+        };
+        if let Err((job, error)) = self.lane.push(job) {
+            tracing::error!(target: "plugin", instance = %job.body.name, "was not ended: {error}");
+        }
+    }
+}
