@@ -1,1 +1,13 @@
-//! Placeholder.
+//! The gate that every setpoint, goal and command passes before a link sees it: fence, speed, separation, and whether a thing makes
+//! sense at all. Every refusal is a typed reason.
+//!
+//! Must never do: I/O, read a clock, spawn, draw random numbers, or let a number that is not finite through.
+#![forbid(unsafe_code)]
+
+mod fence;
+mod gate;
+mod separation;
+
+pub use fence::{Excess, Fence, FenceError};
+pub use gate::{Gate, Limits, LimitsError};
+pub use separation::Peer;

@@ -1,0 +1,384 @@
+//! The gate: one place that says yes or no to setpoints, goals, commands, formations and routes.
+
+use crate::fence::{Excess, Fence};
+use crate::separation::{Motion, Peer};
+use skein_domain::telemetry::VehicleKinematics;
+use skein_domain::{
+    AutopilotCommand, FlightMode, NodeTime, PositionNed, Refusal, Route, Setpoint, VehicleCommand, VehicleId,
+    VelocityNed,
+};
+use thiserror::Error;
+
+/// What no vehicle may exceed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Largest horizontal speed in metres per second.
+    pub max_speed_m_s: f64,
+    /// Largest climb rate in metres per second.
+    pub max_climb_m_s: f64,
+    /// Largest descent rate in metres per second.
+    pub max_descent_m_s: f64,
+    /// Smallest distance between two vehicles in the air in metres.
+    pub min_separation_m: f64,
+    /// How far ahead distances and the fence are looked at, in seconds.
+    pub separation_horizon_s: f64,
+}
+
+/// A limit that is not usable.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("{limit} = {value}: it must be a finite number above zero")]
+pub struct LimitsError {
+    /// Which one.
+    pub limit: &'static str,
+    /// What was given.
+    pub value: f64,
+}
+
+impl Limits {
+    /// Whether every limit is a finite number above zero.
+    ///
+    /// # Errors
+    /// [`LimitsError`] with the first that is not. A gate made with such limits lets nothing pass that they should bound.
+    pub fn check(&self) -> Result<(), LimitsError> {
+        for (limit, value) in [
+            ("max_speed_m_s", self.max_speed_m_s),
+            ("max_climb_m_s", self.max_climb_m_s),
+            ("max_descent_m_s", self.max_descent_m_s),
+            ("min_separation_m", self.min_separation_m),
+            ("separation_horizon_s", self.separation_horizon_s),
+        ] {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(LimitsError { limit, value });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Slowing down counts when it is looked where a velocity leads, but no more than this, in metres per second squared.
+const MAX_BRAKING_M_S2: f64 = 3.0;
+/// Rounding must not refuse what is exactly at a limit.
+const ROUNDING: f64 = 1.0 + 1e-9;
+
+/// The gate of one swarm: the same for all its vehicles.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Gate {
+    limits: Limits,
+    fence: Option<Fence>,
+}
+
+impl Gate {
+    /// A gate with these limits, and a fence if there is one.
+    #[must_use]
+    pub fn new(limits: Limits, fence: Option<Fence>) -> Self {
+        Self { limits, fence }
+    }
+
+    /// Its limits.
+    #[must_use]
+    pub fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    /// Its fence.
+    #[must_use]
+    pub fn fence(&self) -> Option<&Fence> {
+        self.fence.as_ref()
+    }
+
+    /// Whether a vehicle may be given this setpoint now: well-formed, not too fast, inside of the fence together with where it leads
+    /// within the horizon, and not on the way into another vehicle. Separation is looked at in the air only.
+    ///
+    /// A vehicle that is outside of the fence already may be given what does not lead further out.
+    ///
+    /// # Errors
+    /// The typed reason.
+    pub fn setpoint(
+        &self,
+        own: VehicleId,
+        own_kinematics: &VehicleKinematics,
+        airborne: bool,
+        setpoint: &Setpoint,
+        peers: &[Peer],
+        now: NodeTime,
+    ) -> Result<Setpoint, Refusal> {
+        if !setpoint.is_well_formed() {
+            let detail = "a setpoint needs a position or a velocity, and finite numbers only".to_owned();
+            return Err(Refusal::InvalidValue { detail });
+        }
+        if !own_kinematics.position.is_finite() || !own_kinematics.velocity.is_finite() {
+            return Err(Refusal::NoPosition);
+        }
+        if let Some(velocity) = &setpoint.velocity {
+            self.velocity(velocity)?;
+        }
+        if let Some(fence) = &self.fence {
+            self.setpoint_in_fence(fence, &own_kinematics.position, airborne, setpoint)?;
+        }
+        if airborne {
+            let motion = Motion::new(own_kinematics, setpoint, self.limits.max_speed_m_s, now);
+            let limits = &self.limits;
+            let found = motion.too_close(own, peers, limits.min_separation_m, limits.separation_horizon_s, now);
+            if let Some(refusal) = found {
+                return Err(refusal);
+            }
+        }
+        Ok(*setpoint)
+    }
+
+    /// Whether a place may be flown to.
+    ///
+    /// # Errors
+    /// The typed reason.
+    pub fn goal(&self, position: &PositionNed) -> Result<(), Refusal> {
+        if !position.is_finite() {
+            return Err(invalid("the position is not finite"));
+        }
+        self.fence.as_ref().map_or(Ok(()), |fence| fence.contains(position))
+    }
+
+    /// Whether an operator's command makes sense and stays within the limits. `ground` is where the vehicle stands or was launched,
+    /// if known; with a fence a take-off needs it.
+    ///
+    /// # Errors
+    /// The typed reason.
+    pub fn command(&self, command: &VehicleCommand, ground: Option<&PositionNed>) -> Result<(), Refusal> {
+        match command {
+            VehicleCommand::TakeOff { height_m } => {
+                take_off_height(*height_m)?;
+                match (&self.fence, ground) {
+                    (None, _) => Ok(()),
+                    (Some(_), None) => Err(Refusal::NoPosition),
+                    (Some(_), Some(ground)) => self.goal(&PositionNed {
+                        down_m: ground.down_m - height_m,
+                        ..*ground
+                    }),
+                }
+            }
+            VehicleCommand::LandAt { spot } => {
+                if !spot.is_finite() {
+                    return Err(invalid("the landing spot is not finite"));
+                }
+                let Some(fence) = &self.fence else { return Ok(()) };
+                // The ground is wherever it is: only the boundary counts.
+                let excess = Excess {
+                    above_m: 0.0,
+                    below_m: 0.0,
+                    ..fence.excess(spot)
+                };
+                if excess.is_inside() {
+                    Ok(())
+                } else {
+                    Err(fence.refusal(spot, &excess))
+                }
+            }
+            VehicleCommand::GoTo {
+                position,
+                yaw_rad,
+                speed_m_s,
+            } => {
+                if !yaw_rad.is_none_or(f64::is_finite) {
+                    return Err(invalid("the yaw is not finite"));
+                }
+                speed_m_s.map_or(Ok(()), |speed| self.cruise_speed(speed))?;
+                self.goal(position)
+            }
+            VehicleCommand::Arm
+            | VehicleCommand::Disarm
+            | VehicleCommand::Land
+            | VehicleCommand::Hold
+            | VehicleCommand::Return => Ok(()),
+        }
+    }
+
+    /// Whether the autopilot may be asked for this. In the air neither disarming nor a take-off is; OFFBOARD and ending the flight
+    /// are not modes to be set by hand.
+    ///
+    /// # Errors
+    /// The typed reason.
+    pub fn autopilot(&self, command: &AutopilotCommand, airborne: bool) -> Result<(), Refusal> {
+        let not_permitted = |detail: &str| {
+            Err(Refusal::NotPermitted {
+                detail: detail.to_owned(),
+            })
+        };
+        match command {
+            AutopilotCommand::Disarm if airborne => not_permitted("disarm in the air"),
+            AutopilotCommand::TakeOff { .. } if airborne => not_permitted("take off in the air"),
+            AutopilotCommand::TakeOff { height_m } => take_off_height(*height_m),
+            AutopilotCommand::SetMode {
+                mode: FlightMode::Offboard,
+            } => not_permitted("OFFBOARD is entered with its setpoint stream only"),
+            AutopilotCommand::SetMode {
+                mode: FlightMode::Termination,
+            } => not_permitted("end the flight"),
+            AutopilotCommand::SetMode {
+                mode: FlightMode::Unknown,
+            } => Err(invalid("the mode is not known")),
+            AutopilotCommand::Arm
+            | AutopilotCommand::Disarm
+            | AutopilotCommand::Land
+            | AutopilotCommand::ReturnToLaunch
+            | AutopilotCommand::SetMode { .. }
+            | AutopilotCommand::EnterOffboard => Ok(()),
+        }
+    }
+
+    /// Whether a formation of this spacing keeps the vehicles apart.
+    ///
+    /// # Errors
+    /// The typed reason.
+    pub fn formation(&self, spacing_m: f64) -> Result<(), Refusal> {
+        if spacing_m.is_finite() && spacing_m >= self.limits.min_separation_m {
+            return Ok(());
+        }
+        let detail = format!(
+            "spacing {spacing_m:.1} m: at least the smallest separation of {:.1} m is needed",
+            self.limits.min_separation_m
+        );
+        Err(Refusal::InvalidValue { detail })
+    }
+
+    /// Whether a route's waypoints, the legs between them and its speed stay within the limits. Where it starts is not known here:
+    /// see [`Self::route_from`].
+    ///
+    /// # Errors
+    /// The typed reason.
+    pub fn route(&self, route: &Route) -> Result<(), Refusal> {
+        if route.waypoints.is_empty() {
+            return Err(invalid("a route needs at least one waypoint"));
+        }
+        if !(route.corner_radius_m >= 0.0 && route.corner_radius_m.is_finite()) {
+            return Err(invalid("the corner radius must be zero or above"));
+        }
+        self.cruise_speed(route.speed_m_s)?;
+        for waypoint in &route.waypoints {
+            self.goal(waypoint)?;
+        }
+        let Some(fence) = &self.fence else { return Ok(()) };
+        for (from, to) in route.waypoints.iter().zip(route.waypoints.iter().skip(1)) {
+            fence.contains_way(from, to)?;
+        }
+        Ok(())
+    }
+
+    /// The same together with the way to the first waypoint.
+    ///
+    /// # Errors
+    /// The typed reason.
+    pub fn route_from(&self, start: &PositionNed, route: &Route) -> Result<(), Refusal> {
+        self.route(route)?;
+        match (&self.fence, route.waypoints.first()) {
+            (Some(fence), Some(first)) => fence.contains_way(start, first),
+            _ => Ok(()),
+        }
+    }
+
+    fn cruise_speed(&self, speed_m_s: f64) -> Result<(), Refusal> {
+        if !(speed_m_s > 0.0 && speed_m_s.is_finite()) {
+            return Err(invalid("the speed must be above zero"));
+        }
+        within(speed_m_s, self.limits.max_speed_m_s)
+    }
+
+    fn velocity(&self, velocity: &VelocityNed) -> Result<(), Refusal> {
+        within(velocity.north_m_s.hypot(velocity.east_m_s), self.limits.max_speed_m_s)?;
+        within(-velocity.down_m_s, self.limits.max_climb_m_s)?;
+        within(velocity.down_m_s, self.limits.max_descent_m_s)
+    }
+
+    fn setpoint_in_fence(
+        &self,
+        fence: &Fence,
+        own: &PositionNed,
+        airborne: bool,
+        setpoint: &Setpoint,
+    ) -> Result<(), Refusal> {
+        let excess_of = |position: &PositionNed| {
+            let mut excess = fence.excess(position);
+            if !airborne {
+                // It stands on the ground, which may be under the floor.
+                excess.below_m = 0.0;
+            }
+            excess
+        };
+        let own_excess = excess_of(own);
+        let base = setpoint.position.unwrap_or(*own);
+        let leads_to = setpoint.velocity.map(|velocity| {
+            let braking = setpoint
+                .acceleration
+                .map_or(0.0, |a| braking_m_s2(&velocity, &a.vector()));
+            base.moved(velocity.vector() * driven_share_s(velocity.norm(), braking, self.limits.separation_horizon_s))
+        });
+        for target in setpoint.position.iter().chain(leads_to.iter()) {
+            let excess = excess_of(target);
+            if excess.is_inside() {
+                continue;
+            }
+            if own_excess.is_inside() || !excess.is_no_worse_than(&own_excess) {
+                return Err(fence.refusal(target, &excess));
+            }
+        }
+        if !own_excess.is_inside() || !airborne {
+            return Ok(());
+        }
+        // Both ends are inside; with a fence that is not convex the way between them need not be.
+        if let Some(position) = &setpoint.position {
+            fence.contains_way(own, position)?;
+        }
+        leads_to.map_or(Ok(()), |end| fence.contains_way(&base, &end))
+    }
+}
+
+/// How strongly an acceleration brakes a velocity, as far as it is believed.
+fn braking_m_s2(velocity: &VelocityNed, acceleration: &nalgebra::Vector3<f64>) -> f64 {
+    let speed = velocity.norm();
+    if speed > 0.0 {
+        (-acceleration.dot(&velocity.vector()) / speed).clamp(0.0, MAX_BRAKING_M_S2)
+    } else {
+        0.0
+    }
+}
+
+/// For how many seconds at the present speed the way within the horizon would last, when braking.
+fn driven_share_s(speed_m_s: f64, braking_m_s2: f64, horizon_s: f64) -> f64 {
+    if braking_m_s2 * horizon_s >= speed_m_s {
+        // It stands before the horizon: v²/2b of way, over v. Without braking the speed is zero here.
+        return if braking_m_s2 > 0.0 {
+            0.5 * speed_m_s / braking_m_s2
+        } else {
+            0.0
+        };
+    }
+    if speed_m_s > 0.0 {
+        horizon_s - 0.5 * braking_m_s2 * horizon_s * horizon_s / speed_m_s
+    } else {
+        0.0
+    }
+}
+
+fn take_off_height(height_m: f64) -> Result<(), Refusal> {
+    if height_m > 0.0 && height_m.is_finite() {
+        Ok(())
+    } else {
+        Err(invalid("the take-off height must be above zero"))
+    }
+}
+
+fn within(speed_m_s: f64, limit_m_s: f64) -> Result<(), Refusal> {
+    // Written so that a limit that is not a number lets nothing pass.
+    if speed_m_s <= limit_m_s * ROUNDING {
+        Ok(())
+    } else {
+        Err(Refusal::TooFast { speed_m_s, limit_m_s })
+    }
+}
+
+fn invalid(detail: &str) -> Refusal {
+    Refusal::InvalidValue {
+        detail: detail.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests;
