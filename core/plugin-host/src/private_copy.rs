@@ -31,8 +31,11 @@ impl PrivateCopy {
     }
 
     fn copy(original: &mut File, path: &Path) -> std::io::Result<Self> {
-        // Only its owner may enter a directory made by tempfile.
-        let directory = tempfile::Builder::new().prefix("skein-plugin-").tempdir()?;
+        let owner_only = std::fs::Permissions::from_mode(0o700);
+        let directory = tempfile::Builder::new()
+            .prefix("skein-plugin-")
+            .permissions(owner_only)
+            .tempdir()?;
         let copy = directory.path().join(path.file_name().unwrap_or_default());
         let mut file = std::fs::OpenOptions::new()
             .write(true)
