@@ -2,6 +2,9 @@
 //!
 //! Must never do: check something that `test` does not.
 
+#[cfg(test)]
+mod tests;
+
 use crate::report::Report;
 use crate::step::Step;
 use crate::tally::Runner;
@@ -14,8 +17,6 @@ use std::process::{Command, ExitCode};
 
 /// Files at the root that concern every crate.
 const CONCERN_ALL: [&str; 4] = ["Cargo.toml", "Cargo.lock", "rust-toolchain.toml", "clippy.toml"];
-/// How long each fuzz target runs in `test --all`.
-const FUZZ_SECONDS: u32 = 120;
 
 /// Runs the checks.
 pub fn run(workspace: &Workspace, since: Option<&str>) -> Result<ExitCode> {
@@ -64,41 +65,6 @@ pub fn run(workspace: &Workspace, since: Option<&str>) -> Result<ExitCode> {
 /// Whether a package's folder is a tier of its own (or a fixture of one) and so no part of the unit tier.
 pub fn is_tier_or_fixture(folder: &str) -> bool {
     folder.starts_with("tests/") && folder != "tests/testkit" && folder != "tests/bench"
-}
-
-/// Whether a program is on the search path.
-pub fn is_installed(program: &str) -> bool {
-    std::env::var_os("PATH")
-        .is_some_and(|path| std::env::split_paths(&path).any(|folder| folder.join(program).is_file()))
-}
-
-/// Runs the coverage-guided fuzz targets, if the tool for it is there.
-pub fn fuzz_targets(workspace: &Workspace, report: &mut Report) {
-    let folder = workspace.root.join("tests/fuzz");
-    if !is_installed("cargo-fuzz") {
-        report.left_out(
-            "fuzz: targets",
-            "cargo-fuzz is not installed (cargo install cargo-fuzz; it needs nightly Rust)",
-        );
-        return;
-    }
-    let targets = std::fs::read_dir(folder.join("fuzz_targets"))
-        .into_iter()
-        .flatten()
-        .flatten();
-    for name in targets.filter_map(|entry| Some(entry.path().file_stem()?.to_string_lossy().into_owned())) {
-        let mut fuzz = Command::new("cargo");
-        fuzz.args(["+nightly", "fuzz", "run", "--fuzz-dir"])
-            .arg(&folder)
-            .arg(&name);
-        fuzz.args(["--", &format!("-max_total_time={FUZZ_SECONDS}")])
-            .current_dir(&workspace.root);
-        report.step(
-            &format!("fuzz: {name}"),
-            "the input that broke it is in tests/fuzz/artifacts",
-            Step::new(fuzz),
-        );
-    }
 }
 
 /// Where this branch left main; on main itself, the last commit.

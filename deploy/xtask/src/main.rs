@@ -7,6 +7,7 @@ mod bench;
 mod browser;
 mod demo;
 mod fast;
+mod long_runs;
 mod plugins;
 mod report;
 mod screenshot;

@@ -2,6 +2,9 @@
 //!
 //! Must never do: end in success when a step failed, or say `0 failed` then.
 
+#[cfg(test)]
+mod tests;
+
 use crate::step::Step;
 use crate::tally::Tally;
 use anyhow::Result;
@@ -76,12 +79,17 @@ impl Report {
         ok
     }
 
+    fn total(&self) -> Tally {
+        let mut total = Tally::default();
+        self.done.iter().for_each(|done| total += done.tally);
+        total
+    }
+
     /// Prints the summary and the closing line.
     pub fn close(self) -> ExitCode {
         let mut summary = String::from("\nSummary\n");
-        let mut total = Tally::default();
+        let total = self.total();
         for done in &self.done {
-            total += done.tally;
             let mark = if done.failure.is_none() { "ok    " } else { "FAILED" };
             let counts = if done.tally.ran() > 0 {
                 done.tally.to_string()

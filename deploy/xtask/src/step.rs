@@ -2,6 +2,9 @@
 //!
 //! Must never do: swallow output, or leave a child behind when its time is over.
 
+#[cfg(test)]
+mod tests;
+
 use crate::tally::{Runner, Tally};
 use anyhow::{Context, Result, bail};
 use std::io::{BufRead, BufReader, IsTerminal};
@@ -41,7 +44,10 @@ impl Step {
             self.command.env("CARGO_TERM_COLOR", "always");
         }
         let status = match self.runner {
-            None => wait(&mut self.command.spawn().with_context(|| format!("cannot start {name}"))?)?,
+            None => {
+                let mut child = self.command.spawn().with_context(|| format!("cannot start {name}"))?;
+                wait(&mut child, PATIENCE)?
+            }
             Some(runner) => {
                 let mut child = self
                     .command
@@ -50,7 +56,7 @@ impl Step {
                     .with_context(|| format!("cannot start {name}"))?;
                 let output = child.stdout.take().context("the child's output is piped")?;
                 let reader = std::thread::spawn(move || count(BufReader::new(output), runner));
-                let status = wait(&mut child);
+                let status = wait(&mut child, PATIENCE);
                 *tally += reader.join().unwrap_or_default();
                 status?
             }
@@ -76,16 +82,16 @@ fn count(output: impl BufRead, runner: Runner) -> Tally {
     tally
 }
 
-fn wait(child: &mut Child) -> Result<ExitStatus> {
+fn wait(child: &mut Child, patience: Duration) -> Result<ExitStatus> {
     let started = Instant::now();
     loop {
         if let Some(status) = child.try_wait()? {
             return Ok(status);
         }
-        if started.elapsed() > PATIENCE {
+        if started.elapsed() > patience {
             end_tree(child.id());
             child.wait()?;
-            bail!("hung: ended after {} minutes", PATIENCE.as_secs() / 60);
+            bail!("hung: ended after {} minutes", patience.as_secs() / 60);
         }
         std::thread::sleep(LOOK_EVERY);
     }

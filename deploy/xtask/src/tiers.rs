@@ -7,9 +7,9 @@ use crate::report::Report;
 use crate::step::Step;
 use crate::tally::Runner;
 use crate::workspace::Workspace;
-use crate::{browser, fast, tidy, ui};
+use crate::{browser, fast, long_runs, tidy, ui};
 use anyhow::Result;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 
 /// A tier of tests. `tests/README.md` says what each proves.
@@ -104,7 +104,9 @@ pub fn run(workspace: &Workspace, tiers: &[Tier], long_ones_too: bool) -> Result
         }
     }
     if let (true, Some(built)) = (long_ones_too, &built) {
-        long_runs(workspace, &mut report, built);
+        long_runs::run(workspace, &mut report, |command| {
+            built.tell(command);
+        });
     }
     Ok(report.close())
 }
@@ -122,7 +124,7 @@ fn static_checks(workspace: &Workspace, report: &mut Report) {
     let mut lints = workspace.cargo();
     lints.args(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]);
     report.step("clippy", "mend what clippy names above", Step::new(lints));
-    if fast::is_installed("cargo-deny") {
+    if long_runs::is_installed("cargo-deny") {
         let mut deny = workspace.cargo();
         deny.args(["deny", "--all-features", "check"]);
         report.step(
@@ -212,58 +214,4 @@ fn browser_tests(workspace: &Workspace, report: &mut Report, built: &Built) {
         .env("PLAYWRIGHT_SKIP_BROWSER_DOWNLOAD", "1");
     let advice = format!("{SEE_TESTS} `cargo xtask test ui`; traces are in test-results/");
     report.step("ui", &advice, Step::tests(tests, Runner::Playwright));
-}
-
-/// Minutes each: not in CI.
-fn long_runs(workspace: &Workspace, report: &mut Report, built: &Built) {
-    let folder = workspace.target.join("xtask");
-    let soak = workspace.target.join("release/skein");
-    let advice = "the report named above holds every figure of the flight";
-    report.check("soak: program built", "mend the compile error above", || {
-        crate::demo::build(workspace)
-    });
-    let flights: [(&str, &[&str]); 2] = [
-        ("soak: 50 vehicles", &["--vehicles", "50", "--seconds", "180"]),
-        (
-            "soak: 15 minutes with faults",
-            &["--vehicles", "8", "--seconds", "900", "--faults"],
-        ),
-    ];
-    for (name, arguments) in flights {
-        let file = folder.join(format!(
-            "{}.json",
-            arguments.join("").replace("--", "-").trim_start_matches('-')
-        ));
-        report.step(name, advice, Step::new(flight(&soak, arguments, &file)));
-    }
-    let mut bytes = workspace.cargo();
-    bytes.args([
-        "test",
-        "-p",
-        "skein-link-px4",
-        "-p",
-        "skein-config",
-        "-p",
-        "skein-plugin-host",
-        "--no-fail-fast",
-    ]);
-    built.tell(&mut bytes).env("PROPTEST_CASES", "20000");
-    let advice = "proptest prints the smallest failing input; commit the regression file it wrote";
-    report.step(
-        "fuzz: properties, 20000 cases",
-        advice,
-        Step::tests(bytes, Runner::CargoTest),
-    );
-    fast::fuzz_targets(workspace, report);
-}
-
-fn flight(binary: &Path, arguments: &[&str], report_file: &Path) -> Command {
-    let mut command = Command::new(binary);
-    command
-        .arg("demo")
-        .args(arguments)
-        .arg("--headless")
-        .arg("--report")
-        .arg(report_file);
-    command
 }

@@ -239,6 +239,7 @@ pub fn long_files(files: &[File]) -> Vec<String> {
     let sources = files
         .iter()
         .filter(|file| file.is("rs") || file.is("ts") || file.is("svelte"));
+    let sources = sources.filter(|file| !file.path.contains("/generated/"));
     let long = sources
         .map(|file| (file, file.text.lines().count()))
         .filter(|(_, lines)| *lines > FILE_LINES_NOTED);

@@ -1,0 +1,110 @@
+//! The long runs of `test --all`: soak flights and fuzzing. Tens of minutes, so no part of CI.
+//!
+//! Must never do: hold a criterion of its own; the demo's referee and the properties judge.
+
+use crate::report::Report;
+use crate::step::Step;
+use crate::tally::Runner;
+use crate::workspace::Workspace;
+use std::path::Path;
+use std::process::Command;
+
+/// How long each coverage-guided fuzz target runs.
+const FUZZ_SECONDS: u32 = 120;
+/// Inputs per property; the tests themselves ask for 256.
+const CASES: &str = "20000";
+/// Crates whose properties feed bytes or text from outside.
+const TAKE_FOREIGN_INPUT: [&str; 5] = [
+    "skein-link-px4",
+    "skein-config",
+    "skein-domain",
+    "skein-plugin-abi",
+    "skein-plugin-host",
+];
+/// The flights: name, file of the report, arguments.
+const FLIGHTS: [(&str, &str, &[&str]); 2] = [
+    (
+        "soak: 50 vehicles",
+        "soak-50.json",
+        &["--vehicles", "50", "--seconds", "180"],
+    ),
+    (
+        "soak: 15 minutes with faults",
+        "soak-faults.json",
+        &["--vehicles", "8", "--seconds", "900", "--faults"],
+    ),
+];
+
+/// Runs them all. `tell` says to a command where the artefacts under test are.
+pub fn run(workspace: &Workspace, report: &mut Report, tell: impl Fn(&mut Command)) {
+    let built = report.check("soak: program built", "mend the compile error above", || {
+        crate::demo::build(workspace)
+    });
+    if built {
+        for (name, file, arguments) in FLIGHTS {
+            let file = workspace.target.join("xtask").join(file);
+            let advice = format!("{} holds every figure of the flight", file.display());
+            report.step(name, &advice, Step::new(flight(workspace, arguments, &file)));
+        }
+    }
+    let mut properties = workspace.cargo();
+    properties
+        .arg("test")
+        .args(TAKE_FOREIGN_INPUT.iter().flat_map(|name| ["-p", name]))
+        .arg("--no-fail-fast");
+    properties.env("PROPTEST_CASES", CASES);
+    tell(&mut properties);
+    let advice = "proptest prints the smallest failing input; commit the regression file it wrote";
+    report.step(
+        &format!("fuzz: properties, {CASES} cases"),
+        advice,
+        Step::tests(properties, Runner::CargoTest),
+    );
+    fuzz_targets(workspace, report);
+}
+
+fn flight(workspace: &Workspace, arguments: &[&str], report_file: &Path) -> Command {
+    let mut command = Command::new(workspace.target.join("release/skein"));
+    command
+        .arg("demo")
+        .args(arguments)
+        .arg("--headless")
+        .arg("--report")
+        .arg(report_file);
+    command
+}
+
+/// Whether a program is on the search path.
+pub fn is_installed(program: &str) -> bool {
+    std::env::var_os("PATH")
+        .is_some_and(|path| std::env::split_paths(&path).any(|folder| folder.join(program).is_file()))
+}
+
+/// Runs the coverage-guided fuzz targets, if the tool for it is there.
+fn fuzz_targets(workspace: &Workspace, report: &mut Report) {
+    let folder = workspace.root.join("tests/fuzz");
+    if !is_installed("cargo-fuzz") {
+        report.left_out(
+            "fuzz: targets",
+            "cargo-fuzz is not installed (cargo install cargo-fuzz; it needs nightly Rust)",
+        );
+        return;
+    }
+    let targets = std::fs::read_dir(folder.join("fuzz_targets"))
+        .into_iter()
+        .flatten()
+        .flatten();
+    for name in targets.filter_map(|entry| Some(entry.path().file_stem()?.to_string_lossy().into_owned())) {
+        let mut fuzz = Command::new("cargo");
+        fuzz.args(["+nightly", "fuzz", "run", "--fuzz-dir"])
+            .arg(&folder)
+            .arg(&name);
+        fuzz.args(["--", &format!("-max_total_time={FUZZ_SECONDS}")])
+            .current_dir(&workspace.root);
+        report.step(
+            &format!("fuzz: {name}"),
+            "the input that broke it is in tests/fuzz/artifacts",
+            Step::new(fuzz),
+        );
+    }
+}

@@ -1,0 +1,75 @@
+//! A step fails when its command fails, and when it was to run tests and ran none.
+
+use super::*;
+
+fn shell(script: &str) -> Command {
+    let mut command = Command::new("sh");
+    command.args(["-c", script]);
+    command
+}
+
+fn tests(script: &str) -> (Result<()>, Tally) {
+    let mut tally = Tally::default();
+    let result = Step::tests(shell(script), Runner::CargoTest).run(&mut tally);
+    (result, tally)
+}
+
+#[test]
+fn tests_that_pass_are_counted() {
+    let (result, tally) = tests("echo 'test result: ok. 2 passed; 0 failed; 1 ignored; 0 measured'");
+    assert!(result.is_ok());
+    assert_eq!(
+        tally,
+        Tally {
+            passed: 2,
+            failed: 0,
+            skipped: 1
+        }
+    );
+}
+
+#[test]
+fn no_tests_are_a_failure() {
+    let (result, _) = tests("echo 'test result: ok. 0 passed; 0 failed; 3 ignored; 0 measured'");
+    assert!(result.is_err_and(|error| error.to_string().contains("no test ran")));
+    assert!(tests("true").0.is_err());
+}
+
+#[test]
+fn a_failing_command_is_a_failure_and_its_counts_hold() {
+    let (result, tally) = tests("echo 'test result: FAILED. 2 passed; 1 failed; 0 ignored'; exit 101");
+    assert!(result.is_err_and(|error| error.to_string().contains("101")));
+    assert_eq!(
+        tally,
+        Tally {
+            passed: 2,
+            failed: 1,
+            skipped: 0
+        }
+    );
+    assert!(Step::new(shell("kill -KILL $$")).run(&mut Tally::default()).is_err());
+    assert!(
+        Step::new(Command::new("/no/such/program"))
+            .run(&mut Tally::default())
+            .is_err()
+    );
+}
+
+#[test]
+fn a_hung_command_is_ended_with_what_it_started() {
+    let mut child = shell("sleep 600 & echo $!; wait")
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("sh starts");
+    let mut line = String::new();
+    let output = child.stdout.take().expect("piped");
+    BufReader::new(output)
+        .read_line(&mut line)
+        .expect("it says the grandchild's id");
+    assert!(wait(&mut child, Duration::ZERO).is_err());
+    let stat = std::fs::read_to_string(format!("/proc/{}/stat", line.trim())).unwrap_or_default();
+    assert!(
+        stat.is_empty() || stat.contains(") Z "),
+        "the grandchild is still there: {stat}"
+    );
+}
