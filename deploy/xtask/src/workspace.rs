@@ -143,5 +143,10 @@ impl Package {
 }
 
 fn cargo() -> Command {
-    Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    if std::env::var_os("CI").is_some() {
+        // everything is compiled once and thrown away: keeping what a second build could reuse only costs time
+        command.env("CARGO_INCREMENTAL", "0");
+    }
+    command
 }
