@@ -25,7 +25,10 @@ impl NodeConfig {
         let mut problems = Vec::new();
         for (key, value, low, high) in self.ranges() {
             if !(low..=high).contains(&value) {
-                problems.push(Problem { key: key.into(), message: format!("{value} is not between {low} and {high}") });
+                problems.push(Problem {
+                    key: key.into(),
+                    message: format!("{value} is not between {low} and {high}"),
+                });
             }
         }
         if self.link.own_system_id == 0 {
@@ -53,10 +56,17 @@ impl NodeConfig {
     }
 
     fn name_problems(&self, problems: &mut Vec<Problem>) {
-        let names: Vec<&str> = self.endpoints.iter().map(|e| e.name.as_deref().unwrap_or(&e.address)).collect();
+        let names: Vec<&str> = self
+            .endpoints
+            .iter()
+            .map(|e| e.name.as_deref().unwrap_or(&e.address))
+            .collect();
         for (i, name) in names.iter().enumerate() {
             if names.iter().take(i).any(|earlier| earlier == name) {
-                problems.push(problem(&format!("endpoints[{i}]"), &format!("\"{name}\" is there twice")));
+                problems.push(problem(
+                    &format!("endpoints[{i}]"),
+                    &format!("\"{name}\" is there twice"),
+                ));
             }
         }
         for (i, rule) in self.adopt.iter().enumerate() {
@@ -66,7 +76,10 @@ impl NodeConfig {
             if let Some(endpoint) = &rule.endpoint
                 && !names.contains(&endpoint.as_str())
             {
-                problems.push(problem(&format!("adopt[{i}].endpoint"), &format!("there is no endpoint \"{endpoint}\"")));
+                problems.push(problem(
+                    &format!("adopt[{i}].endpoint"),
+                    &format!("there is no endpoint \"{endpoint}\""),
+                ));
             }
         }
     }
@@ -87,12 +100,42 @@ impl NodeConfig {
             ("safety.max_descent_m_s", safety.max_descent_m_s, 0.1, 30.0),
             ("safety.min_separation_m", safety.min_separation_m, 0.0, 100.0),
             ("safety.separation_horizon_s", safety.separation_horizon_s, 0.0, 10.0),
-            ("coordinator.take_off_stagger_s", coordinator.take_off_stagger_s, 0.0, 60.0),
-            ("coordinator.transition_speed_m_s", coordinator.transition_speed_m_s, 0.1, 30.0),
-            ("coordinator.transition_acceleration_m_s2", coordinator.transition_acceleration_m_s2, 0.1, 20.0),
-            ("coordinator.transition_climb_m_s", coordinator.transition_climb_m_s, 0.1, 10.0),
-            ("coordinator.transition_min_distance_m", coordinator.transition_min_distance_m, 0.5, 100.0),
-            ("coordinator.leader_lost_after_s", coordinator.leader_lost_after_s, 0.1, 60.0),
+            (
+                "coordinator.take_off_stagger_s",
+                coordinator.take_off_stagger_s,
+                0.0,
+                60.0,
+            ),
+            (
+                "coordinator.transition_speed_m_s",
+                coordinator.transition_speed_m_s,
+                0.1,
+                30.0,
+            ),
+            (
+                "coordinator.transition_acceleration_m_s2",
+                coordinator.transition_acceleration_m_s2,
+                0.1,
+                20.0,
+            ),
+            (
+                "coordinator.transition_climb_m_s",
+                coordinator.transition_climb_m_s,
+                0.1,
+                10.0,
+            ),
+            (
+                "coordinator.transition_min_distance_m",
+                coordinator.transition_min_distance_m,
+                0.5,
+                100.0,
+            ),
+            (
+                "coordinator.leader_lost_after_s",
+                coordinator.leader_lost_after_s,
+                0.1,
+                60.0,
+            ),
         ];
         if let Some(fence) = &safety.fence {
             ranges.push(("safety.fence.floor_m", fence.floor_m, -1000.0, fence.ceiling_m));
@@ -103,5 +146,8 @@ impl NodeConfig {
 }
 
 fn problem(key: &str, message: &str) -> Problem {
-    Problem { key: key.into(), message: message.into() }
+    Problem {
+        key: key.into(),
+        message: message.into(),
+    }
 }

@@ -29,7 +29,10 @@ impl FromStr for SystemIdSet {
     fn from_str(text: &str) -> Result<Self, String> {
         let number = |part: &str| {
             part.trim().parse::<u8>().ok().filter(|id| *id > 0).ok_or_else(|| {
-                format!("\"{}\" is not a system id (1 to 255) in \"{text}\"; write for example \"1-20,25\"", part.trim())
+                format!(
+                    "\"{}\" is not a system id (1 to 255) in \"{text}\"; write for example \"1-20,25\"",
+                    part.trim()
+                )
             })
         };
         text.split(',')
@@ -38,7 +41,11 @@ impl FromStr for SystemIdSet {
                     Some((low, high)) => (number(low)?, number(high)?),
                     None => (number(part)?, number(part)?),
                 };
-                if low <= high { Ok((low, high)) } else { Err(format!("the range \"{part}\" runs backwards")) }
+                if low <= high {
+                    Ok((low, high))
+                } else {
+                    Err(format!("the range \"{part}\" runs backwards"))
+                }
             })
             .collect::<Result<_, _>>()
             .map(Self)
@@ -49,7 +56,11 @@ impl fmt::Display for SystemIdSet {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, (low, high)) in self.0.iter().enumerate() {
             let comma = if i > 0 { "," } else { "" };
-            if low == high { write!(f, "{comma}{low}")? } else { write!(f, "{comma}{low}-{high}")? }
+            if low == high {
+                write!(f, "{comma}{low}")?
+            } else {
+                write!(f, "{comma}{low}-{high}")?
+            }
         }
         Ok(())
     }
@@ -57,7 +68,9 @@ impl fmt::Display for SystemIdSet {
 
 impl<'de> Deserialize<'de> for SystemIdSet {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        String::deserialize(deserializer)?.parse().map_err(serde::de::Error::custom)
+        String::deserialize(deserializer)?
+            .parse()
+            .map_err(serde::de::Error::custom)
     }
 }
 

@@ -56,8 +56,10 @@ impl NodeConfig {
     /// # Errors
     /// When the file cannot be read, does not parse, or its values make no sense.
     pub fn load(path: &Path) -> Result<Self, ConfigError> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| ConfigError::Unreadable { path: path.to_owned(), source })?;
+        let text = std::fs::read_to_string(path).map_err(|source| ConfigError::Unreadable {
+            path: path.to_owned(),
+            source,
+        })?;
         let mut config = Self::parse_named(&text, path)?;
         if let Some(folder) = path.parent() {
             for directory in &mut config.plugins.directories {
@@ -78,10 +80,19 @@ impl NodeConfig {
     }
 
     fn parse_named(text: &str, path: &Path) -> Result<Self, ConfigError> {
-        let config: Self = toml::from_str(text)
-            .map_err(|e| ConfigError::Unparsable { path: path.to_owned(), message: e.to_string() })?;
+        let config: Self = toml::from_str(text).map_err(|e| ConfigError::Unparsable {
+            path: path.to_owned(),
+            message: e.to_string(),
+        })?;
         let problems = config.problems();
-        if problems.is_empty() { Ok(config) } else { Err(ConfigError::Wrong { path: path.to_owned(), problems }) }
+        if problems.is_empty() {
+            Ok(config)
+        } else {
+            Err(ConfigError::Wrong {
+                path: path.to_owned(),
+                problems,
+            })
+        }
     }
 }
 

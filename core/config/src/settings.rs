@@ -46,7 +46,11 @@ pub struct NodeSettings {
 
 impl Default for NodeSettings {
     fn default() -> Self {
-        Self { name: "skein".into(), control_rate_hz: 50.0, snapshot_rate_hz: 20.0 }
+        Self {
+            name: "skein".into(),
+            control_rate_hz: 50.0,
+            snapshot_rate_hz: 20.0,
+        }
     }
 }
 
@@ -167,7 +171,11 @@ pub struct PluginSettings {
 
 impl Default for PluginSettings {
     fn default() -> Self {
-        Self { directories: vec![PathBuf::from("plugins")], call_deadline_s: 0.05, runner_threads: 2 }
+        Self {
+            directories: vec![PathBuf::from("plugins")],
+            call_deadline_s: 0.05,
+            runner_threads: 2,
+        }
     }
 }
 
@@ -257,7 +265,10 @@ pub struct WebSettings {
 
 impl Default for WebSettings {
     fn default() -> Self {
-        Self { listen: SocketAddr::from(([127, 0, 0, 1], 8080)), allowed_hosts: Vec::new() }
+        Self {
+            listen: SocketAddr::from(([127, 0, 0, 1], 8080)),
+            allowed_hosts: Vec::new(),
+        }
     }
 }
 

@@ -13,11 +13,17 @@ fn every_key_is_documented() {
     let table = toml::Table::try_from(NodeConfig::default()).expect("serialises");
     for (section, value) in &table {
         let Some(keys) = value.as_table() else {
-            assert!(DEFAULT_TOML.contains(&format!("[[{section}]]")), "[[{section}]] is not documented");
+            assert!(
+                DEFAULT_TOML.contains(&format!("[[{section}]]")),
+                "[[{section}]] is not documented"
+            );
             continue;
         };
         for key in keys.keys() {
-            assert!(DEFAULT_TOML.contains(&format!("{key} =")), "{section}.{key} is not documented");
+            assert!(
+                DEFAULT_TOML.contains(&format!("{key} =")),
+                "{section}.{key} is not documented"
+            );
         }
     }
 }
@@ -40,7 +46,9 @@ fn the_commented_examples_parse_too() {
 
 #[test]
 fn an_unknown_key_is_named() {
-    let error = NodeConfig::parse("[node]\nnmae = \"x\"\n").expect_err("refused").to_string();
+    let error = NodeConfig::parse("[node]\nnmae = \"x\"\n")
+        .expect_err("refused")
+        .to_string();
     assert!(error.contains("nmae"), "{error}");
     assert!(error.contains("line 2"), "{error}");
 }
@@ -60,7 +68,9 @@ fn all_senseless_values_are_listed() {
 #[test]
 fn system_ids_are_read_as_people_write_them() {
     let set: SystemIdSet = "1-3, 7".parse().expect("parses");
-    let inside: Vec<u8> = (1..=10).filter(|id| set.contains(skein_domain::SystemId(*id))).collect();
+    let inside: Vec<u8> = (1..=10)
+        .filter(|id| set.contains(skein_domain::SystemId(*id)))
+        .collect();
     assert_eq!(inside, [1, 2, 3, 7]);
     for wrong in ["", "0", "5-2", "300", "a-b"] {
         assert!(wrong.parse::<SystemIdSet>().is_err(), "{wrong}");

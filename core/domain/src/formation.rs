@@ -4,7 +4,18 @@ use crate::VehicleId;
 use serde::{Deserialize, Serialize};
 
 /// The outline of a formation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Hash,
+    Serialize,
+    Deserialize,
+    ts_rs::TS,
+    schemars::JsonSchema
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
     /// Side by side, across the heading; the leader in the middle.
@@ -25,7 +36,17 @@ impl Shape {
 }
 
 /// How the heading of a formation is chosen, as an operator asks for it.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Default,
+    Serialize,
+    Deserialize,
+    ts_rs::TS,
+    schemars::JsonSchema
+)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum HeadingRequest {
     /// Along the leader's course where the outermost vehicle can fly the turns, else fixed at the present heading.

@@ -196,7 +196,16 @@ fn unproject(origin: &Geodetic, ned_m: Vector3<f64>) -> Geodetic {
 }
 
 /// The swarm's one common frame: north-east-down about a geodetic origin that all members share.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Serialize,
+    Deserialize,
+    ts_rs::TS,
+    schemars::JsonSchema
+)]
 pub struct SwarmFrame {
     /// The shared origin.
     pub origin: Geodetic,
@@ -270,7 +279,11 @@ impl LocalFrame {
 #[must_use]
 pub fn wrap_angle_rad(angle_rad: f64) -> f64 {
     let wrapped = (angle_rad + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI;
-    if wrapped == -std::f64::consts::PI { std::f64::consts::PI } else { wrapped }
+    if wrapped == -std::f64::consts::PI {
+        std::f64::consts::PI
+    } else {
+        wrapped
+    }
 }
 
 #[cfg(test)]

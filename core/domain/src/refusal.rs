@@ -6,7 +6,18 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// A typed refusal. Its display text is the sentence an operator reads.
-#[derive(Debug, Clone, PartialEq, Error, Serialize, Deserialize, Encode, Decode, ts_rs::TS, schemars::JsonSchema)]
+#[derive(
+    Debug,
+    Clone,
+    PartialEq,
+    Error,
+    Serialize,
+    Deserialize,
+    Encode,
+    Decode,
+    ts_rs::TS,
+    schemars::JsonSchema
+)]
 #[serde(tag = "reason", rename_all = "snake_case")]
 pub enum Refusal {
     /// No vehicle of that id is known here.

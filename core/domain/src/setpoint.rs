@@ -28,7 +28,11 @@ impl Setpoint {
     /// Stay at `position`, looking to `yaw_rad`.
     #[must_use]
     pub fn hold(position: PositionNed, yaw_rad: Option<f64>) -> Self {
-        Self { position: Some(position), yaw_rad, ..Self::default() }
+        Self {
+            position: Some(position),
+            yaw_rad,
+            ..Self::default()
+        }
     }
 
     /// Whether every number in it is finite and at least a position or a velocity is given.

@@ -1,9 +1,25 @@
 //! The typed handle to a running node: the only way in for the API, the demo and the tests. The actors' messages stay private.
 
-use crate::snapshot::{EventRecord, FleetSnapshot};
+use crate::board::Board;
+use crate::coordinator::CoordinatorMessage;
+use crate::node::Parts;
+use crate::snapshot::{EventKind, EventRecord, FleetSnapshot};
+use crate::vehicle::VehicleMessage;
+use ractor::RpcReplyPort;
+use ractor::rpc::CallResult;
 use serde::{Deserialize, Serialize};
-use skein_domain::exchange::FaultDrill;
-use skein_domain::{CommandId, FormationRequest, Refusal, Route, VehicleCommand, VehicleId};
+use skein_config::NodeConfig;
+use skein_domain::exchange::{FaultDrill, Severity};
+use skein_domain::{
+    AnchorReference, CommandId, FormationRequest, NodeTime, Refusal, Route, SlotMove, VehicleCommand, VehicleId,
+};
+use skein_link_px4::EndpointMetrics;
+use skein_plugin_host::Plugin;
+use std::collections::BTreeMap;
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::broadcast;
 
 /// Whom a command is for.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
@@ -40,7 +56,17 @@ pub struct FormationReceipt {
 }
 
 /// A fault to inject, where the configuration permits it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Serialize,
+    Deserialize,
+    ts_rs::TS,
+    schemars::JsonSchema
+)]
 #[serde(tag = "fault", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Fault {
     /// The UAV-model plugin of a vehicle panics.
@@ -72,4 +98,298 @@ impl Fault {
             Self::VehicleActor { .. } | Self::Coordinator => None,
         }
     }
+}
+
+/// A plugin that was found, for screens.
+#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
+pub struct PluginInfo {
+    /// Its name.
+    pub name: String,
+    /// Its version.
+    pub version: String,
+    /// What it is for.
+    pub description: String,
+    /// The file it was loaded from.
+    pub path: String,
+    /// JSON Schema of its configuration, as text.
+    pub config_schema_json: String,
+}
+
+/// A running node, for everyone outside of it. Cheap to clone.
+#[derive(Clone)]
+pub struct NodeHandle {
+    board: Arc<Board>,
+    parts: Arc<Parts>,
+}
+
+/// Longest wait for an actor's answer. They answer at once; this bounds the wait for one that has just died.
+const ANSWER_WITHIN: Duration = Duration::from_secs(2);
+
+/// Longest wait for the plan of a formation.
+const PLAN_WITHIN: Duration = Duration::from_secs(20);
+
+impl NodeHandle {
+    pub(crate) fn new(board: Arc<Board>, parts: Arc<Parts>) -> Self {
+        Self { board, parts }
+    }
+
+    pub(crate) fn board(&self) -> &Arc<Board> {
+        &self.board
+    }
+
+    pub(crate) fn parts(&self) -> &Arc<Parts> {
+        &self.parts
+    }
+
+    /// Now, on the node's clock.
+    #[must_use]
+    pub fn now(&self) -> NodeTime {
+        self.board.now()
+    }
+
+    /// The node's name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.board.config.node.name
+    }
+
+    /// The configuration it was built with.
+    #[must_use]
+    pub fn config(&self) -> &NodeConfig {
+        &self.board.config
+    }
+
+    /// The newest picture of the fleet.
+    #[must_use]
+    pub fn snapshot(&self) -> Arc<FleetSnapshot> {
+        self.board.picture.load_full()
+    }
+
+    /// New events from now on.
+    #[must_use]
+    pub fn subscribe(&self) -> broadcast::Receiver<Arc<EventRecord>> {
+        self.board.events.subscribe()
+    }
+
+    /// Kept events with a greater sequence number.
+    #[must_use]
+    pub fn events_after(&self, seq: u64) -> Vec<Arc<EventRecord>> {
+        self.board.events.after(seq)
+    }
+
+    /// Local addresses of the endpoints, by name.
+    #[must_use]
+    pub fn endpoint_addresses(&self) -> BTreeMap<String, SocketAddr> {
+        self.parts.bound.lock().clone()
+    }
+
+    /// Counters of the endpoints, by name.
+    #[must_use]
+    pub fn endpoint_metrics(&self) -> Vec<(Arc<str>, Arc<EndpointMetrics>)> {
+        self.parts.links.metrics()
+    }
+
+    /// Plugins found.
+    #[must_use]
+    pub fn plugins(&self) -> Vec<PluginInfo> {
+        let info = |plugin: &Arc<Plugin>| PluginInfo {
+            name: plugin.manifest().name.clone(),
+            version: plugin.manifest().version.clone(),
+            description: plugin.manifest().description.clone(),
+            path: plugin.path().display().to_string(),
+            config_schema_json: plugin.manifest().config_schema_json.clone(),
+        };
+        self.board.catalog.plugins().map(info).collect()
+    }
+
+    /// Files in the plugin directories that were not taken, and why.
+    #[must_use]
+    pub fn plugin_problems(&self) -> Vec<String> {
+        self.board
+            .catalog
+            .problems()
+            .iter()
+            .map(|p| format!("{}: {}", p.path.display(), p.error))
+            .collect()
+    }
+
+    /// Where each follower belongs relative to its leader at this moment, and the anchor: what a referee compares with the truth.
+    #[must_use]
+    pub fn slots(&self) -> Option<FormationSlots> {
+        let formation = self.board.coordination.lock().formation.clone()?;
+        let anchor = self.board.peers.load().entry(formation.leader).and_then(|e| e.anchor)?;
+        let slots = formation.slots.into_iter().collect();
+        Some(FormationSlots {
+            leader: formation.leader,
+            anchor,
+            slots,
+            settled_at: formation.settled_at,
+        })
+    }
+
+    /// Gives a command to vehicles; each answers for itself. A take-off of several is staggered.
+    pub async fn command(&self, targets: &Targets, command: VehicleCommand) -> Vec<CommandReceipt> {
+        let ids: Vec<VehicleId> = match targets {
+            Targets::All => self.board.cells().iter().map(|cell| cell.id).collect(),
+            Targets::Vehicles(ids) => ids.clone(),
+        };
+        let stagger_s = match command {
+            VehicleCommand::TakeOff { .. } => self.board.config.coordinator.take_off_stagger_s,
+            _ => 0.0,
+        };
+        let now = self.board.now();
+        let asked: Vec<_> = ids
+            .iter()
+            .enumerate()
+            .map(|(i, id)| {
+                let (handle, id) = (self.clone(), *id);
+                let not_before = now.plus_seconds(stagger_s * i as f64);
+                // All at once: a slow answer of one must not delay the stop of another.
+                tokio::spawn(async move { handle.command_one(id, command, not_before).await })
+            })
+            .collect();
+        let mut receipts = Vec::with_capacity(asked.len());
+        for (vehicle, answer) in ids.into_iter().zip(asked) {
+            receipts.push(answer.await.unwrap_or_else(|_| CommandReceipt {
+                vehicle,
+                id: CommandId(0),
+                refusal: Some(Refusal::NotRunning {
+                    what: format!("actor of vehicle {vehicle}"),
+                }),
+            }));
+        }
+        receipts
+    }
+
+    async fn command_one(&self, vehicle: VehicleId, command: VehicleCommand, not_before: NodeTime) -> CommandReceipt {
+        let id = self.board.next_command_id();
+        let refused = |refusal| CommandReceipt {
+            vehicle,
+            id,
+            refusal: Some(refusal),
+        };
+        let Some(cell) = self.board.cell(vehicle) else {
+            return refused(Refusal::UnknownVehicle { vehicle });
+        };
+        let not_running = Refusal::NotRunning {
+            what: format!("actor of vehicle {vehicle}"),
+        };
+        let Some(actor) = cell.actor.load_full() else {
+            return refused(not_running);
+        };
+        let message = |reply| VehicleMessage::Command {
+            id,
+            command,
+            not_before,
+            reply,
+        };
+        match actor.call(message, Some(ANSWER_WITHIN)).await {
+            Ok(CallResult::Success(receipt)) => receipt,
+            Ok(CallResult::Timeout) => refused(Refusal::TimedOut {
+                what: format!("the actor of vehicle {vehicle}"),
+                after_s: ANSWER_WITHIN.as_secs_f64(),
+            }),
+            _ => refused(not_running),
+        }
+    }
+
+    /// Flies a formation.
+    ///
+    /// # Errors
+    /// When too few vehicles are available or no safe way into the slots is found.
+    pub async fn set_formation(&self, request: FormationRequest) -> Result<FormationReceipt, Refusal> {
+        self.coordinate(|reply| CoordinatorMessage::SetFormation(request, reply))
+            .await
+    }
+
+    /// Ends the formation; its members hold.
+    ///
+    /// # Errors
+    /// When the coordinator is not running.
+    pub async fn dissolve_formation(&self) -> Result<(), Refusal> {
+        self.coordinate(CoordinatorMessage::Dissolve).await
+    }
+
+    /// Has the leader fly a route.
+    ///
+    /// # Errors
+    /// When no formation is flown, or the route is refused by the safety gate.
+    pub async fn set_route(&self, route: Route) -> Result<(), Refusal> {
+        self.coordinate(|reply| CoordinatorMessage::SetRoute(route, reply))
+            .await
+    }
+
+    async fn coordinate<T: Send + 'static>(
+        &self,
+        message: impl FnOnce(RpcReplyPort<Result<T, Refusal>>) -> CoordinatorMessage,
+    ) -> Result<T, Refusal> {
+        let not_running = || Refusal::NotRunning {
+            what: "the coordinator".into(),
+        };
+        let coordinator = self.parts.coordinator.load_full().ok_or_else(not_running)?;
+        match coordinator.call(message, Some(PLAN_WITHIN)).await {
+            Ok(CallResult::Success(answer)) => answer,
+            Ok(CallResult::Timeout) => Err(Refusal::TimedOut {
+                what: "the coordinator".into(),
+                after_s: PLAN_WITHIN.as_secs_f64(),
+            }),
+            _ => Err(not_running()),
+        }
+    }
+
+    /// Injects a fault.
+    ///
+    /// # Errors
+    /// When the configuration does not permit it, or there is no such vehicle.
+    pub async fn inject_fault(&self, fault: Fault) -> Result<(), Refusal> {
+        if !self.board.config.faults.enabled {
+            return Err(Refusal::NotPermitted {
+                detail: "fault injection is off (faults.enabled)".into(),
+            });
+        }
+        let text = format!("fault injected: {fault:?}");
+        self.board
+            .events
+            .record(self.now(), None, Severity::Advisory, EventKind::Notice, text);
+        let actor_of = |vehicle: VehicleId| {
+            let cell = self.board.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+            cell.actor.load_full().ok_or(Refusal::NotRunning {
+                what: format!("actor of vehicle {vehicle}"),
+            })
+        };
+        match (fault, fault.drill()) {
+            (_, Some((vehicle, drill))) => {
+                let gone = |_| Refusal::NotRunning {
+                    what: format!("actor of vehicle {vehicle}"),
+                };
+                actor_of(vehicle)?.cast(VehicleMessage::Drill(drill)).map_err(gone)
+            }
+            (Fault::VehicleActor { vehicle }, _) => {
+                actor_of(vehicle)?.kill();
+                Ok(())
+            }
+            _ => {
+                let coordinator = self.parts.coordinator.load_full();
+                coordinator
+                    .ok_or(Refusal::NotRunning {
+                        what: "the coordinator".into(),
+                    })?
+                    .kill();
+                Ok(())
+            }
+        }
+    }
+}
+
+/// The formation as its members fly it at one moment.
+#[derive(Debug, Clone)]
+pub struct FormationSlots {
+    /// Who leads.
+    pub leader: VehicleId,
+    /// The leader's anchor.
+    pub anchor: AnchorReference,
+    /// Each follower's slot.
+    pub slots: Vec<(VehicleId, SlotMove)>,
+    /// When all are to be in their slots.
+    pub settled_at: NodeTime,
 }

@@ -1,1 +1,26 @@
-//! Placeholder.
+//! The actors of a node and the one handle to them. One file per actor; SEMANTICS.md states order, bounds, deadlines and what
+//! stopping means.
+//!
+//! Must never do: speak MAVLink, HTTP or the plugin ABI by itself.
+#![forbid(unsafe_code)]
+
+mod board;
+mod clock;
+mod coordination;
+mod coordinator;
+mod events;
+mod fleet;
+mod handle;
+mod node;
+mod observer;
+mod pulse;
+pub mod restart;
+pub mod snapshot;
+mod vehicle;
+mod wiring;
+
+pub use clock::TokioClock;
+pub use handle::{CommandReceipt, Fault, FormationReceipt, FormationSlots, NodeHandle, PluginInfo, Targets};
+pub use node::{Adapter, AdapterStart, Node, NodeError};
+pub use snapshot::{EventKind, EventRecord, FleetSnapshot, VehicleSnapshot};
+pub use wiring::WiringError;

@@ -4,8 +4,8 @@
 use serde::Serialize;
 use skein_domain::exchange::{CommandProgress, Severity};
 use skein_domain::{
-    Battery, CommandId, FlightMode, FlightState, FormationRequest, Geodetic, Gnss, Incarnation, LandedState, LinkHealth,
-    NodeTime, PositionNed, Refusal, Route, SwarmFrame, SystemId, VehicleId, telemetry::VehicleKinematics,
+    Battery, CommandId, FlightMode, FlightState, FormationRequest, Geodetic, Gnss, Incarnation, LandedState,
+    LinkHealth, NodeTime, PositionNed, Refusal, Route, SwarmFrame, SystemId, VehicleId, telemetry::VehicleKinematics,
 };
 
 /// The fleet at one moment.
@@ -98,7 +98,17 @@ pub struct ActorHealth {
 }
 
 /// What a supervised actor is doing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Default,
+    Serialize,
+    ts_rs::TS,
+    schemars::JsonSchema
+)]
 #[serde(rename_all = "snake_case")]
 pub enum ActorStatus {
     /// Running.

@@ -1,2 +1,52 @@
-//! Placeholder entry.
-fn main() {}
+//! The `skein` program: reads the arguments, starts logging and the runtime, runs one command, gives an exit code. Nothing else.
+#![forbid(unsafe_code)]
+
+use clap::Parser;
+use skein::args::{Arguments, Bench, BenchArguments, Command};
+use skein::{demo, doctor, exit, logging, run, simulate};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    if let Err(error) = logging::start(arguments.log_format, &arguments.log) {
+        eprintln!("skein: {error}");
+        return ExitCode::from(2);
+    }
+    match execute(arguments.command) {
+        Ok(code) => code,
+        Err(error) => {
+            eprintln!("skein: {error:#}");
+            exit::code(&error)
+        }
+    }
+}
+
+fn execute(command: Command) -> anyhow::Result<ExitCode> {
+    if let Command::Bench(BenchArguments { what }) = command {
+        return bench(what);
+    }
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
+    let done = |()| ExitCode::SUCCESS;
+    runtime.block_on(async {
+        match command {
+            Command::Demo(arguments) => demo::demo(arguments).await,
+            Command::Run(arguments) => run::run(arguments).await.map(done),
+            Command::Sim(arguments) => simulate::simulate(arguments).await.map(done),
+            Command::Doctor(arguments) => doctor::doctor(&arguments),
+            Command::Bench(_) => Ok(ExitCode::SUCCESS),
+        }
+    })
+}
+
+/// The benches make their own runtimes: each measures one of its own.
+fn bench(what: Bench) -> anyhow::Result<ExitCode> {
+    match what {
+        Bench::Fleet {
+            vehicles,
+            seconds,
+            json,
+        } => skein::bench::fleet(vehicles, seconds, json),
+        Bench::LoadGenerator { settings } => skein::bench::load_generator(&settings),
+        Bench::BareLoop { settings } => skein::bench::bare_loop(&settings),
+    }
+}

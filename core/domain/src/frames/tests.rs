@@ -4,10 +4,12 @@ use super::*;
 use proptest::prelude::*;
 
 fn geodetic() -> impl Strategy<Value = Geodetic> {
-    (-75.0..75.0f64, -179.0..179.0f64, -100.0..4000.0f64).prop_map(|(latitude_deg, longitude_deg, altitude_amsl_m)| Geodetic {
-        latitude_deg,
-        longitude_deg,
-        altitude_amsl_m,
+    (-75.0..75.0f64, -179.0..179.0f64, -100.0..4000.0f64).prop_map(|(latitude_deg, longitude_deg, altitude_amsl_m)| {
+        Geodetic {
+            latitude_deg,
+            longitude_deg,
+            altitude_amsl_m,
+        }
     })
 }
 
@@ -54,8 +56,16 @@ proptest! {
 
 #[test]
 fn one_degree_of_latitude_is_where_px4_puts_it() {
-    let frame = SwarmFrame::new(Geodetic { latitude_deg: 47.0, longitude_deg: 8.0, altitude_amsl_m: 500.0 });
-    let north = frame.position(&Geodetic { latitude_deg: 48.0, longitude_deg: 8.0, altitude_amsl_m: 510.0 });
+    let frame = SwarmFrame::new(Geodetic {
+        latitude_deg: 47.0,
+        longitude_deg: 8.0,
+        altitude_amsl_m: 500.0,
+    });
+    let north = frame.position(&Geodetic {
+        latitude_deg: 48.0,
+        longitude_deg: 8.0,
+        altitude_amsl_m: 510.0,
+    });
     assert!((north.north_m - EARTH_RADIUS_M.to_radians()).abs() < 1.0);
     assert!((north.down_m + 10.0).abs() < 1e-9);
 }

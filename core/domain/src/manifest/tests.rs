@@ -8,7 +8,10 @@ fn codes_are_the_numbers_of_the_variants_on_the_wire() {
     let effects = [
         Effect::Setpoint(Setpoint::default()),
         Effect::StopStream,
-        Effect::Autopilot { request: RequestId(1), command: AutopilotCommand::Arm },
+        Effect::Autopilot {
+            request: RequestId(1),
+            command: AutopilotCommand::Arm,
+        },
         Effect::TrackingError { distance_m: 1.0 },
         Effect::RouteFinished,
     ];
@@ -17,7 +20,12 @@ fn codes_are_the_numbers_of_the_variants_on_the_wire() {
         // A variant is an array of its number and its fields.
         let mut decoder = minicbor::Decoder::new(&bytes);
         decoder.array().expect("an array");
-        assert_eq!(decoder.u32().expect("a number"), effect.kind().code(), "{}", effect.kind());
+        assert_eq!(
+            decoder.u32().expect("a number"),
+            effect.kind().code(),
+            "{}",
+            effect.kind()
+        );
     }
     for (i, kind) in EffectKind::ALL.iter().enumerate() {
         assert_eq!(EffectKind::from_code(i as u32), Some(*kind));

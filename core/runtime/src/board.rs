@@ -1,0 +1,240 @@
+//! The board: what the actors of a node share by reading instead of asking. Immutable snapshots of peers and intent, one cell
+//! per vehicle that outlives its actor, the gate, the event log.
+//!
+//! Must never do: wait, or hold a lock across an await.
+
+use crate::coordination::Coordination;
+use crate::events::EventLog;
+use crate::snapshot::{ActorHealth, FleetSnapshot, UnadoptedVehicle};
+use crate::vehicle::VehicleMessage;
+use arc_swap::{ArcSwap, ArcSwapOption};
+use parking_lot::{Mutex, RwLock};
+use ractor::ActorRef;
+use skein_config::NodeConfig;
+use skein_domain::link::VehicleLink;
+use skein_domain::telemetry::VehicleKinematics;
+use skein_domain::{
+    AnchorReference, Clock, FlightState, Geodetic, Intent, LandedState, LinkHealth, NodeTime, PositionNed, Setpoint,
+    SwarmFrame, SystemId, Telemetry, VehicleId,
+};
+use skein_plugin_host::{Catalog, Plugin, Runners};
+use skein_safety::{Gate, Peer};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+/// Everything the actors of one node share.
+pub struct Board {
+    /// The configuration the node was built with.
+    pub config: NodeConfig,
+    /// The node's clock.
+    pub clock: Arc<dyn Clock>,
+    /// The safety gate.
+    pub gate: Gate,
+    /// Events.
+    pub events: EventLog,
+    /// Plugins found.
+    pub catalog: Catalog,
+    /// Threads plugin calls run on.
+    pub runners: Arc<Runners>,
+    /// The swarm's common frame, once known. Set once: positions given before must keep their meaning.
+    frame: ArcSwapOption<SwarmFrame>,
+    /// Peers of the present control period.
+    pub peers: ArcSwap<PeerSnapshot>,
+    /// What the coordinator wants.
+    pub intent: ArcSwap<Intent>,
+    /// What the coordinator must find again after a restart.
+    pub coordination: Mutex<Coordination>,
+    /// Vehicles by id.
+    cells: RwLock<BTreeMap<VehicleId, Arc<VehicleCell>>>,
+    /// Vehicles heard but not flown.
+    pub unadopted: Mutex<Vec<UnadoptedVehicle>>,
+    /// Health of the node's own actors by name.
+    pub actors: Mutex<BTreeMap<String, ActorHealth>>,
+    /// The picture for screens.
+    pub picture: ArcSwap<FleetSnapshot>,
+    next_command: AtomicU64,
+}
+
+impl Board {
+    /// An empty board.
+    #[must_use]
+    pub fn new(config: NodeConfig, clock: Arc<dyn Clock>, gate: Gate, catalog: Catalog, runners: Arc<Runners>) -> Self {
+        let frame = config.swarm.origin.map(|origin| Arc::new(SwarmFrame::new(origin)));
+        Self {
+            config,
+            clock,
+            gate,
+            events: EventLog::default(),
+            catalog,
+            runners,
+            frame: ArcSwapOption::from(frame),
+            peers: ArcSwap::default(),
+            intent: ArcSwap::default(),
+            coordination: Mutex::default(),
+            cells: RwLock::default(),
+            unadopted: Mutex::default(),
+            actors: Mutex::default(),
+            picture: ArcSwap::default(),
+            next_command: AtomicU64::new(1),
+        }
+    }
+
+    /// Now.
+    #[must_use]
+    pub fn now(&self) -> NodeTime {
+        self.clock.now()
+    }
+
+    /// The swarm frame, if known.
+    #[must_use]
+    pub fn frame(&self) -> Option<SwarmFrame> {
+        self.frame.load().as_deref().copied()
+    }
+
+    /// Fixes the swarm frame's origin if it is not known yet; tells whether this call did it.
+    pub fn fix_frame(&self, origin: Geodetic) -> bool {
+        if self.frame.load().is_some() || !origin.is_valid() {
+            return false;
+        }
+        self.frame.store(Some(Arc::new(SwarmFrame::new(origin))));
+        true
+    }
+
+    /// A new command id.
+    pub fn next_command_id(&self) -> skein_domain::CommandId {
+        skein_domain::CommandId(self.next_command.fetch_add(1, Ordering::Relaxed))
+    }
+
+    /// The vehicle's cell.
+    #[must_use]
+    pub fn cell(&self, id: VehicleId) -> Option<Arc<VehicleCell>> {
+        self.cells.read().get(&id).cloned()
+    }
+
+    /// All cells by ascending id.
+    #[must_use]
+    pub fn cells(&self) -> Vec<Arc<VehicleCell>> {
+        self.cells.read().values().cloned().collect()
+    }
+
+    /// Adds a vehicle; the one with the same id, if any, is replaced.
+    pub fn insert_cell(&self, cell: Arc<VehicleCell>) {
+        self.cells.write().insert(cell.id, cell);
+    }
+}
+
+/// One adopted vehicle. It outlives the vehicle's actor, so that a new incarnation finds state and link.
+pub struct VehicleCell {
+    /// The swarm's id for it.
+    pub id: VehicleId,
+    /// Name from the adoption rule.
+    pub name: String,
+    /// System id on its link.
+    pub system_id: SystemId,
+    /// UAV-model plugin that flies it.
+    pub plugin: Arc<Plugin>,
+    /// Configuration of the plugin instance as JSON text.
+    pub model_config_json: String,
+    /// Its link. Replaced when the vehicle comes back over another one.
+    pub link: ArcSwap<LinkSlot>,
+    /// The running actor, if any.
+    pub actor: ArcSwapOption<ActorRef<VehicleMessage>>,
+    /// A tick has been sent and not yet been taken up: at most one waits in the mailbox.
+    pub tick_waiting: AtomicBool,
+    /// What the actor last published.
+    pub state: Mutex<PublishedState>,
+    /// The plugin's last snapshot, for the next incarnation.
+    pub snapshot: Mutex<Option<Vec<u8>>>,
+}
+
+/// A link behind a thin pointer, so that it can be swapped.
+pub struct LinkSlot(pub Arc<dyn VehicleLink>);
+
+/// What a vehicle's actor publishes for its peers, the coordinator and the screens.
+#[derive(Debug, Clone, Default)]
+pub struct PublishedState {
+    /// Flight state.
+    pub flight_state: FlightState,
+    /// Why.
+    pub detail: String,
+    /// Since when.
+    pub since: NodeTime,
+    /// The anchor it publishes while leading.
+    pub anchor: Option<AnchorReference>,
+    /// Last setpoint that passed the gate.
+    pub setpoint: Option<Setpoint>,
+    /// Distance to its slot or goal in metres.
+    pub tracking_error_m: Option<f64>,
+    /// It has flown its route to the end; with the task version of that route.
+    pub route_finished: Option<u64>,
+    /// Version of the task it has taken up last.
+    pub task_version: u64,
+    /// Actor's health.
+    pub actor: ActorHealth,
+    /// Plugin instance's health.
+    pub model: ActorHealth,
+}
+
+/// All vehicles at one control period.
+#[derive(Debug, Clone, Default)]
+pub struct PeerSnapshot {
+    /// By ascending id.
+    pub entries: Vec<PeerEntry>,
+    /// The same as the gate wants them: those with a position, by ascending id.
+    pub peers: Vec<Peer>,
+}
+
+/// One vehicle in a [`PeerSnapshot`].
+#[derive(Debug, Clone, Copy)]
+pub struct PeerEntry {
+    /// Its id.
+    pub id: VehicleId,
+    /// Position, velocity, yaw in the swarm frame, as measured.
+    pub kinematics: Option<VehicleKinematics>,
+    /// Motors armed and not known to be on the ground.
+    pub airborne: bool,
+    /// Telemetry as the link gives it.
+    pub telemetry: Telemetry,
+    /// Its link.
+    pub link: LinkHealth,
+    /// Flight state.
+    pub flight_state: FlightState,
+    /// Its anchor while it leads.
+    pub anchor: Option<AnchorReference>,
+    /// Launch place in the swarm frame.
+    pub home: Option<PositionNed>,
+}
+
+impl PeerSnapshot {
+    /// The entry of a vehicle.
+    #[must_use]
+    pub fn entry(&self, id: VehicleId) -> Option<&PeerEntry> {
+        self.entries
+            .binary_search_by_key(&id, |e| e.id)
+            .ok()
+            .and_then(|i| self.entries.get(i))
+    }
+}
+
+/// Puts telemetry into the swarm frame.
+#[must_use]
+pub fn kinematics(frame: &SwarmFrame, telemetry: &Telemetry) -> Option<VehicleKinematics> {
+    let position = match (telemetry.local_frame, telemetry.local, telemetry.global) {
+        (Some(local_frame), Some(local), _) => local_frame.to_swarm(frame, &local),
+        (_, _, Some(global)) => frame.position(&global),
+        _ => return None,
+    };
+    Some(VehicleKinematics {
+        position,
+        velocity: telemetry.velocity.unwrap_or_default(),
+        yaw_rad: f64::from(telemetry.yaw_rad),
+        measured: telemetry.position_time,
+    })
+}
+
+/// Whether a vehicle must be counted as flying: armed, and not known to stand on the ground.
+#[must_use]
+pub fn airborne(telemetry: &Telemetry) -> bool {
+    telemetry.armed && telemetry.landed != LandedState::OnGround
+}

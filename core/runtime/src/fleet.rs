@@ -1,0 +1,299 @@
+//! The fleet actor: takes newly heard vehicles into the swarm by the adoption rules, and supervises their actors.
+//!
+//! Vehicles are its children, not the coordinator's: ractor ends children with their parent, and the end of the coordinator must
+//! stop no setpoint. Must never do: wait for a vehicle's actor, or fly anything itself.
+
+use crate::board::{Board, LinkSlot, PublishedState, VehicleCell};
+use crate::restart::{Decision, RestartHistory, VEHICLE_LIMITS};
+use crate::snapshot::{ActorStatus, EventKind, UnadoptedVehicle};
+use crate::vehicle::{Vehicle, VehicleArguments};
+use arc_swap::{ArcSwap, ArcSwapOption};
+use ractor::{Actor, ActorId, ActorProcessingErr, ActorRef, SupervisionEvent};
+use skein_config::AdoptionRule;
+use skein_domain::exchange::Severity;
+use skein_domain::link::VehicleLink;
+use skein_domain::{AutopilotCommand, FlightMode, FlightState, Incarnation, RequestId, SystemId, VehicleId};
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+/// The actor.
+pub struct Fleet;
+
+/// What the fleet is told.
+pub enum FleetMessage {
+    /// An endpoint hears a vehicle that it has not heard before.
+    Discovered(Discovery),
+    /// An endpoint hears something that cannot be flown as it is.
+    Trouble(UnadoptedVehicle),
+    /// The back-off of a vehicle's actor is over.
+    Restart(VehicleId),
+}
+
+/// A vehicle heard for the first time on an endpoint.
+pub struct Discovery {
+    /// Name of the endpoint.
+    pub endpoint: String,
+    /// Its link.
+    pub link: Arc<dyn VehicleLink>,
+    /// Its system id there.
+    pub system_id: SystemId,
+}
+
+/// State.
+pub struct FleetState {
+    board: Arc<Board>,
+    children: HashMap<ActorId, VehicleId>,
+    records: BTreeMap<VehicleId, Record>,
+}
+
+#[derive(Default)]
+struct Record {
+    incarnation: Incarnation,
+    history: RestartHistory,
+}
+
+impl Actor for Fleet {
+    type Msg = FleetMessage;
+    type State = FleetState;
+    type Arguments = Arc<Board>;
+
+    async fn pre_start(
+        &self,
+        myself: ActorRef<FleetMessage>,
+        board: Arc<Board>,
+    ) -> Result<FleetState, ActorProcessingErr> {
+        let mut state = FleetState {
+            board,
+            children: HashMap::new(),
+            records: BTreeMap::new(),
+        };
+        // After a restart of the fleet itself, its vehicles are on the board.
+        for cell in state.board.cells() {
+            let incarnation = cell.state.lock().actor.incarnation;
+            state.records.insert(
+                cell.id,
+                Record {
+                    incarnation,
+                    ..Record::default()
+                },
+            );
+            state.start(&myself, cell).await;
+        }
+        Ok(state)
+    }
+
+    async fn handle(
+        &self,
+        myself: ActorRef<FleetMessage>,
+        message: FleetMessage,
+        state: &mut FleetState,
+    ) -> Result<(), ActorProcessingErr> {
+        match message {
+            FleetMessage::Discovered(discovery) => state.discovered(&myself, discovery).await,
+            FleetMessage::Trouble(trouble) => state.not_adopted(trouble),
+            FleetMessage::Restart(id) => {
+                if let Some(cell) = state.board.cell(id) {
+                    state.start(&myself, cell).await;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    async fn handle_supervisor_evt(
+        &self,
+        myself: ActorRef<FleetMessage>,
+        event: SupervisionEvent,
+        state: &mut FleetState,
+    ) -> Result<(), ActorProcessingErr> {
+        let (cell, error) = match event {
+            SupervisionEvent::ActorFailed(cell, error) => (cell, error.to_string()),
+            SupervisionEvent::ActorTerminated(cell, _, reason) => (cell, reason.unwrap_or_else(|| "ended".into())),
+            _ => return Ok(()),
+        };
+        if let Some(id) = state.children.remove(&cell.get_id()) {
+            state.ended(&myself, id, &error).await;
+        }
+        Ok(())
+    }
+}
+
+impl FleetState {
+    async fn discovered(&mut self, myself: &ActorRef<FleetMessage>, discovery: Discovery) {
+        let Discovery {
+            endpoint,
+            link,
+            system_id,
+        } = discovery;
+        let rules = &self.board.config.adopt;
+        let rule = rules.iter().find(|rule| {
+            rule.system_ids.contains(system_id) && rule.endpoint.as_ref().is_none_or(|name| *name == endpoint)
+        });
+        let why = match rule {
+            None => "no adoption rule fits it".to_owned(),
+            Some(rule) => match self.adopt(myself, &endpoint, link, system_id, &rule.clone()).await {
+                Ok(()) => return,
+                Err(why) => why,
+            },
+        };
+        self.not_adopted(UnadoptedVehicle {
+            system_id,
+            endpoint,
+            why,
+        });
+    }
+
+    async fn adopt(
+        &mut self,
+        myself: &ActorRef<FleetMessage>,
+        endpoint: &str,
+        link: Arc<dyn VehicleLink>,
+        system_id: SystemId,
+        rule: &AdoptionRule,
+    ) -> Result<(), String> {
+        let id = VehicleId(u16::from(system_id.0).saturating_add(rule.vehicle_id_offset));
+        let now = self.board.now();
+        if let Some(known) = self.board.cell(id) {
+            let (_, health) = known.link.load().0.read(now);
+            if health.connected {
+                return Err(format!(
+                    "vehicle {id} is already flown over another link ({})",
+                    known.name
+                ));
+            }
+            known.link.store(Arc::new(LinkSlot(link)));
+            let text = format!("{} is back, heard on {endpoint}", known.name);
+            self.board
+                .events
+                .record(now, Some(id), Severity::Advisory, EventKind::LinkRegained, text);
+            return Ok(());
+        }
+        let plugin = self
+            .board
+            .catalog
+            .get(&rule.model)
+            .ok_or_else(|| format!("its UAV model \"{}\" is not among the plugins found", rule.model))?;
+        let name = rule
+            .name
+            .replace("{system_id}", &system_id.to_string())
+            .replace("{vehicle_id}", &id.to_string());
+        let cell = Arc::new(VehicleCell {
+            id,
+            name,
+            system_id,
+            plugin,
+            model_config_json: rule.model_config_json(),
+            link: ArcSwap::from_pointee(LinkSlot(link)),
+            actor: ArcSwapOption::empty(),
+            tick_waiting: AtomicBool::new(false),
+            state: parking_lot::Mutex::new(PublishedState::default()),
+            snapshot: parking_lot::Mutex::new(None),
+        });
+        self.board
+            .unadopted
+            .lock()
+            .retain(|u| u.system_id != system_id || u.endpoint != endpoint);
+        let text = format!(
+            "{} adopted: system id {system_id} on {endpoint}, model {}",
+            cell.name, rule.model
+        );
+        self.board
+            .events
+            .record(now, Some(id), Severity::Info, EventKind::Adopted, text);
+        self.board.insert_cell(cell.clone());
+        self.records.insert(id, Record::default());
+        self.start(myself, cell).await;
+        Ok(())
+    }
+
+    fn not_adopted(&mut self, trouble: UnadoptedVehicle) {
+        let text = format!(
+            "system id {} on {} is not flown: {}",
+            trouble.system_id, trouble.endpoint, trouble.why
+        );
+        self.board
+            .events
+            .record(self.board.now(), None, Severity::Warning, EventKind::NotAdopted, text);
+        let mut unadopted = self.board.unadopted.lock();
+        unadopted.retain(|u| u.system_id != trouble.system_id || u.endpoint != trouble.endpoint);
+        unadopted.push(trouble);
+    }
+
+    /// Starts the next incarnation of a vehicle's actor. Its `pre_start` only takes what lies ready, so that nothing is waited for.
+    async fn start(&mut self, myself: &ActorRef<FleetMessage>, cell: Arc<VehicleCell>) {
+        let id = cell.id;
+        let record = self.records.entry(id).or_default();
+        record.incarnation = record.incarnation.next();
+        let arguments = VehicleArguments {
+            board: self.board.clone(),
+            cell,
+            incarnation: record.incarnation,
+        };
+        match Vehicle::spawn_linked(None, Vehicle, arguments, myself.get_cell()).await {
+            Ok((actor, _)) => {
+                self.children.insert(actor.get_id(), id);
+            }
+            Err(error) => self.ended(myself, id, &error.to_string()).await,
+        }
+    }
+
+    async fn ended(&mut self, myself: &ActorRef<FleetMessage>, id: VehicleId, error: &str) {
+        let Some(cell) = self.board.cell(id) else { return };
+        let now = self.board.now();
+        cell.actor.store(None);
+        let record = self.records.entry(id).or_default();
+        let decision = record
+            .history
+            .decide(&VEHICLE_LIMITS, now, (now.0 % 1_000) as f64 / 1_000.0);
+        let status = match decision {
+            Decision::RestartAfter(_) => ActorStatus::Restarting,
+            Decision::GiveUp => ActorStatus::GivenUp,
+        };
+        {
+            let mut published = cell.state.lock();
+            published.actor.status = status;
+            published.actor.last_error = error.to_owned();
+            published.actor.since = now;
+        }
+        let kind = EventKind::Supervision {
+            actor: format!("vehicle-{id}"),
+            status,
+        };
+        match decision {
+            Decision::RestartAfter(delay_s) => {
+                let text = format!("{}: actor ended ({error}); restarting", cell.name);
+                self.board.events.record(now, Some(id), Severity::Warning, kind, text);
+                // Through the mailbox even without a delay, so that one crashing vehicle cannot keep the fleet in this loop.
+                myself.send_after(Duration::from_secs_f64(delay_s), move || FleetMessage::Restart(id));
+            }
+            Decision::GiveUp => {
+                let text = format!("{}: actor failed too often ({error}); its autopilot holds", cell.name);
+                self.board.events.record(now, Some(id), Severity::Critical, kind, text);
+                give_up(&self.board, &cell);
+            }
+        }
+    }
+}
+
+/// Nobody steers the vehicle any more: its autopilot is told to hold by itself.
+fn give_up(board: &Board, cell: &VehicleCell) {
+    let now = board.now();
+    if board
+        .peers
+        .load()
+        .entry(cell.id)
+        .is_some_and(|e| e.telemetry.mode == FlightMode::Offboard && e.airborne)
+    {
+        cell.link.load().0.request(
+            now,
+            RequestId(u32::MAX),
+            AutopilotCommand::SetMode { mode: FlightMode::Hold },
+        );
+    }
+    let mut published = cell.state.lock();
+    published.flight_state = FlightState::Faulted;
+    published.detail = "its actor failed too often; the autopilot holds".into();
+    published.since = now;
+}

@@ -1,0 +1,441 @@
+//! The node actor: root of the supervision tree. It starts endpoints, fleet, pulse, coordinator and observer, and starts again
+//! whichever of them ends.
+//!
+//! Must never do: wait for a child, or take part in flying.
+
+use crate::board::Board;
+use crate::clock::TokioClock;
+use crate::coordinator::{Coordinator, CoordinatorMessage};
+use crate::fleet::{Discovery, Fleet, FleetMessage};
+use crate::handle::NodeHandle;
+use crate::observer::Observer;
+use crate::pulse::Pulse;
+use crate::restart::{Decision, NODE_LIMITS, RestartHistory};
+use crate::snapshot::{ActorHealth, ActorStatus, EventKind, UnadoptedVehicle};
+use crate::wiring::{self, WiringError};
+use arc_swap::ArcSwapOption;
+use ractor::{Actor, ActorCell, ActorId, ActorProcessingErr, ActorRef, RpcReplyPort, SpawnErr, SupervisionEvent};
+use skein_config::NodeConfig;
+use skein_domain::exchange::Severity;
+use skein_domain::{Clock, Incarnation, SystemId};
+use skein_link_px4::{Endpoint, EndpointArguments, EndpointEvent, EndpointSettings, EventSink, LinkTable};
+use std::collections::{BTreeMap, HashMap};
+use std::net::SocketAddr;
+use std::pin::Pin;
+use std::sync::Arc;
+use std::time::Duration;
+use thiserror::Error;
+
+/// Why a node could not be started.
+#[derive(Debug, Error)]
+pub enum NodeError {
+    /// The configuration cannot be turned into a node.
+    #[error(transparent)]
+    Wiring(#[from] WiringError),
+    /// A part could not be started, for example because its port is in use.
+    #[error("{part}: {reason}")]
+    Part {
+        /// Which part.
+        part: String,
+        /// Why.
+        reason: String,
+    },
+}
+
+/// A part of a node that this crate does not know, for example the gateway: how to start its actor under the node's supervision.
+#[derive(Clone)]
+pub struct Adapter {
+    /// Its name in the supervision tree.
+    pub name: String,
+    /// Starts its actor, linked to the given supervisor; called again after each of its ends.
+    pub start: AdapterStart,
+}
+
+/// Starts an adapter's actor and gives its id, or says why not. Must not wait for anything but its own `pre_start`.
+pub type AdapterStart =
+    Arc<dyn Fn(NodeHandle, ActorCell) -> Pin<Box<dyn Future<Output = Result<ActorId, String>> + Send>> + Send + Sync>;
+
+/// A running node. Dropping it does not stop it; [`Node::stop`] does.
+pub struct Node {
+    handle: NodeHandle,
+    root: ActorRef<NodeMessage>,
+    ended: tokio::task::JoinHandle<()>,
+}
+
+impl Node {
+    /// Builds and starts a node. Nothing is bound when the configuration is wrong.
+    ///
+    /// # Errors
+    /// When the configuration does not make sense, a plugin is missing, or a port is in use.
+    pub async fn start(config: NodeConfig, adapters: Vec<Adapter>) -> Result<Self, NodeError> {
+        let clock: Arc<dyn Clock> = Arc::new(TokioClock::start());
+        let endpoints = wiring::endpoints(&config)?;
+        let board = Arc::new(wiring::board(config, clock)?);
+        let parts = Arc::new(Parts::default());
+        let handle = NodeHandle::new(board, parts);
+        let shared = NodeArguments {
+            handle: handle.clone(),
+            endpoints,
+            adapters,
+        };
+        let failed = |reason: String| NodeError::Part {
+            part: "node".into(),
+            reason,
+        };
+        let (root, ended) = Actor::spawn(None, NodeActor, shared)
+            .await
+            .map_err(|e| failed(e.to_string()))?;
+        let started = root.call(NodeMessage::Start, Some(Duration::from_secs(10))).await;
+        let node = Self { handle, root, ended };
+        match started {
+            Ok(ractor::rpc::CallResult::Success(Ok(()))) => Ok(node),
+            Ok(ractor::rpc::CallResult::Success(Err(error))) => {
+                node.stop().await;
+                Err(error)
+            }
+            _ => {
+                node.stop().await;
+                Err(failed("did not start within 10 s".into()))
+            }
+        }
+    }
+
+    /// The handle to it.
+    #[must_use]
+    pub fn handle(&self) -> NodeHandle {
+        self.handle.clone()
+    }
+
+    /// Stops all actors and waits for them.
+    pub async fn stop(self) {
+        self.root.stop(Some("stopped".into()));
+        // An aborted root has ended too.
+        let _ = self.ended.await;
+    }
+}
+
+/// Where the parts of the node can be reached; empty while one is being restarted.
+#[derive(Default)]
+pub struct Parts {
+    /// The coordinator.
+    pub coordinator: ArcSwapOption<ActorRef<CoordinatorMessage>>,
+    /// The fleet.
+    pub fleet: ArcSwapOption<ActorRef<FleetMessage>>,
+    /// Links and counters of all endpoints.
+    pub links: Arc<LinkTable>,
+    /// Local addresses of the endpoints that are bound, by name.
+    pub bound: parking_lot::Mutex<BTreeMap<String, SocketAddr>>,
+}
+
+/// The root actor.
+struct NodeActor;
+
+enum NodeMessage {
+    Start(RpcReplyPort<Result<(), NodeError>>),
+    Restart(Part),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Part {
+    Fleet,
+    Pulse,
+    Coordinator,
+    Observer,
+    Endpoint(usize),
+    Adapter(usize),
+}
+
+struct NodeArguments {
+    handle: NodeHandle,
+    endpoints: Vec<EndpointSettings>,
+    adapters: Vec<Adapter>,
+}
+
+struct NodeState {
+    arguments: NodeArguments,
+    children: HashMap<ActorId, Part>,
+    records: BTreeMap<Part, (Incarnation, RestartHistory)>,
+}
+
+impl Actor for NodeActor {
+    type Msg = NodeMessage;
+    type State = NodeState;
+    type Arguments = NodeArguments;
+
+    async fn pre_start(
+        &self,
+        _: ActorRef<NodeMessage>,
+        arguments: NodeArguments,
+    ) -> Result<NodeState, ActorProcessingErr> {
+        Ok(NodeState {
+            arguments,
+            children: HashMap::new(),
+            records: BTreeMap::new(),
+        })
+    }
+
+    async fn handle(
+        &self,
+        myself: ActorRef<NodeMessage>,
+        message: NodeMessage,
+        state: &mut NodeState,
+    ) -> Result<(), ActorProcessingErr> {
+        match message {
+            NodeMessage::Start(reply) => {
+                let _ = reply.send(state.start_all(&myself).await);
+            }
+            NodeMessage::Restart(part) => {
+                if let Err(error) = state.start(&myself, part).await {
+                    state.ended(&myself, part, &error.to_string());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    async fn handle_supervisor_evt(
+        &self,
+        myself: ActorRef<NodeMessage>,
+        event: SupervisionEvent,
+        state: &mut NodeState,
+    ) -> Result<(), ActorProcessingErr> {
+        let (cell, error): (ActorCell, String) = match event {
+            SupervisionEvent::ActorFailed(cell, error) => (cell, error.to_string()),
+            SupervisionEvent::ActorTerminated(cell, _, reason) => (cell, reason.unwrap_or_else(|| "ended".into())),
+            _ => return Ok(()),
+        };
+        if let Some(part) = state.children.remove(&cell.get_id()) {
+            state.ended(&myself, part, &error);
+        }
+        Ok(())
+    }
+}
+
+impl NodeState {
+    async fn start_all(&mut self, myself: &ActorRef<NodeMessage>) -> Result<(), NodeError> {
+        // The fleet first: endpoints report what they hear to it.
+        let endpoints = (0..self.arguments.endpoints.len()).map(Part::Endpoint);
+        let adapters = (0..self.arguments.adapters.len()).map(Part::Adapter);
+        let first = [Part::Fleet, Part::Coordinator, Part::Pulse, Part::Observer];
+        for part in first.into_iter().chain(endpoints).chain(adapters) {
+            self.start(myself, part).await?;
+        }
+        Ok(())
+    }
+
+    fn name(&self, part: Part) -> String {
+        match part {
+            Part::Fleet => "fleet".into(),
+            Part::Pulse => "pulse".into(),
+            Part::Coordinator => "coordinator".into(),
+            Part::Observer => "observer".into(),
+            Part::Endpoint(i) => self
+                .arguments
+                .endpoints
+                .get(i)
+                .map_or_else(|| "endpoint".into(), |e| format!("endpoint-{}", e.name)),
+            Part::Adapter(i) => self
+                .arguments
+                .adapters
+                .get(i)
+                .map_or_else(|| "adapter".into(), |a| a.name.clone()),
+        }
+    }
+
+    /// Starts a part. Each `pre_start` only takes what lies ready or binds a socket, so that nothing is waited for.
+    async fn start(&mut self, myself: &ActorRef<NodeMessage>, part: Part) -> Result<(), NodeError> {
+        let name = self.name(part);
+        let (board, parts) = (
+            self.arguments.handle.board().clone(),
+            self.arguments.handle.parts().clone(),
+        );
+        let parent = myself.get_cell();
+        let failed = |error: SpawnErr| NodeError::Part {
+            part: name.clone(),
+            reason: match error {
+                SpawnErr::StartupFailed(cause) => cause.to_string(),
+                other => other.to_string(),
+            },
+        };
+        let id = match part {
+            Part::Fleet => {
+                let (actor, _) = Fleet::spawn_linked(None, Fleet, board, parent).await.map_err(failed)?;
+                let id = actor.get_id();
+                parts.fleet.store(Some(Arc::new(actor)));
+                id
+            }
+            Part::Coordinator => {
+                let (actor, _) = Coordinator::spawn_linked(None, Coordinator, board, parent)
+                    .await
+                    .map_err(failed)?;
+                let id = actor.get_id();
+                parts.coordinator.store(Some(Arc::new(actor)));
+                id
+            }
+            Part::Pulse => Pulse::spawn_linked(None, Pulse, board, parent)
+                .await
+                .map_err(failed)?
+                .0
+                .get_id(),
+            Part::Observer => Observer::spawn_linked(None, Observer, board, parent)
+                .await
+                .map_err(failed)?
+                .0
+                .get_id(),
+            Part::Endpoint(i) => {
+                let Some(settings) = self.arguments.endpoints.get(i).cloned() else {
+                    return Ok(());
+                };
+                let arguments = EndpointArguments {
+                    settings,
+                    clock: board.clock.clone(),
+                    links: parts.links.clone(),
+                    events: endpoint_events(&board, &parts),
+                };
+                let spawned = Endpoint::spawn_linked(None, Endpoint, arguments, parent).await;
+                spawned.map_err(failed)?.0.get_id()
+            }
+            Part::Adapter(i) => {
+                let Some(adapter) = self.arguments.adapters.get(i) else {
+                    return Ok(());
+                };
+                let started = (adapter.start)(self.arguments.handle.clone(), parent).await;
+                started.map_err(|reason| NodeError::Part {
+                    part: name.clone(),
+                    reason,
+                })?
+            }
+        };
+        self.children.insert(id, part);
+        let now = self.arguments.handle.now();
+        let record = self.records.entry(part).or_default();
+        record.0 = record.0.next();
+        let health = ActorHealth {
+            name: name.clone(),
+            incarnation: record.0,
+            since: now,
+            ..ActorHealth::default()
+        };
+        self.publish(name, health);
+        Ok(())
+    }
+
+    fn publish(&self, name: String, mut health: ActorHealth) {
+        let mut actors = self.arguments.handle.board().actors.lock();
+        if health.last_error.is_empty()
+            && let Some(before) = actors.get(&name)
+        {
+            health.last_error.clone_from(&before.last_error);
+        }
+        actors.insert(name, health);
+    }
+
+    fn ended(&mut self, myself: &ActorRef<NodeMessage>, part: Part, error: &str) {
+        match part {
+            Part::Fleet => self.arguments.handle.parts().fleet.store(None),
+            Part::Coordinator => self.arguments.handle.parts().coordinator.store(None),
+            _ => {}
+        }
+        let now = self.arguments.handle.now();
+        let name = self.name(part);
+        let record = self.records.entry(part).or_default();
+        let delay_s = match record.1.decide(&NODE_LIMITS, now, (now.0 % 1_000) as f64 / 1_000.0) {
+            Decision::RestartAfter(delay_s) => delay_s,
+            // These limits never give up; were it ever otherwise, the slowest pace is right for a part nothing flies without.
+            Decision::GiveUp => NODE_LIMITS.max_delay_s,
+        };
+        let incarnation = record.0;
+        let status = ActorStatus::Restarting;
+        let kind = EventKind::Supervision {
+            actor: name.clone(),
+            status,
+        };
+        let text = format!("{name} ended ({error}); restarting");
+        self.arguments
+            .handle
+            .board()
+            .events
+            .record(now, None, Severity::Warning, kind, text);
+        self.publish(
+            name.clone(),
+            ActorHealth {
+                name,
+                status,
+                incarnation,
+                last_error: error.to_owned(),
+                since: now,
+            },
+        );
+        // Through the mailbox even without a delay, so that one failing part cannot keep the node in this loop.
+        myself.send_after(Duration::from_secs_f64(delay_s), move || NodeMessage::Restart(part));
+    }
+}
+
+/// Carries an endpoint's events to the fleet and the event log.
+fn endpoint_events(board: &Arc<Board>, parts: &Arc<Parts>) -> EventSink {
+    let (board, parts) = (board.clone(), parts.clone());
+    Arc::new(move |event| {
+        let tell = |message: FleetMessage| {
+            if let Some(fleet) = parts.fleet.load_full() {
+                // A fleet that has just ended finds its vehicles on the board; what it misses here is heard again.
+                let _ = fleet.cast(message);
+            }
+        };
+        let notice = |severity: Severity, text: String| {
+            board
+                .events
+                .record(board.now(), None, severity, EventKind::Notice, text);
+        };
+        match event {
+            EndpointEvent::Bound { endpoint, local_addr } => {
+                if let Some(address) = local_addr {
+                    parts.bound.lock().insert(endpoint.to_string(), address);
+                    notice(Severity::Info, format!("endpoint {endpoint} receives on {address}"));
+                }
+            }
+            EndpointEvent::Down { endpoint, reason } => {
+                notice(Severity::Warning, format!("endpoint {endpoint} is down: {reason}"));
+            }
+            EndpointEvent::Discovered {
+                link,
+                system_id,
+                source,
+                ..
+            } => tell(FleetMessage::Discovered(Discovery {
+                endpoint: source.endpoint.to_string(),
+                link,
+                system_id: SystemId(system_id),
+            })),
+            EndpointEvent::Duplicate {
+                system_id,
+                first,
+                second,
+            } => {
+                tell(FleetMessage::Trouble(UnadoptedVehicle {
+                    system_id: SystemId(system_id),
+                    endpoint: second.endpoint.to_string(),
+                    why: format!("two vehicles use this system id ({first} and {second}); give one another MAV_SYS_ID"),
+                }));
+            }
+            EndpointEvent::DuplicateCleared { system_id, remaining } => {
+                board.unadopted.lock().retain(|u| u.system_id.0 != system_id);
+                notice(
+                    Severity::Advisory,
+                    format!("system id {system_id} is unique again, heard from {remaining}"),
+                );
+            }
+            EndpointEvent::Moved { system_id, from, to } => {
+                notice(
+                    Severity::Advisory,
+                    format!("system id {system_id} moved from {from} to {to}"),
+                );
+            }
+            EndpointEvent::SystemIdChanged { from, to, source } => {
+                notice(
+                    Severity::Warning,
+                    format!("the vehicle at {source} changed its system id from {from} to {to}"),
+                );
+            }
+        }
+    })
+}

@@ -1,0 +1,142 @@
+//! The observer actor: makes the picture of the fleet for screens, metrics and recorders, a few times a second, from what lies on
+//! the board. Nothing in the control path waits for it.
+//!
+//! Bound: a picture that comes late is skipped. Must never do: change anything.
+
+use crate::board::{Board, PeerSnapshot, VehicleCell};
+use crate::coordination::Coordination;
+use crate::snapshot::{ActorHealth, FleetSnapshot, FormationSnapshot, VehicleSnapshot};
+use ractor::{Actor, ActorProcessingErr, ActorRef};
+use skein_domain::{NodeTime, PositionNed, VehicleId};
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::task::JoinHandle;
+use tokio::time::MissedTickBehavior;
+
+/// The actor.
+pub struct Observer;
+
+/// Make a picture.
+pub struct Look;
+
+/// State.
+pub struct ObserverState {
+    board: Arc<Board>,
+    sequence: u64,
+    looks: JoinHandle<()>,
+}
+
+impl Drop for ObserverState {
+    fn drop(&mut self) {
+        self.looks.abort();
+    }
+}
+
+impl Actor for Observer {
+    type Msg = Look;
+    type State = ObserverState;
+    type Arguments = Arc<Board>;
+
+    async fn pre_start(&self, myself: ActorRef<Look>, board: Arc<Board>) -> Result<ObserverState, ActorProcessingErr> {
+        let period = Duration::from_secs_f64(1.0 / board.config.node.snapshot_rate_hz);
+        let looks = tokio::spawn(async move {
+            let mut interval = tokio::time::interval(period);
+            interval.set_missed_tick_behavior(MissedTickBehavior::Skip);
+            loop {
+                interval.tick().await;
+                if myself.cast(Look).is_err() {
+                    return;
+                }
+            }
+        });
+        let sequence = board.picture.load().sequence;
+        Ok(ObserverState { board, sequence, looks })
+    }
+
+    async fn handle(&self, _: ActorRef<Look>, _: Look, state: &mut ObserverState) -> Result<(), ActorProcessingErr> {
+        state.sequence += 1;
+        state
+            .board
+            .picture
+            .store(Arc::new(picture(&state.board, state.sequence)));
+        Ok(())
+    }
+}
+
+fn picture(board: &Board, sequence: u64) -> FleetSnapshot {
+    let now = board.now();
+    let peers = board.peers.load_full();
+    let coordination = board.coordination.lock().clone();
+    let intent_version = board.intent.load().version;
+    let leader = coordination.formation.as_ref().map(|f| f.leader);
+    let actors: Vec<ActorHealth> = board.actors.lock().values().cloned().collect();
+    FleetSnapshot {
+        time: now,
+        sequence,
+        frame: board.frame(),
+        vehicles: board
+            .cells()
+            .iter()
+            .filter_map(|cell| vehicle(cell, &peers, leader, now))
+            .collect(),
+        unadopted: board.unadopted.lock().clone(),
+        formation: formation(&coordination, intent_version),
+        actors,
+    }
+}
+
+fn vehicle(
+    cell: &VehicleCell,
+    peers: &PeerSnapshot,
+    leader: Option<VehicleId>,
+    now: NodeTime,
+) -> Option<VehicleSnapshot> {
+    let entry = peers.entry(cell.id)?;
+    let telemetry = &entry.telemetry;
+    let state = cell.state.lock().clone();
+    let slot: Option<PositionNed> = state
+        .setpoint
+        .filter(|_| state.flight_state.is_available_in_air())
+        .and_then(|s| s.position);
+    Some(VehicleSnapshot {
+        id: cell.id,
+        name: cell.name.clone(),
+        system_id: cell.system_id,
+        plugin: cell.plugin.manifest().name.clone(),
+        plugin_version: cell.plugin.manifest().version.clone(),
+        flight_state: state.flight_state,
+        state_detail: state.detail,
+        mode: telemetry.mode,
+        armed: telemetry.armed,
+        landed: telemetry.landed,
+        ready_to_arm: telemetry.ready_to_arm,
+        global: telemetry.global,
+        kinematics: entry.kinematics,
+        roll_rad: telemetry.roll_rad,
+        pitch_rad: telemetry.pitch_rad,
+        home: telemetry.home,
+        battery: telemetry.battery,
+        gnss: telemetry.gnss,
+        link: entry.link,
+        age_s: now.seconds_since(entry.link.last_heard).max(0.0),
+        tracking_error_m: state.tracking_error_m.filter(|_| slot.is_some()),
+        slot,
+        is_leader: leader == Some(cell.id),
+        actor: state.actor,
+        model: state.model,
+    })
+}
+
+fn formation(coordination: &Coordination, intent_version: u64) -> Option<FormationSnapshot> {
+    let formation = coordination.formation.as_ref()?;
+    Some(FormationSnapshot {
+        request: formation.request.clone(),
+        leader: formation.leader,
+        members: formation.members.clone(),
+        route: coordination.route.as_ref().map(|r| r.route.clone()),
+        route_finished: coordination.route.as_ref().is_some_and(|r| r.finished),
+        settled_at: formation.settled_at,
+        planned_min_distance_m: formation.min_distance_m,
+        intent_version,
+    })
+}

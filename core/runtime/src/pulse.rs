@@ -1,0 +1,121 @@
+//! The pulse actor: the one clock of the control path. Once per period it reads all links, publishes one immutable picture of all
+//! vehicles, and wakes each vehicle actor once.
+//!
+//! Bound: a period that comes late is skipped, never caught up; a vehicle that has not taken up its last tick gets no second one.
+//! Must never do: wait for a vehicle.
+
+use crate::board::{Board, PeerEntry, PeerSnapshot, airborne, kinematics};
+use crate::snapshot::EventKind;
+use crate::vehicle::VehicleMessage;
+use ractor::{Actor, ActorProcessingErr, ActorRef};
+use skein_domain::exchange::Severity;
+use skein_safety::Peer;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+use tokio::task::JoinHandle;
+use tokio::time::MissedTickBehavior;
+
+/// The actor.
+pub struct Pulse;
+
+/// One beat of the clock.
+pub struct Beat;
+
+/// State: the board and the task that beats.
+pub struct PulseState {
+    board: Arc<Board>,
+    beats: JoinHandle<()>,
+}
+
+impl Drop for PulseState {
+    fn drop(&mut self) {
+        self.beats.abort();
+    }
+}
+
+impl Actor for Pulse {
+    type Msg = Beat;
+    type State = PulseState;
+    type Arguments = Arc<Board>;
+
+    async fn pre_start(&self, myself: ActorRef<Beat>, board: Arc<Board>) -> Result<PulseState, ActorProcessingErr> {
+        let period = Duration::from_secs_f64(1.0 / board.config.node.control_rate_hz);
+        let beats = tokio::spawn(async move {
+            let mut interval = tokio::time::interval(period);
+            interval.set_missed_tick_behavior(MissedTickBehavior::Skip);
+            loop {
+                interval.tick().await;
+                if myself.cast(Beat).is_err() {
+                    return;
+                }
+            }
+        });
+        Ok(PulseState { board, beats })
+    }
+
+    async fn handle(&self, _: ActorRef<Beat>, _: Beat, state: &mut PulseState) -> Result<(), ActorProcessingErr> {
+        beat(&state.board);
+        Ok(())
+    }
+}
+
+/// One control period of the node.
+fn beat(board: &Board) {
+    let now = board.now();
+    let cells = board.cells();
+    let mut entries = Vec::with_capacity(cells.len());
+    for cell in &cells {
+        let (telemetry, link) = cell.link.load().0.read(now);
+        if board.frame().is_none()
+            && let Some(place) = telemetry.home.or(telemetry.global)
+            && telemetry.local_frame.is_some()
+            && board.fix_frame(place)
+        {
+            let text = format!(
+                "swarm frame fixed at {:.7}, {:.7}, {:.1} m AMSL, the place of {}",
+                place.latitude_deg, place.longitude_deg, place.altitude_amsl_m, cell.name
+            );
+            board
+                .events
+                .record(now, Some(cell.id), Severity::Info, EventKind::Notice, text);
+        }
+        let frame = board.frame();
+        let (flight_state, anchor) = {
+            let published = cell.state.lock();
+            (published.flight_state, published.anchor)
+        };
+        entries.push(PeerEntry {
+            id: cell.id,
+            kinematics: frame.as_ref().and_then(|f| kinematics(f, &telemetry)),
+            airborne: airborne(&telemetry),
+            home: frame.zip(telemetry.home).map(|(f, home)| f.position(&home)),
+            telemetry,
+            link,
+            flight_state,
+            anchor,
+        });
+    }
+    publish(board, entries);
+    for cell in &cells {
+        let Some(actor) = cell.actor.load_full() else { continue };
+        if !cell.tick_waiting.swap(true, Ordering::AcqRel) && actor.cast(VehicleMessage::Tick).is_err() {
+            // The actor has ended; its next incarnation clears the mark.
+            cell.tick_waiting.store(false, Ordering::Release);
+        }
+    }
+}
+
+fn publish(board: &Board, entries: Vec<PeerEntry>) {
+    let peers = entries
+        .iter()
+        .filter_map(|e| {
+            e.kinematics.map(|kinematics| Peer {
+                id: e.id,
+                kinematics,
+                airborne: e.airborne,
+            })
+        })
+        .collect();
+    board.peers.store(Arc::new(PeerSnapshot { entries, peers }));
+}

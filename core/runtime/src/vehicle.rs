@@ -1,0 +1,219 @@
+//! The vehicle actor: one per UAV. Once per control period it hands its UAV-model plugin one batch of events and carries out the
+//! effects it gets: setpoints and requests go through the safety gate to the link, everything else to the board.
+//!
+//! Order: commands and ticks are handled one after the other, as they came. Bound: at most one tick waits in the mailbox; commands
+//! are few and never dropped. Must never do: wait for another actor, or for the vehicle.
+
+mod effects;
+mod model;
+mod period;
+
+use crate::board::{Board, VehicleCell};
+use crate::handle::CommandReceipt;
+use crate::snapshot::{ActorHealth, ActorStatus, EventKind};
+use model::Model;
+use ractor::{Actor, ActorProcessingErr, ActorRef, RpcReplyPort};
+use skein_domain::exchange::{CommandProgress, Event, FaultDrill, Severity};
+use skein_domain::{CommandId, Incarnation, NodeTime, PositionNed, Refusal, VehicleCommand};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+/// What a vehicle actor is told. Private to the runtime: others go through `NodeHandle`.
+pub enum VehicleMessage {
+    /// The control period.
+    Tick,
+    /// An operator's command. Answered at once: taken up or refused.
+    Command {
+        /// Its id.
+        id: CommandId,
+        /// The command.
+        command: VehicleCommand,
+        /// Not to be begun before.
+        not_before: NodeTime,
+        /// Where the receipt goes.
+        reply: RpcReplyPort<CommandReceipt>,
+    },
+    /// Make the plugin fail.
+    Drill(FaultDrill),
+}
+
+/// The actor; all of its state is in [`VehicleState`].
+pub struct Vehicle;
+
+/// What an incarnation is started with.
+pub struct VehicleArguments {
+    pub board: Arc<Board>,
+    pub cell: Arc<VehicleCell>,
+    pub incarnation: Incarnation,
+}
+
+/// State of one incarnation.
+pub struct VehicleState {
+    board: Arc<Board>,
+    cell: Arc<VehicleCell>,
+    model: Model,
+    /// Events for the next batch that did not come from link or intent.
+    waiting: Vec<Event>,
+    /// Version of the task last handed to the plugin.
+    task_version: u64,
+    /// Commands under way, by name, for the event log.
+    commands: BTreeMap<CommandId, &'static str>,
+    /// A human or the autopilot's failsafe flies: setpoints are refused until an operator's command.
+    pilot: bool,
+    /// Where the vehicle was when the gate began to refuse its setpoints: held until one passes again.
+    refused_at: Option<PositionNed>,
+    /// The refusal last told, and when.
+    told_refusal: Option<(&'static str, NodeTime)>,
+}
+
+impl Actor for Vehicle {
+    type Msg = VehicleMessage;
+    type State = VehicleState;
+    type Arguments = VehicleArguments;
+
+    async fn pre_start(
+        &self,
+        myself: ActorRef<Self::Msg>,
+        arguments: Self::Arguments,
+    ) -> Result<Self::State, ActorProcessingErr> {
+        let VehicleArguments {
+            board,
+            cell,
+            incarnation,
+        } = arguments;
+        let now = board.now();
+        let next_model = {
+            let mut published = cell.state.lock();
+            published.actor = ActorHealth {
+                name: format!("vehicle-{}", cell.id),
+                status: ActorStatus::Running,
+                incarnation,
+                last_error: std::mem::take(&mut published.actor.last_error),
+                since: now,
+            };
+            published.model.incarnation.next()
+        };
+        cell.tick_waiting.store(false, Ordering::Release);
+        cell.actor.store(Some(Arc::new(myself)));
+        Ok(VehicleState {
+            model: Model::new(next_model),
+            board,
+            cell,
+            waiting: Vec::new(),
+            task_version: 0,
+            commands: BTreeMap::new(),
+            pilot: false,
+            refused_at: None,
+            told_refusal: None,
+        })
+    }
+
+    async fn handle(
+        &self,
+        _myself: ActorRef<Self::Msg>,
+        message: Self::Msg,
+        state: &mut Self::State,
+    ) -> Result<(), ActorProcessingErr> {
+        match message {
+            VehicleMessage::Tick => {
+                state.cell.tick_waiting.store(false, Ordering::Release);
+                state.period().await;
+            }
+            VehicleMessage::Command {
+                id,
+                command,
+                not_before,
+                reply,
+            } => {
+                let refusal = state.command(id, command, not_before).await.err();
+                // The asker may have given up waiting; the event log has the outcome all the same.
+                let _ = reply.send(CommandReceipt {
+                    vehicle: state.cell.id,
+                    id,
+                    refusal,
+                });
+            }
+            VehicleMessage::Drill(drill) => {
+                state.waiting.push(Event::FaultDrill(drill));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl VehicleState {
+    /// Checks a command and hands it to the plugin at once; `Ok` once the plugin has taken it up.
+    async fn command(&mut self, id: CommandId, command: VehicleCommand, not_before: NodeTime) -> Result<(), Refusal> {
+        if let Err(refusal) = self.admit(&command) {
+            let progress = CommandProgress::Refused {
+                refusal: refusal.clone(),
+            };
+            self.record_progress(id, command.name(), &progress);
+            return Err(refusal);
+        }
+        self.commands.insert(id, command.name());
+        let was_pilot = std::mem::replace(&mut self.pilot, false);
+        let peers = self.board.peers.load_full();
+        let mut events = self.gather(&peers);
+        events.push(Event::Command {
+            id,
+            command,
+            not_before,
+        });
+        self.call_model(events).await;
+        match self.model.take_refusal(id) {
+            Some(refusal) => {
+                self.pilot = was_pilot;
+                Err(refusal)
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// What can be said of a command before the model sees it.
+    fn admit(&self, command: &VehicleCommand) -> Result<(), Refusal> {
+        let peers = self.board.peers.load();
+        let entry = peers.entry(self.cell.id);
+        if !entry.is_some_and(|e| e.link.connected) {
+            return Err(Refusal::LinkLost { vehicle: self.cell.id });
+        }
+        self.board.gate.command(command, entry.and_then(|e| e.home.as_ref()))?;
+        if !self.model.is_running() {
+            return Err(Refusal::NotRunning {
+                what: format!("model of vehicle {}", self.cell.id),
+            });
+        }
+        Ok(())
+    }
+
+    /// Writes a command's progress to the event log.
+    fn record_progress(&self, id: CommandId, name: &str, progress: &CommandProgress) {
+        let (severity, text) = match progress {
+            CommandProgress::Executing => (Severity::Info, format!("{}: {name} taken up", self.cell.name)),
+            CommandProgress::Done => (Severity::Info, format!("{}: {name} done", self.cell.name)),
+            CommandProgress::Refused {
+                refusal: Refusal::Superseded,
+            } => (
+                Severity::Info,
+                format!("{}: {name} replaced by a newer command", self.cell.name),
+            ),
+            CommandProgress::Refused { refusal } => (
+                Severity::Warning,
+                format!("{}: {name} refused: {refusal}", self.cell.name),
+            ),
+        };
+        let kind = EventKind::Command {
+            id,
+            command: name.to_owned(),
+            progress: progress.clone(),
+        };
+        self.record(severity, kind, text);
+    }
+
+    fn record(&self, severity: Severity, kind: EventKind, text: impl Into<String>) {
+        self.board
+            .events
+            .record(self.board.now(), Some(self.cell.id), severity, kind, text);
+    }
+}

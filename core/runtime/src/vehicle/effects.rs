@@ -1,0 +1,184 @@
+//! Carries out what a UAV model wants. The only place from which setpoints and requests reach a link, and each passes the gate.
+
+use super::VehicleState;
+use crate::snapshot::EventKind;
+use skein_domain::exchange::{CommandProgress, Effect, Event, Severity};
+use skein_domain::setpoint::LocalSetpoint;
+use skein_domain::{AutopilotCommand, Incarnation, NodeTime, Refusal, RequestId, Setpoint};
+
+/// A refusal of the same kind is told again after so long, in seconds: at 50 setpoints a second the log would hold nothing else.
+const REFUSAL_REPEAT_S: f64 = 2.0;
+
+impl VehicleState {
+    /// Carries out the effects in order.
+    pub(super) fn carry_out(&mut self, effects: Vec<Effect>) {
+        for effect in effects {
+            match effect {
+                Effect::Setpoint(setpoint) => self.setpoint(&setpoint),
+                Effect::StopStream => {
+                    self.refused_at = None;
+                    self.cell.link.load().0.stop_stream(self.board.now());
+                    self.cell.state.lock().setpoint = None;
+                }
+                Effect::Autopilot { request, command } => self.autopilot(request, command),
+                Effect::CommandProgress { id, progress } => self.progress(id, progress),
+                Effect::State { state, detail } => {
+                    let now = self.board.now();
+                    {
+                        let mut published = self.cell.state.lock();
+                        published.flight_state = state;
+                        published.detail.clone_from(&detail);
+                        published.since = now;
+                    }
+                    let text = match detail.as_str() {
+                        "" => format!("{}: {state}", self.cell.name),
+                        detail => format!("{}: {state} ({detail})", self.cell.name),
+                    };
+                    self.record(Severity::Info, EventKind::FlightState { state }, text);
+                }
+                Effect::Anchor(anchor) => self.cell.state.lock().anchor = Some(anchor),
+                Effect::Notice { severity, text } => {
+                    self.record(severity, EventKind::Notice, format!("{}: {text}", self.cell.name));
+                }
+                Effect::TrackingError { distance_m } => {
+                    self.cell.state.lock().tracking_error_m = Some(distance_m);
+                }
+                Effect::RouteFinished => {
+                    let version = self.task_version;
+                    self.cell.state.lock().route_finished = Some(version);
+                    self.record(
+                        Severity::Info,
+                        EventKind::Formation,
+                        format!("{}: end of the route", self.cell.name),
+                    );
+                }
+            }
+        }
+    }
+
+    fn progress(&mut self, id: skein_domain::CommandId, progress: CommandProgress) {
+        let name = match progress {
+            CommandProgress::Executing => self.commands.get(&id).copied(),
+            CommandProgress::Done | CommandProgress::Refused { .. } => self.commands.remove(&id),
+        };
+        self.record_progress(id, name.unwrap_or("command"), &progress);
+        if let CommandProgress::Refused { refusal } = progress {
+            self.model.note_refusal(id, refusal);
+        }
+    }
+
+    fn autopilot(&mut self, request: RequestId, command: AutopilotCommand) {
+        let now = self.board.now();
+        let link = self.cell.link.load_full();
+        let airborne = self
+            .board
+            .peers
+            .load()
+            .entry(self.cell.id)
+            .is_some_and(|entry| entry.airborne);
+        let checked = if self.pilot && command == AutopilotCommand::EnterOffboard {
+            Err(Refusal::PilotInControl)
+        } else {
+            self.board.gate.autopilot(&command, airborne)
+        };
+        match checked {
+            Ok(()) => link.0.request(now, request, command),
+            Err(refusal) => {
+                self.waiting.push(Event::AutopilotResult {
+                    request,
+                    refusal: Some(refusal.clone()),
+                });
+                self.tell_refusal(now, &refusal);
+            }
+        }
+    }
+
+    fn setpoint(&mut self, setpoint: &Setpoint) {
+        let now = self.board.now();
+        match self.checked(setpoint, now) {
+            Ok((local, passed)) => {
+                let valid_s = self.board.config.link.setpoint_valid_s;
+                self.refused_at = None;
+                self.cell.link.load().0.stream(now, local, now.plus_seconds(valid_s));
+                self.cell.state.lock().setpoint = Some(passed);
+            }
+            Err(refusal) => self.refused(refusal, now),
+        }
+    }
+
+    /// The setpoint as the gate lets it pass, in the vehicle's own frame and in the swarm's.
+    fn checked(&self, setpoint: &Setpoint, now: NodeTime) -> Result<(LocalSetpoint, Setpoint), Refusal> {
+        if self.pilot {
+            return Err(Refusal::PilotInControl);
+        }
+        let peers = self.board.peers.load();
+        let entry = peers.entry(self.cell.id).ok_or(Refusal::NoPosition)?;
+        if !entry.link.connected {
+            return Err(Refusal::LinkLost { vehicle: self.cell.id });
+        }
+        let own = entry.kinematics.as_ref().ok_or(Refusal::NoPosition)?;
+        let passed = self
+            .board
+            .gate
+            .setpoint(self.cell.id, own, entry.airborne, setpoint, &peers.peers, now)?;
+        Ok((self.to_local(&passed)?, passed))
+    }
+
+    fn to_local(&self, setpoint: &Setpoint) -> Result<LocalSetpoint, Refusal> {
+        let frame = self.board.frame().ok_or(Refusal::NoSwarmFrame)?;
+        let peers = self.board.peers.load();
+        let local_frame = peers
+            .entry(self.cell.id)
+            .and_then(|e| e.telemetry.local_frame)
+            .ok_or(Refusal::NoPosition)?;
+        Ok(LocalSetpoint {
+            position: setpoint.position.map(|p| local_frame.from_swarm(&frame, &p)),
+            velocity: setpoint.velocity,
+            acceleration: setpoint.acceleration,
+            yaw_rad: setpoint.yaw_rad,
+            yaw_rate_rad_s: setpoint.yaw_rate_rad_s,
+        })
+    }
+
+    /// A refused setpoint is answered with a stop: the vehicle holds where it was when the refusals began. Nothing is sent when the
+    /// vehicle is not ours to steer or cannot be steered.
+    fn refused(&mut self, refusal: Refusal, now: NodeTime) {
+        self.tell_refusal(now, &refusal);
+        let steerable = !matches!(
+            refusal,
+            Refusal::PilotInControl | Refusal::LinkLost { .. } | Refusal::NoPosition | Refusal::NoSwarmFrame
+        );
+        let own = self.board.peers.load().entry(self.cell.id).and_then(|e| e.kinematics);
+        if steerable && let Some(own) = own {
+            let place = *self.refused_at.get_or_insert(own.position);
+            if let Ok(local) = self.to_local(&Setpoint::hold(place, Some(own.yaw_rad))) {
+                let valid_s = self.board.config.link.setpoint_valid_s;
+                self.cell.link.load().0.stream(now, local, now.plus_seconds(valid_s));
+            }
+        }
+        self.waiting.push(Event::Refused(refusal));
+    }
+
+    fn tell_refusal(&mut self, now: NodeTime, refusal: &Refusal) {
+        let repeated = self
+            .told_refusal
+            .is_some_and(|(code, told)| code == refusal.code() && now.seconds_since(told) < REFUSAL_REPEAT_S);
+        if repeated {
+            return;
+        }
+        self.told_refusal = Some((refusal.code(), now));
+        let text = format!("{}: refused by the safety gate: {refusal}", self.cell.name);
+        self.record(
+            Severity::Warning,
+            EventKind::Refused {
+                refusal: refusal.clone(),
+            },
+            text,
+        );
+    }
+
+    /// The incarnation the plugin instance runs under.
+    pub(super) fn model_incarnation(&self) -> Incarnation {
+        self.model.incarnation()
+    }
+}

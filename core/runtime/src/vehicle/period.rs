@@ -1,0 +1,156 @@
+//! One control period of a vehicle: gather what happened, ask the model, carry out what it wants.
+
+use super::VehicleState;
+use crate::board::{PeerEntry, PeerSnapshot};
+use crate::snapshot::EventKind;
+use skein_domain::exchange::{Event, OwnState, Severity};
+use skein_domain::link::{LinkEvent, StreamState};
+use skein_domain::{FlightMode, Task};
+
+impl VehicleState {
+    /// The whole period.
+    pub(super) async fn period(&mut self) {
+        if !self.ensure_model().await {
+            return;
+        }
+        let peers = self.board.peers.load_full();
+        let mut events = self.gather(&peers);
+        events.push(Event::Tick);
+        self.call_model(events).await;
+        self.keep_snapshot().await;
+    }
+
+    /// Everything that happened since the last batch, and the vehicle's own state.
+    pub(super) fn gather(&mut self, peers: &PeerSnapshot) -> Vec<Event> {
+        let mut events = std::mem::take(&mut self.waiting);
+        let link = self.cell.link.load_full();
+        for event in link.0.take_events() {
+            self.take_link_event(event, &mut events);
+        }
+        let Some(entry) = peers.entry(self.cell.id) else {
+            return events;
+        };
+        events.push(Event::Own(own_state(entry)));
+        let intent = self.board.intent.load();
+        if let Some(task) = intent.tasks.get(&self.cell.id) {
+            if task.version > self.task_version {
+                self.task_version = task.version;
+                events.push(Event::Task(task.clone()));
+            }
+            if let Task::Follow { leader, .. } = &task.task
+                && let Some(anchor) = peers.entry(*leader).and_then(|e| e.anchor)
+            {
+                events.push(Event::Anchor(anchor));
+            }
+        }
+        events
+    }
+
+    fn take_link_event(&mut self, event: LinkEvent, events: &mut Vec<Event>) {
+        let name = &self.cell.name;
+        match event {
+            LinkEvent::Result { request, outcome } => {
+                events.push(Event::AutopilotResult {
+                    request,
+                    refusal: outcome.err(),
+                });
+            }
+            LinkEvent::ModeChanged { from, to, commanded } => {
+                self.watch_pilot(from, to, commanded);
+                events.push(Event::ModeChanged { from, to, commanded });
+            }
+            LinkEvent::ArmedChanged { armed } => {
+                if !armed {
+                    self.pilot = false;
+                }
+                self.record(
+                    Severity::Info,
+                    EventKind::Notice,
+                    format!("{name} {}", if armed { "armed" } else { "disarmed" }),
+                );
+            }
+            LinkEvent::Lost => {
+                self.record(Severity::Critical, EventKind::LinkLost, format!("{name}: link lost"));
+                events.push(Event::LinkLost(true));
+            }
+            LinkEvent::Regained => {
+                self.record(
+                    Severity::Advisory,
+                    EventKind::LinkRegained,
+                    format!("{name}: link regained"),
+                );
+                events.push(Event::LinkLost(false));
+            }
+            LinkEvent::Rebooted => {
+                self.record(
+                    Severity::Warning,
+                    EventKind::AutopilotRebooted,
+                    format!("{name}: autopilot restarted"),
+                );
+                events.push(Event::Rebooted);
+            }
+            LinkEvent::StatusText { severity, text } => {
+                let level = match severity {
+                    0..=2 => Severity::Critical,
+                    3 | 4 => Severity::Warning,
+                    _ => Severity::Info,
+                };
+                self.record(level, EventKind::StatusText, format!("{name}: {text}"));
+            }
+            LinkEvent::Stream(StreamState::HoldingExpired) => {
+                self.record(
+                    Severity::Warning,
+                    EventKind::Stream,
+                    format!("{name}: no fresh setpoint, the link holds position"),
+                );
+            }
+            LinkEvent::Stream(StreamState::GivenUp) => {
+                let text = format!("{name}: no fresh setpoint for too long, the stream is stopped on purpose");
+                self.record(Severity::Critical, EventKind::Stream, text);
+            }
+            LinkEvent::Stream(StreamState::Fresh | StreamState::Stopped) => {}
+        }
+    }
+
+    /// Leaving OFFBOARD unasked, or a mode only a pilot chooses, takes the vehicle out of the swarm's hands. The stream ends at once:
+    /// PX4 would go back to OFFBOARD by itself as long as setpoints come, also out of its own failsafe.
+    fn watch_pilot(&mut self, from: FlightMode, to: FlightMode, commanded: bool) {
+        let by_stick = matches!(
+            to,
+            FlightMode::Manual
+                | FlightMode::Altitude
+                | FlightMode::Position
+                | FlightMode::Acro
+                | FlightMode::Stabilized
+        );
+        if commanded || (from != FlightMode::Offboard && !by_stick) || to == FlightMode::Offboard || self.pilot {
+            return;
+        }
+        let now = self.board.now();
+        let link = self.cell.link.load_full();
+        let (telemetry, _) = link.0.read(now);
+        if !telemetry.armed {
+            return;
+        }
+        self.pilot = true;
+        link.0.stop_stream(now);
+        let text = format!(
+            "{}: {from} left for {to} without being told: pilot or failsafe is in control",
+            self.cell.name
+        );
+        self.record(Severity::Warning, EventKind::Notice, text);
+    }
+}
+
+fn own_state(entry: &PeerEntry) -> OwnState {
+    OwnState {
+        kinematics: entry.kinematics,
+        mode: entry.telemetry.mode,
+        armed: entry.telemetry.armed,
+        landed: entry.telemetry.landed,
+        ready_to_arm: entry.telemetry.ready_to_arm,
+        home: entry.home,
+        battery: entry.telemetry.battery,
+        link_connected: entry.link.connected,
+    }
+}

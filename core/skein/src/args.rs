@@ -1,0 +1,164 @@
+//! The command line. Its help text is what a person sees first.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Skein flies mixed UAV swarms: formations behind a leader over MAVLink, watched in a browser.
+#[derive(Debug, Parser)]
+#[command(name = "skein", version, about, after_help = AFTER_HELP)]
+pub struct Arguments {
+    /// How log lines are written to standard error.
+    #[arg(long, value_enum, default_value_t = LogFormat::Text, global = true)]
+    pub log_format: LogFormat,
+    /// What is logged: a level, or filters such as `info,skein_link_px4=debug`.
+    #[arg(long, default_value = "warn", global = true, value_name = "FILTER")]
+    pub log: String,
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const AFTER_HELP: &str = "\
+Start here:
+  skein demo                        a simulated swarm flies a demonstration; watch it in the browser
+  skein sim --vehicles 6            only simulated vehicles, on the ports of PX4's own simulation
+  skein run --config node.toml      a node for real or simulated vehicles
+  skein doctor --config node.toml   what is wrong on this machine, and how to mend it
+
+Exit codes: 0 done · 1 failed, or the demo did not meet its criteria · 2 wrong arguments ·
+  64 wrong configuration or a missing plugin · 69 a port or device is not available · 70 fault of the program";
+
+/// Shape of log lines.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum LogFormat {
+    /// For people.
+    Text,
+    /// One JSON object a line, for machines.
+    Json,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Fly a demonstration: simulated vehicles take off, form up, follow a leader along a route and land.
+    Demo(DemoArguments),
+    /// Run a node: take in vehicles, fly them, serve dashboard and API.
+    Run(RunArguments),
+    /// Start simulated vehicles only; any MAVLink ground station can fly them.
+    Sim(SimArguments),
+    /// Check ports, plugins, configuration and clock, and say how to mend what is wrong.
+    Doctor(DoctorArguments),
+    /// Measure what the program costs.
+    Bench(BenchArguments),
+}
+
+/// `skein demo`
+#[derive(Debug, Clone, Args)]
+pub struct DemoArguments {
+    /// How many vehicles fly.
+    #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u8).range(2..=100))]
+    pub vehicles: u8,
+    /// The flight is laid out to be over within so many seconds [default: what the number of vehicles needs].
+    #[arg(long, value_name = "S")]
+    pub seconds: Option<u32>,
+    /// No dashboard for people: fly, report, exit.
+    #[arg(long)]
+    pub headless: bool,
+    /// Write the figures of the flight to this file, as JSON.
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Kill a plugin, a vehicle actor and the coordinator in flight. The criteria stay the same.
+    #[arg(long)]
+    pub faults: bool,
+    /// Vehicles and dashboard only: fly it yourself.
+    #[arg(long)]
+    pub manual: bool,
+    /// Port of the dashboard on 127.0.0.1; 0 lets the system choose.
+    #[arg(long, default_value_t = 8080)]
+    pub port: u16,
+    /// Seed of wind and sensor noise.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Directory of the plugins [default: `plugins` beside this program].
+    #[arg(long, value_name = "DIR")]
+    pub plugins: Option<PathBuf>,
+}
+
+/// `skein run`
+#[derive(Debug, Clone, Args)]
+pub struct RunArguments {
+    /// The configuration; see `default.toml` for every key.
+    #[arg(long, value_name = "FILE")]
+    pub config: PathBuf,
+}
+
+/// `skein sim`
+#[derive(Debug, Clone, Args)]
+pub struct SimArguments {
+    /// How many vehicles.
+    #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u8).range(1..=250))]
+    pub vehicles: u8,
+    /// System id of the first.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=255))]
+    pub first_system_id: u8,
+    /// Send all onboard links to this address instead of PX4's ports.
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    pub send_to: Option<std::net::SocketAddr>,
+    /// Seed of wind and sensor noise.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Distance between the vehicles on the ground in metres.
+    #[arg(long, default_value_t = 5.0)]
+    pub spacing_m: f64,
+    /// End after so many seconds [default: at Ctrl-C].
+    #[arg(long, value_name = "S")]
+    pub seconds: Option<f64>,
+}
+
+/// `skein doctor`
+#[derive(Debug, Clone, Args)]
+pub struct DoctorArguments {
+    /// Check this configuration too.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Directory of the plugins, without a configuration [default: `plugins` beside this program].
+    #[arg(long, value_name = "DIR")]
+    pub plugins: Option<PathBuf>,
+}
+
+/// `skein bench`
+#[derive(Debug, Clone, Args)]
+pub struct BenchArguments {
+    /// What is measured.
+    #[command(subcommand)]
+    pub what: Bench,
+}
+
+/// The benches.
+#[derive(Debug, Clone, Subcommand)]
+pub enum Bench {
+    /// The whole program against a load generator, beside a bare loop in the same run.
+    Fleet {
+        /// How many vehicles.
+        #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u8).range(1..=250))]
+        vehicles: u8,
+        /// Length of each measuring window in seconds.
+        #[arg(long, default_value_t = 10)]
+        seconds: u32,
+        /// Print the report as JSON.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Part of `fleet`: the load generator, as its own process.
+    #[command(hide = true)]
+    LoadGenerator {
+        /// Its settings as JSON.
+        settings: String,
+    },
+    /// Part of `fleet`: the bare loop, as its own process.
+    #[command(hide = true)]
+    BareLoop {
+        /// Its settings as JSON.
+        settings: String,
+    },
+}

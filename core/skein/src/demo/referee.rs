@@ -1,0 +1,260 @@
+//! The referee: watches the simulator's truth at 50 Hz and measures what the criteria are about. Of the node it takes only which
+//! slot each vehicle was given.
+
+use parking_lot::Mutex;
+use skein_domain::frames::wrap_angle_rad;
+use skein_domain::{Geodetic, LandedState, PositionNed, SwarmFrame, VehicleId};
+use skein_flight::transition;
+use skein_runtime::{FormationSlots, NodeHandle};
+use skein_sim::{ModeCause, Simulation, TruthFrame, VehicleTruth};
+use std::sync::Arc;
+
+/// A leader within this of the route's speed, in metres per second, flies at it.
+const AT_SPEED_M_S: f64 = 0.5;
+/// A formation whose heading turns slower than this, in radians per second, flies straight.
+const STRAIGHT_RAD_S: f64 = 0.01;
+/// Straight flight counts after it has lasted so long, in seconds: until then it is the end of a turn.
+const STEADY_AFTER_S: f64 = 1.5;
+/// A leader faster than this, in metres per second, is under way.
+const UNDER_WAY_M_S: f64 = 1.0;
+
+/// A landing spot assigned to a vehicle.
+#[derive(Debug, Clone, Copy)]
+pub struct Landing {
+    /// The vehicle.
+    pub vehicle: VehicleId,
+    /// The spot in the swarm frame.
+    pub spot: PositionNed,
+    /// The same as a place on Earth.
+    pub place: Geodetic,
+}
+
+/// What was measured.
+#[derive(Debug, Clone, Default)]
+pub struct Figures {
+    /// Smallest distance between two vehicles of which at least one was off the ground, in metres, and which two.
+    pub smallest_distance: Option<(f64, u8, u8)>,
+    /// Formation error in straight legs at speed.
+    pub straight: Errors,
+    /// Formation error while the formation turns.
+    pub turning: Errors,
+    /// Per change of formation, the distance of the farthest vehicle from its slot in metres.
+    pub slots: Vec<(String, f64)>,
+    /// Landing spots.
+    pub landings: Vec<Landing>,
+    steady_since_s: Option<f64>,
+    airborne: bool,
+}
+
+/// Errors of a kind, gathered.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Errors {
+    /// How many.
+    pub samples: u64,
+    sum_squares_m2: f64,
+    /// The largest in metres.
+    pub largest_m: f64,
+}
+
+impl Errors {
+    fn add(&mut self, error_m: f64) {
+        self.samples += 1;
+        self.sum_squares_m2 += error_m * error_m;
+        self.largest_m = self.largest_m.max(error_m);
+    }
+
+    /// Root mean square in metres; `None` without samples.
+    pub fn rms_m(&self) -> Option<f64> {
+        (self.samples > 0).then(|| (self.sum_squares_m2 / self.samples as f64).sqrt())
+    }
+}
+
+/// The referee of one flight.
+pub struct Referee {
+    figures: Arc<Mutex<Figures>>,
+    last: Arc<Mutex<TruthFrame>>,
+    node: NodeHandle,
+}
+
+impl Referee {
+    /// Watches from now on.
+    pub fn watch(simulation: &Simulation, node: NodeHandle) -> Self {
+        let figures = Arc::new(Mutex::new(Figures::default()));
+        let last = Arc::new(Mutex::new(TruthFrame::default()));
+        let (seen, newest, handle) = (figures.clone(), last.clone(), node.clone());
+        simulation.observe(Box::new(move |truth: &TruthFrame| {
+            look(&mut seen.lock(), truth, &handle);
+            newest.lock().clone_from(truth);
+        }));
+        Self { figures, last, node }
+    }
+
+    /// Everything measured so far.
+    pub fn figures(&self) -> Figures {
+        self.figures.lock().clone()
+    }
+
+    /// The newest truth.
+    pub fn truth(&self) -> TruthFrame {
+        self.last.lock().clone()
+    }
+
+    /// All vehicles are up: from here on formation errors count.
+    pub fn airborne(&self) {
+        self.figures.lock().airborne = true;
+    }
+
+    /// Measures how far each vehicle is from its slot now; gives the largest distance in metres.
+    pub fn slots_reached(&self, shape: &str) -> f64 {
+        let truth = self.truth();
+        let worst_m = match self.node.slots() {
+            Some(slots) => {
+                let errors = slot_errors(&truth, &slots, self.node.now());
+                // A follower that the truth does not know is as far away as can be.
+                if errors.len() == slots.slots.len() {
+                    errors.into_iter().fold(0.0, f64::max)
+                } else {
+                    f64::INFINITY
+                }
+            }
+            None => f64::INFINITY,
+        };
+        self.figures.lock().slots.push((shape.to_owned(), worst_m));
+        worst_m
+    }
+
+    /// Notes the spots the vehicles are to land on.
+    pub fn expect_landings(&self, landings: &[Landing]) {
+        self.figures.lock().landings = landings.to_vec();
+    }
+}
+
+/// One look at the truth.
+fn look(figures: &mut Figures, truth: &TruthFrame, node: &NodeHandle) {
+    watch_distances(figures, truth);
+    if !figures.airborne || !figures.landings.is_empty() {
+        return;
+    }
+    let now = node.now();
+    let Some(slots) = node.slots().filter(|s| now.seconds_since(s.settled_at) > 1.0) else {
+        figures.steady_since_s = None;
+        return;
+    };
+    let Some(leader) = vehicle(truth, slots.leader) else {
+        return;
+    };
+    let speed_m_s = leader.velocity.vector().xy().norm();
+    let at_speed = (speed_m_s - super::layout::SPEED_M_S).abs() < AT_SPEED_M_S;
+    let course_rad = leader.velocity.east_m_s.atan2(leader.velocity.north_m_s);
+    let turning = slots.anchor.heading_rate_rad_s.abs() > STRAIGHT_RAD_S || leader_turns(leader, course_rad, speed_m_s);
+    let errors = slot_errors(truth, &slots, now);
+    if turning && speed_m_s > UNDER_WAY_M_S {
+        figures.steady_since_s = None;
+        errors.into_iter().for_each(|e| figures.turning.add(e));
+    } else if at_speed {
+        let since_s = *figures.steady_since_s.get_or_insert(truth.time_s);
+        if truth.time_s - since_s > STEADY_AFTER_S {
+            errors.into_iter().for_each(|e| figures.straight.add(e));
+        }
+    } else {
+        figures.steady_since_s = None;
+    }
+}
+
+/// Whether the leader's own course changes, from its lateral acceleration: a fixed heading turns with its route all the same.
+fn leader_turns(leader: &VehicleTruth, course_rad: f64, speed_m_s: f64) -> bool {
+    let lateral_m_s2 =
+        leader.acceleration.east_m_s2 * course_rad.cos() - leader.acceleration.north_m_s2 * course_rad.sin();
+    speed_m_s > UNDER_WAY_M_S && (lateral_m_s2 / speed_m_s).abs() > 0.15
+}
+
+fn watch_distances(figures: &mut Figures, truth: &TruthFrame) {
+    let alive: Vec<&VehicleTruth> = truth.vehicles.iter().filter(|v| v.alive).collect();
+    for (i, a) in alive.iter().enumerate() {
+        for b in alive.iter().skip(i + 1) {
+            if a.touches_ground && b.touches_ground {
+                continue;
+            }
+            let distance_m = a.position.distance_m(&b.position);
+            if figures
+                .smallest_distance
+                .is_none_or(|(smallest, ..)| distance_m < smallest)
+            {
+                figures.smallest_distance = Some((distance_m, a.system_id, b.system_id));
+            }
+        }
+    }
+}
+
+/// Each follower's true distance from its slot behind the true leader, in metres.
+fn slot_errors(truth: &TruthFrame, slots: &FormationSlots, now: skein_domain::NodeTime) -> Vec<f64> {
+    let Some(leader) = vehicle(truth, slots.leader) else {
+        return Vec::new();
+    };
+    let age_s = now.seconds_since(slots.anchor.time);
+    let heading_rad = wrap_angle_rad(slots.anchor.heading_rad + slots.anchor.heading_rate_rad_s * age_s);
+    slots
+        .slots
+        .iter()
+        .filter_map(|(id, slot)| {
+            let follower = vehicle(truth, *id)?;
+            let offset = transition::sample(slot, now).offset;
+            Some(
+                follower
+                    .position
+                    .distance_m(&leader.position.moved(offset.rotated(heading_rad))),
+            )
+        })
+        .collect()
+}
+
+/// In the demonstration a vehicle's id is its system id.
+fn vehicle(truth: &TruthFrame, id: VehicleId) -> Option<&VehicleTruth> {
+    u8::try_from(id.0)
+        .ok()
+        .and_then(|system_id| truth.vehicle(system_id))
+        .filter(|v| v.alive)
+}
+
+/// Horizontal distance of each landed vehicle from its spot in metres, by vehicle; infinite for one that is not down.
+pub fn landing_errors(truth: &TruthFrame, landings: &[Landing]) -> Vec<(VehicleId, f64)> {
+    landings
+        .iter()
+        .map(|landing| {
+            let error_m = vehicle(truth, landing.vehicle)
+                .filter(|v| is_down(v))
+                .map_or(f64::INFINITY, |v| {
+                    SwarmFrame::new(landing.place)
+                        .position(&v.geodetic)
+                        .vector()
+                        .xy()
+                        .norm()
+                });
+            (landing.vehicle, error_m)
+        })
+        .collect()
+}
+
+fn is_down(vehicle: &VehicleTruth) -> bool {
+    vehicle.touches_ground && !vehicle.armed && vehicle.landed == LandedState::OnGround
+}
+
+/// Changes of mode that nobody had planned, in words.
+pub fn unplanned_mode_changes(truth: &TruthFrame) -> Vec<String> {
+    let mut found = Vec::new();
+    for vehicle in &truth.vehicles {
+        for change in vehicle.mode_changes.iter() {
+            if matches!(
+                change.cause,
+                ModeCause::Failsafe | ModeCause::Recovered | ModeCause::Pilot | ModeCause::Rebooted
+            ) {
+                let (id, at_s, cause) = (vehicle.system_id, change.time_s, change.cause);
+                found.push(format!(
+                    "system id {id} at {at_s:.1} s: {} to {} ({cause:?})",
+                    change.from, change.to
+                ));
+            }
+        }
+    }
+    found
+}

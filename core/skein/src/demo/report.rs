@@ -1,0 +1,207 @@
+//! The report of a demonstration: each figure with its limit, and whether the flight met all of them.
+
+use super::director::Director;
+use super::layout;
+use super::referee::{self, Referee};
+use crate::args::DemoArguments;
+use serde::Serialize;
+use std::fmt::Write;
+
+/// The report, as it is written to the file.
+#[derive(Debug, Serialize)]
+pub struct Report {
+    /// All criteria were met.
+    pub passed: bool,
+    /// Why the flight broke off, if it did.
+    pub broke_off: Option<String>,
+    /// Program version.
+    pub version: &'static str,
+    /// How many vehicles flew.
+    pub vehicles: u8,
+    /// Seed of wind and noise.
+    pub seed: u64,
+    /// Faults were injected.
+    pub faults: bool,
+    /// Seconds from the start to the last disarming.
+    pub flight_s: Option<f64>,
+    /// Distance between neighbours in the formations, in metres.
+    pub spacing_m: f64,
+    /// Leader's speed on its route in metres per second.
+    pub speed_m_s: f64,
+    /// Each criterion with its figure and limit.
+    pub criteria: Vec<Criterion>,
+    /// Per change of formation, the distance of the farthest vehicle from its slot in metres.
+    pub slots: Vec<SlotsReached>,
+    /// Changes of mode that nobody had planned.
+    pub unplanned_mode_changes: Vec<String>,
+    /// Restarts of actors and plugins during the flight.
+    pub restarts: Vec<String>,
+    /// Longest time in which the simulation itself did not run, in seconds: part of every setpoint gap it saw.
+    pub simulation_longest_stall_s: f64,
+}
+
+/// One criterion.
+#[derive(Debug, Serialize)]
+pub struct Criterion {
+    /// What is measured.
+    pub name: &'static str,
+    /// What was measured; `None` if nothing could be.
+    pub value: Option<f64>,
+    /// What it is compared with.
+    pub limit: f64,
+    /// `at_most` or `at_least`.
+    pub comparison: &'static str,
+    /// Unit of both.
+    pub unit: &'static str,
+    /// Whether it is met. Nothing measured is not met.
+    pub met: bool,
+}
+
+/// How well a formation was reached.
+#[derive(Debug, Serialize)]
+pub struct SlotsReached {
+    /// Which.
+    pub shape: String,
+    /// Distance of the farthest vehicle from its slot in metres.
+    pub farthest_m: Option<f64>,
+}
+
+fn at_most(name: &'static str, value: Option<f64>, limit: f64, unit: &'static str) -> Criterion {
+    let value = value.filter(|v| v.is_finite());
+    Criterion {
+        name,
+        value,
+        limit,
+        comparison: "at_most",
+        unit,
+        met: value.is_some_and(|v| v <= limit),
+    }
+}
+
+fn at_least(name: &'static str, value: Option<f64>, limit: f64, unit: &'static str) -> Criterion {
+    let value = value.filter(|v| v.is_finite());
+    Criterion {
+        name,
+        value,
+        limit,
+        comparison: "at_least",
+        unit,
+        met: value.is_some_and(|v| v >= limit),
+    }
+}
+
+/// Makes the report from the referee's figures.
+pub fn make(
+    arguments: &DemoArguments,
+    director: &Director<'_>,
+    referee: &Referee,
+    broke_off: Option<&anyhow::Error>,
+) -> Report {
+    let figures = referee.figures();
+    let truth = referee.truth();
+    let landings = referee::landing_errors(&truth, &figures.landings);
+    let farthest = |values: &mut dyn Iterator<Item = f64>| values.reduce(f64::max);
+    let unplanned = referee::unplanned_mode_changes(&truth);
+    let gap_s = farthest(&mut truth.vehicles.iter().map(|v| v.offboard_gap_max_s));
+    let landed = landings.iter().filter(|(_, error_m)| error_m.is_finite()).count();
+    let criteria = vec![
+        at_most(
+            "formation error in straight legs, root mean square",
+            figures.straight.rms_m(),
+            0.5,
+            "m",
+        ),
+        at_most(
+            "formation error in turns, root mean square",
+            figures.turning.rms_m(),
+            1.5,
+            "m",
+        ),
+        at_least(
+            "smallest distance between two vehicles",
+            figures.smallest_distance.map(|(d, ..)| d),
+            2.0,
+            "m",
+        ),
+        at_most(
+            "farthest vehicle from its slot after a change",
+            farthest(&mut figures.slots.iter().map(|(_, m)| *m)),
+            1.0,
+            "m",
+        ),
+        at_most("longest setpoint gap", gap_s, 0.2, "s"),
+        at_most("unplanned changes of mode", Some(unplanned.len() as f64), 0.0, ""),
+        at_most(
+            "farthest landing from its spot",
+            farthest(&mut landings.iter().map(|(_, m)| *m)),
+            1.0,
+            "m",
+        ),
+        at_least(
+            "vehicles landed and disarmed",
+            Some(landed as f64),
+            f64::from(arguments.vehicles),
+            "",
+        ),
+    ];
+    Report {
+        passed: broke_off.is_none() && criteria.iter().all(|c| c.met),
+        broke_off: broke_off.map(|e| format!("{e:#}")),
+        version: env!("CARGO_PKG_VERSION"),
+        vehicles: arguments.vehicles,
+        seed: arguments.seed,
+        faults: arguments.faults,
+        flight_s: director.flight_s,
+        spacing_m: layout::SPACING_M,
+        speed_m_s: layout::SPEED_M_S,
+        criteria,
+        slots: figures
+            .slots
+            .into_iter()
+            .map(|(shape, m)| SlotsReached {
+                shape,
+                farthest_m: Some(m).filter(|m| m.is_finite()),
+            })
+            .collect(),
+        unplanned_mode_changes: unplanned,
+        restarts: director.restarts(),
+        simulation_longest_stall_s: truth.longest_stall_s,
+    }
+}
+
+impl Report {
+    /// The report for a person.
+    pub fn describe(&self) -> String {
+        let mut text = String::new();
+        // Writing to a string does not fail.
+        let _ = writeln!(text, "\n{:<52} {:>9}   {:>14}", "criterion", "measured", "limit");
+        for c in &self.criteria {
+            let value = c
+                .value
+                .map_or_else(|| "nothing".to_owned(), |v| format!("{v:.2} {}", c.unit));
+            let sign = if c.comparison == "at_most" { "<=" } else { ">=" };
+            let mark = if c.met { "met" } else { "NOT MET" };
+            let _ = writeln!(
+                text,
+                "{:<52} {value:>9}   {sign} {:>5} {:<3} {mark}",
+                c.name, c.limit, c.unit
+            );
+        }
+        for change in &self.unplanned_mode_changes {
+            let _ = writeln!(text, "unplanned: {change}");
+        }
+        for restart in &self.restarts {
+            let _ = writeln!(text, "restarted: {restart}");
+        }
+        if let Some(reason) = &self.broke_off {
+            let _ = writeln!(text, "The flight broke off: {reason}");
+        }
+        let verdict = if self.passed {
+            "The flight met all criteria."
+        } else {
+            "The flight did NOT meet its criteria."
+        };
+        let _ = writeln!(text, "{verdict}");
+        text
+    }
+}

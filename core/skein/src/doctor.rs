@@ -1,0 +1,234 @@
+//! `skein doctor`: looks at what keeps a node from running on this machine and says how to mend each.
+
+use crate::args::DoctorArguments;
+use crate::build::plugins_beside_program;
+use skein_config::NodeConfig;
+use skein_link_px4::EndpointAddress;
+use skein_plugin_host::Catalog;
+use std::net::{TcpListener, UdpSocket};
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::{Duration, Instant, SystemTime};
+
+/// Open files a node with many links and dashboards may need.
+const FILES_WANTED: u64 = 1024;
+/// Receive buffer in bytes that a hundred vehicles can fill within one late period.
+const RECEIVE_BUFFER_WANTED: u64 = 200_000;
+
+/// How one check ended.
+enum Finding {
+    Good(String),
+    /// Works, but not well.
+    Poor {
+        what: String,
+        mend: String,
+    },
+    /// Will not work.
+    Bad {
+        what: String,
+        mend: String,
+    },
+}
+
+/// Runs all checks and prints them.
+///
+/// # Errors
+/// None: what is wrong is a finding, and the exit code.
+pub fn doctor(arguments: &DoctorArguments) -> anyhow::Result<ExitCode> {
+    let mut findings = Vec::new();
+    let config = configuration(arguments, &mut findings);
+    plugins(&config, &mut findings);
+    ports(&config, &mut findings);
+    clock(&mut findings);
+    limits(&mut findings);
+    let mut code = ExitCode::SUCCESS;
+    for finding in findings {
+        match finding {
+            Finding::Good(what) => println!("  ok    {what}"),
+            Finding::Poor { what, mend } => println!("  warn  {what}\n        mend: {mend}"),
+            Finding::Bad { what, mend } => {
+                println!("  BAD   {what}\n        mend: {mend}");
+                code = ExitCode::from(crate::exit::FAILED);
+            }
+        }
+    }
+    println!(
+        "{}",
+        if code == ExitCode::SUCCESS {
+            "Nothing keeps a node from running here."
+        } else {
+            "A node will not run here as it is."
+        }
+    );
+    Ok(code)
+}
+
+fn bad(findings: &mut Vec<Finding>, what: impl Into<String>, mend: impl Into<String>) {
+    findings.push(Finding::Bad {
+        what: what.into(),
+        mend: mend.into(),
+    });
+}
+
+/// The configuration to check the rest with: the given one, or the default with the plugins beside the program.
+fn configuration(arguments: &DoctorArguments, findings: &mut Vec<Finding>) -> NodeConfig {
+    let mut default = NodeConfig::default();
+    default.plugins.directories = vec![arguments.plugins.clone().unwrap_or_else(plugins_beside_program)];
+    let Some(path) = &arguments.config else {
+        findings.push(Finding::Good("configuration: the default, none was given".into()));
+        return default;
+    };
+    match NodeConfig::load(path) {
+        Ok(config) => {
+            findings.push(Finding::Good(format!("configuration: {} is right", path.display())));
+            if config.endpoints.is_empty() {
+                findings.push(Finding::Poor {
+                    what: "configuration: no [[endpoints]], so that no vehicle will be heard".into(),
+                    mend: "add one, for example: address = \"udp-listen://127.0.0.1:14540\"".into(),
+                });
+            }
+            config
+        }
+        Err(error) => {
+            bad(
+                findings,
+                format!("configuration: {error}"),
+                "correct the key that is named; default.toml documents each",
+            );
+            default
+        }
+    }
+}
+
+fn plugins(config: &NodeConfig, findings: &mut Vec<Finding>) {
+    let catalog = Catalog::discover(&config.plugins.directories);
+    for plugin in catalog.plugins() {
+        let manifest = plugin.manifest();
+        findings.push(Finding::Good(format!(
+            "plugin: {} {} from {}",
+            manifest.name,
+            manifest.version,
+            plugin.path().display()
+        )));
+    }
+    for problem in catalog.problems() {
+        bad(
+            findings,
+            format!("plugin: {}: {}", problem.path.display(), problem.error),
+            "rebuild it (cargo xtask build-plugins) or take it out of the directory",
+        );
+    }
+    let mut models: Vec<&str> = config.adopt.iter().map(|rule| rule.model.as_str()).collect();
+    models.push("generic-uav");
+    models.sort_unstable();
+    models.dedup();
+    for model in models.into_iter().filter(|model| catalog.get(model).is_none()) {
+        bad(
+            findings,
+            format!("plugin: the UAV model \"{model}\" was not found"),
+            "cargo xtask build-plugins, or name its directory in plugins.directories",
+        );
+    }
+}
+
+fn ports(config: &NodeConfig, findings: &mut Vec<Finding>) {
+    let web = config.web.listen;
+    match TcpListener::bind(web) {
+        Ok(_) => findings.push(Finding::Good(format!("port: {web} is free for the dashboard"))),
+        Err(error) => bad(
+            findings,
+            format!("port: {web} for the dashboard: {error}"),
+            "stop the program that uses it (ss -ltnp), or change web.listen",
+        ),
+    }
+    if !web.ip().is_loopback() {
+        findings.push(Finding::Poor {
+            what: format!("web.listen {web} can be reached from other machines, and there is no log-in yet"),
+            mend: "use 127.0.0.1 and an SSH tunnel, or a network that is yours alone".into(),
+        });
+    }
+    for endpoint in &config.endpoints {
+        match endpoint.address.parse::<EndpointAddress>() {
+            Ok(EndpointAddress::UdpListen(address)) => match UdpSocket::bind(address) {
+                Ok(_) => findings.push(Finding::Good(format!("port: {} is free", endpoint.address))),
+                Err(error) => bad(
+                    findings,
+                    format!("port: {}: {error}", endpoint.address),
+                    "stop the program that uses it (ss -lunp), or change the endpoint's address",
+                ),
+            },
+            Ok(EndpointAddress::Serial { path, .. }) if !Path::new(&path).exists() => {
+                bad(
+                    findings,
+                    format!("device: {path} does not exist", path = path.to_string()),
+                    "plug it in, or look for it with: ls /dev/tty*",
+                );
+            }
+            Ok(_) => findings.push(Finding::Good(format!("endpoint: {} is understood", endpoint.address))),
+            Err(error) => bad(
+                findings,
+                format!("endpoint: {}: {error}", endpoint.address),
+                "write it as default.toml shows",
+            ),
+        }
+    }
+}
+
+fn clock(findings: &mut Vec<Finding>) {
+    // 2025-01-01: a computer without a battery-backed clock starts in 1970.
+    let oldest = SystemTime::UNIX_EPOCH + Duration::from_secs(1_735_689_600);
+    if SystemTime::now() < oldest {
+        bad(
+            findings,
+            "clock: the date is wrong",
+            "set it (timedatectl set-ntp true); recordings of several nodes could not be compared",
+        );
+    } else {
+        findings.push(Finding::Good("clock: the date is plausible".into()));
+    }
+    let asked = Duration::from_millis(10);
+    let begin = Instant::now();
+    std::thread::sleep(asked);
+    let late = begin.elapsed().saturating_sub(asked);
+    if late > Duration::from_millis(10) {
+        findings.push(Finding::Poor {
+            what: format!("clock: a sleep of 10 ms came back {} ms late", late.as_millis()),
+            mend: "other programs keep the processor busy; setpoints will be late too".into(),
+        });
+    } else {
+        findings.push(Finding::Good(format!(
+            "clock: sleeps end within {:.1} ms",
+            late.as_secs_f64() * 1e3
+        )));
+    }
+}
+
+fn limits(findings: &mut Vec<Finding>) {
+    let text = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
+    let files = text("/proc/self/limits")
+        .lines()
+        .find(|line| line.starts_with("Max open files"))
+        .and_then(|line| {
+            line.split_whitespace()
+                .nth(3)
+                .map(|soft| soft.parse().unwrap_or(u64::MAX))
+        });
+    match files {
+        Some(files) if files < FILES_WANTED => findings.push(Finding::Poor {
+            what: format!("limits: {files} open files"),
+            mend: format!("ulimit -n {FILES_WANTED}"),
+        }),
+        Some(files) => findings.push(Finding::Good(format!("limits: {files} open files"))),
+        None => {}
+    }
+    if let Ok(buffer) = text("/proc/sys/net/core/rmem_max").trim().parse::<u64>() {
+        if buffer < RECEIVE_BUFFER_WANTED {
+            findings.push(Finding::Poor {
+                what: format!("limits: sockets may buffer only {buffer} bytes"),
+                mend: "sysctl -w net.core.rmem_max=4194304, for many vehicles on one port".into(),
+            });
+        } else {
+            findings.push(Finding::Good(format!("limits: sockets may buffer {buffer} bytes")));
+        }
+    }
+}

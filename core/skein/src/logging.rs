@@ -1,0 +1,22 @@
+//! Structured logs to standard error, as text or JSON.
+
+use crate::args::LogFormat;
+use tracing_subscriber::EnvFilter;
+
+/// Sets logging up for the whole process.
+///
+/// # Errors
+/// When the filter does not parse.
+pub fn start(format: LogFormat, filter: &str) -> anyhow::Result<()> {
+    let filter = EnvFilter::try_new(filter).map_err(|e| {
+        anyhow::anyhow!("--log \"{filter}\" is not a filter: {e}; try \"info\" or \"info,skein_link_px4=debug\"")
+    })?;
+    let builder = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr);
+    match format {
+        LogFormat::Text => builder.init(),
+        LogFormat::Json => builder.json().init(),
+    }
+    Ok(())
+}

@@ -1,0 +1,48 @@
+//! `skein run`: one node until Ctrl-C or SIGTERM.
+
+use crate::args::RunArguments;
+use crate::build::build;
+use skein_config::NodeConfig;
+
+/// Runs a node until it is told to stop.
+///
+/// # Errors
+/// When the configuration is wrong, a plugin is missing or a port is not available.
+pub async fn run(arguments: RunArguments) -> anyhow::Result<()> {
+    let config = NodeConfig::load(&arguments.config)?;
+    if config.endpoints.is_empty() {
+        println!(
+            "No [[endpoints]] in {}: no vehicle will be heard.",
+            arguments.config.display()
+        );
+    }
+    if config.adopt.is_empty() {
+        println!(
+            "No [[adopt]] rule in {}: vehicles are shown, not flown.",
+            arguments.config.display()
+        );
+    }
+    let running = build(config).await?;
+    println!("Dashboard: http://{}", running.web_address());
+    for (name, address) in running.handle().endpoint_addresses() {
+        println!("Endpoint:  {name} receives on {address}");
+    }
+    println!("Stop with Ctrl-C.");
+    stop_asked().await?;
+    println!("Stopping. Vehicles in the air are left to their autopilots.");
+    running.stop().await;
+    Ok(())
+}
+
+/// Returns when the process is asked to stop.
+///
+/// # Errors
+/// When signals cannot be listened for.
+pub async fn stop_asked() -> anyhow::Result<()> {
+    let mut terminate = tokio::signal::unix::signal(tokio::signal::unix::SignalKind::terminate())?;
+    tokio::select! {
+        asked = tokio::signal::ctrl_c() => asked?,
+        _ = terminate.recv() => {}
+    }
+    Ok(())
+}
