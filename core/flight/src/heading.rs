@@ -35,6 +35,17 @@ impl HeadingFollower {
         follower
     }
 
+    /// Goes on from another follower's heading and rate, perhaps with another limit: after a restart, or when a route is changed in
+    /// flight. A fixed heading is taken up at once.
+    #[must_use]
+    pub fn resume(mode: FormationHeading, heading_rad: f64, rate_rad_s: f64) -> Self {
+        let mut follower = Self::new(mode, heading_rad);
+        if matches!(mode, FormationHeading::Course { .. }) && rate_rad_s.is_finite() {
+            follower.rate_rad_s = rate_rad_s;
+        }
+        follower
+    }
+
     /// How the heading is chosen.
     #[must_use]
     pub fn mode(&self) -> FormationHeading {
