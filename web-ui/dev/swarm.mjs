@@ -1,0 +1,207 @@
+// Development aid: speaks the dashboard's wire protocol for a made-up swarm. `npm run dev:swarm -- 6` beside `npm run dev`,
+// or alone: it also serves `dist` under the same content security policy as the program. Must never be used by a test.
+// Typed on standard input: `silence 3`, `hear 3`, `pilot 3`, `fault 3`, `drain 3`, `restart 3`.
+import { createServer } from 'node:http';
+import { readFile } from 'node:fs/promises';
+import { createInterface } from 'node:readline';
+import { extname, join, normalize } from 'node:path';
+import { WebSocketServer } from 'ws';
+import { Vehicle, slotsOf } from './flight.mjs';
+
+const count = Number(process.argv[2] ?? 6);
+const port = Number(process.env.PORT ?? 8080);
+const origin = { latitude_deg: 47.397742, longitude_deg: 8.545594, altitude_amsl_m: 488 };
+const columns = Math.ceil(Math.sqrt(count));
+const vehicles = Array.from({ length: count }, (_, k) => new Vehicle(k + 1, Math.floor(k / columns) * 4, (k % columns) * 4));
+const project = (n, e) => [
+  origin.latitude_deg + n / 111194.93,
+  origin.longitude_deg + e / (111194.93 * Math.cos((origin.latitude_deg * Math.PI) / 180)),
+];
+const startedAt = Date.now();
+const nodeTime = () => (Date.now() - startedAt) * 1000;
+const events = [];
+let sequence = 0;
+let nextCommand = 1;
+let formation = null;
+let heading = 0;
+const clients = new Set();
+
+function say(vehicle, severity, kind, text) {
+  const record = { seq: events.length + 1, time: nodeTime(), vehicle, severity, kind, text };
+  events.push(record);
+  for (const client of clients) client.send(JSON.stringify({ type: 'event', ...record }));
+}
+
+const health = (name, incarnation) => ({ name, status: 'running', incarnation, last_error: '', since: 0 });
+function fleetInfo() {
+  return {
+    type: 'fleet', frame: { origin }, formation, faults_enabled: false, actors: [health('coordinator', 1)],
+    unadopted: [{ system_id: 99, endpoint: 'sitl', why: 'no adoption rule fits system id 99' }],
+    fence: { polygon_m: [[-120, -160], [160, -160], [160, 160], [-120, 160]], floor_m: -5, ceiling_m: 60 },
+    vehicles: vehicles.map((v) => ({
+      id: v.id, name: `uav-${v.id}`, system_id: v.id, plugin: 'generic-uav', plugin_version: '0.1.0', state_detail: '',
+      home: { latitude_deg: project(...v.home)[0], longitude_deg: project(...v.home)[1], altitude_amsl_m: 488 },
+      actor: health(`vehicle-${v.id}`, 1), model: health(`model-${v.id}`, v.model),
+    })),
+  };
+}
+
+function progress(v, step) {
+  if (!v.command) return;
+  const { id, name } = v.command;
+  say(v.id, 'info', { kind: 'command', id, command: name, progress: step }, `${name} ${step.progress}`);
+  if (step.progress !== 'executing') v.command = null;
+}
+const done = (v) => progress(v, { progress: 'done' });
+
+function command(v, id, c, index) {
+  const refuse = (refusal) => ({ vehicle: v.id, id, refusal });
+  if (Date.now() - v.heardAt > 1500) return refuse({ reason: 'link_lost', vehicle: v.id });
+  if (v.state === 'pilot_control') return refuse({ reason: 'pilot_in_control' });
+  const ground = v.state === 'idle' || v.state === 'arming';
+  if (ground !== ['arm', 'disarm', 'take_off'].includes(c.command)) return refuse({ reason: 'wrong_state', state: v.state, command: c.command });
+  progress(v, { progress: 'refused', refusal: { reason: 'superseded' } });
+  v.command = { id, name: c.command };
+  setTimeout(() => progress(v, { progress: 'executing' }), 60);
+  v.slot = null;
+  if (c.command === 'take_off') Object.assign(v, { state: 'taking_off', armed: true, height: c.height_m, startAt: Date.now() + 300 + index * 400 });
+  if (c.command === 'arm') Object.assign(v, { state: 'arming', armed: true, startAt: Date.now() + 500 });
+  if (c.command === 'disarm') Object.assign(v, { state: 'idle', armed: false }), setTimeout(() => done(v), 200);
+  if (c.command === 'land') v.state = 'landing';
+  if (c.command === 'return') Object.assign(v, { state: 'returning', goal: [...v.home, v.up] });
+  if (c.command === 'hold') v.enter('holding', (x) => setTimeout(() => done(x), 150));
+  return { vehicle: v.id, id, refusal: null };
+}
+
+function form(request) {
+  const able = vehicles.filter((v) => ['holding', 'following', 'leading', 'going_to'].includes(v.state));
+  const members = request.members ? able.filter((v) => request.members.includes(v.id)) : able;
+  if (members.length < 2) return { code: 'not_enough_vehicles', message: `${members.length} vehicles are available, 2 are needed` };
+  const leader = members.find((v) => v.id === request.leader) ?? members[0];
+  const ordered = [leader, ...members.filter((v) => v !== leader)];
+  if (request.heading.kind === 'fixed') heading = (request.heading.heading_deg * Math.PI) / 180;
+  for (const v of vehicles) Object.assign(v, { leader: v === leader, slot: null });
+  for (const v of ordered) v.state = v === leader ? 'leading' : 'following';
+  leader.goal = [leader.north, leader.east, leader.up];
+  formation = {
+    request: { ...request, leader: leader.id }, leader: leader.id, members: ordered.map((v) => v.id), route: null, route_finished: false,
+    settled_at: nodeTime() + 6e6, planned_min_distance_m: 4.2, intent_version: (formation?.intent_version ?? 0) + 1,
+  };
+  say(null, 'info', { kind: 'formation' }, `formation ${request.shape}, leader ${leader.id}`);
+  return { leader: leader.id, members: formation.members, duration_s: 6, planned_min_distance_m: 4.2 };
+}
+
+function step(dt) {
+  if (formation) {
+    const members = formation.members.map((id) => vehicles[id - 1]);
+    const leader = members[0];
+    const next = formation.route?.waypoints[formation.leg];
+    if (next && leader.state === 'leading') {
+      leader.goal = [next.north_m, next.east_m, -next.down_m];
+      if (Math.hypot(leader.north - next.north_m, leader.east - next.east_m) < 2) formation.leg++;
+      if (formation.leg === formation.route.waypoints.length) formation.route_finished = true;
+      if (formation.request.heading.kind !== 'fixed') {
+        const turn = Math.atan2(Math.sin(leader.yaw - heading), Math.cos(leader.yaw - heading));
+        heading += Math.max(-0.3 * dt, Math.min(0.3 * dt, turn));
+      }
+    }
+    const slots = slotsOf(formation.request.shape, members.length, formation.request.spacing_m, formation.request.altitude_step_m);
+    members.forEach((v, k) => {
+      if (v.state !== 'following') return;
+      const [f, r, u] = slots[k];
+      v.slot = [
+        leader.north + f * Math.cos(heading) - r * Math.sin(heading),
+        leader.east + f * Math.sin(heading) + r * Math.cos(heading),
+        leader.up + u,
+      ];
+    });
+  }
+  for (const v of vehicles) {
+    v.step(dt, done);
+    if (!v.silent) v.heardAt = Date.now() - Math.floor(Math.random() * 20);
+  }
+}
+setInterval(() => step(0.05), 50);
+
+function frame() {
+  const view = new DataView(new ArrayBuffer(16 + 64 * vehicles.length));
+  view.setUint32(0, 0x314e4b53, true);
+  view.setUint32(4, ++sequence, true);
+  view.setUint32(8, vehicles.length, true);
+  view.setUint32(12, Date.now() - startedAt, true);
+  vehicles.forEach((v, k) => v.write(view, 16 + 64 * k, project, Date.now()));
+  return view.buffer;
+}
+
+const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
+async function asset(path, response) {
+  const file = join(import.meta.dirname, '..', 'dist', normalize(path === '/' ? '/index.html' : path));
+  try {
+    const body = await readFile(file);
+    response.writeHead(200, { 'content-type': TYPES[extname(file)] ?? 'application/octet-stream', 'content-security-policy': "default-src 'self'" });
+    response.end(body);
+  } catch {
+    response.writeHead(404).end();
+  }
+}
+
+const server = createServer(async (request, response) => {
+  const url = new URL(request.url, 'http://localhost');
+  if (!url.pathname.startsWith('/api/v1/')) return asset(url.pathname, response);
+  let text = '';
+  for await (const part of request) text += part;
+  const body = text ? JSON.parse(text) : null;
+  const answer = (status, value) => response.writeHead(status, { 'content-type': 'application/json' }).end(JSON.stringify(value));
+  const refuse = (error) => answer(409, { error: { detail: null, ...error } });
+  switch (`${request.method} ${url.pathname.slice(8)}`) {
+    case 'GET version':
+      return answer(200, { program: 'skein', version: '0.1.0-dev', node: 'dev', protocol: 1 });
+    case 'GET events':
+      return answer(200, { events: events.filter((e) => e.seq > Number(url.searchParams.get('after') ?? 0)), missed: 0 });
+    case 'POST commands': {
+      const id = nextCommand++;
+      const ids = body.targets === 'all' ? vehicles.map((v) => v.id) : body.targets.vehicles;
+      return answer(200, { receipts: ids.map((vehicle, k) => (vehicles[vehicle - 1] ? command(vehicles[vehicle - 1], id, body.command, k) : { vehicle, id, refusal: { reason: 'unknown_vehicle', vehicle } })) });
+    }
+    case 'PUT formation': {
+      const result = form(body);
+      return result.code ? refuse(result) : answer(200, result);
+    }
+    case 'DELETE formation':
+      for (const v of vehicles) if (v.slot || v.leader) Object.assign(v, { state: 'holding', slot: null, leader: false, goal: [v.north, v.east, v.up] });
+      formation = null;
+      return answer(200, { accepted: true });
+    case 'PUT formation/route':
+      if (!formation) return refuse({ code: 'wrong_state', message: 'no formation is flown' });
+      Object.assign(formation, { route: body.route, leg: 0, route_finished: false });
+      return answer(202, { accepted: true });
+    default:
+      return answer(404, { error: { code: 'not_found', message: 'no such path', detail: null } });
+  }
+});
+
+new WebSocketServer({ server, path: '/api/v1/stream' }).on('connection', (socket) => {
+  clients.add(socket);
+  let timer;
+  const rate = (hz) => (clearInterval(timer), (timer = setInterval(() => socket.send(frame()), 1000 / hz)));
+  socket.send(JSON.stringify({ type: 'hello', protocol: 1, version: '0.1.0-dev', node: 'dev' }));
+  socket.on('message', (data) => rate(Math.max(1, Math.min(50, JSON.parse(data).rate_hz))));
+  const slow = setInterval(() => socket.send(JSON.stringify(fleetInfo())), 500);
+  socket.send(JSON.stringify(fleetInfo()));
+  rate(10);
+  socket.on('close', () => (clients.delete(socket), clearInterval(timer), clearInterval(slow)));
+});
+
+createInterface({ input: process.stdin }).on('line', (line) => {
+  const [verb, id] = line.split(' ');
+  const v = vehicles[Number(id) - 1];
+  if (!v) return;
+  if (verb === 'silence') (v.silent = true), say(v.id, 'critical', { kind: 'link_lost' }, 'the link is lost');
+  if (verb === 'hear') (v.silent = false), say(v.id, 'info', { kind: 'link_regained' }, 'heard again');
+  if (verb === 'pilot') (v.state = 'pilot_control'), (v.slot = null), say(v.id, 'warning', { kind: 'flight_state', state: 'pilot_control' }, 'the pilot took over');
+  if (verb === 'fault') (v.state = 'faulted'), say(v.id, 'critical', { kind: 'flight_state', state: 'faulted' }, 'motor 3 reports no current');
+  if (verb === 'drain') (v.battery = 20), say(v.id, 'warning', { kind: 'status_text' }, 'Battery low, land now');
+  if (verb === 'restart') v.model++, say(v.id, 'warning', { kind: 'supervision', actor: `model-${v.id}`, status: 'restarting' }, 'the model panicked and was restarted');
+});
+
+server.listen(port, '127.0.0.1', () => console.log(`Dashboard: http://127.0.0.1:${server.address().port}`));

@@ -1,0 +1,177 @@
+// The one WebSocket: opens it, checks the server's greeting, hands on messages, notices silence, comes back with back-off.
+// Must never keep vehicle state: who listens decides what a message means.
+
+import type { FleetInfo, EventRecord, Hello, ServerMessage } from '../../protocol/types';
+import { waitMs } from './backoff';
+
+/** The protocol version this page speaks. */
+export const PROTOCOL = 1;
+/** Silence after the first binary frame that counts as a lost connection: a half-open socket says nothing. */
+const SILENCE_MS = 3000;
+/** A connection attempt that has not led to a greeting in this time is given up. */
+const GREETING_MS = 4000;
+const WATCH_EVERY_MS = 250;
+
+export type StreamState =
+  | { name: 'connecting' }
+  | { name: 'live'; hello: Hello }
+  | { name: 'lost'; retryAt: number; reason: string }
+  | { name: 'incompatible'; hello: Hello };
+
+export type StreamListener = {
+  state(state: StreamState): void;
+  frame(buffer: ArrayBuffer): void;
+  fleet(info: FleetInfo): void;
+  event(event: EventRecord): void;
+  /** Events were lost on the way. */
+  gap(missed: number): void;
+  /** Something came that this page could not read. */
+  unreadable(why: string): void;
+};
+
+export class Stream {
+  #socket: WebSocket | null = null;
+  #failures = 0;
+  #retryTimer: ReturnType<typeof setTimeout> | undefined;
+  #watchTimer: ReturnType<typeof setInterval> | undefined;
+  #openedAt = 0;
+  #lastFrameAt = 0;
+  #greeted = false;
+  #rateHz = 0;
+  #stopped = false;
+
+  constructor(
+    readonly url: string,
+    readonly listener: StreamListener,
+  ) {}
+
+  start(): void {
+    this.#stopped = false;
+    this.#watchTimer = setInterval(() => this.#watch(), WATCH_EVERY_MS);
+    this.#connect();
+  }
+
+  stop(): void {
+    this.#stopped = true;
+    clearInterval(this.#watchTimer);
+    clearTimeout(this.#retryTimer);
+    this.#drop();
+  }
+
+  /** Frames per second this page wants; kept over reconnections. */
+  setRate(rateHz: number): void {
+    if (this.#rateHz === rateHz) return;
+    this.#rateHz = rateHz;
+    this.#sendRate();
+  }
+
+  /** Tries at once instead of waiting for the back-off. */
+  retryNow(): void {
+    if (this.#socket || this.#stopped) return;
+    clearTimeout(this.#retryTimer);
+    this.#connect();
+  }
+
+  #connect(): void {
+    this.listener.state({ name: 'connecting' });
+    this.#greeted = false;
+    this.#openedAt = performance.now();
+    this.#lastFrameAt = 0;
+    const socket = new WebSocket(this.url);
+    socket.binaryType = 'arraybuffer';
+    this.#socket = socket;
+    socket.onmessage = (message) => {
+      if (socket === this.#socket) this.#message(message.data as string | ArrayBuffer);
+    };
+    socket.onclose = () => {
+      if (socket === this.#socket) this.#lost(this.#greeted ? 'the server closed the connection' : 'the server does not answer');
+    };
+  }
+
+  #message(data: string | ArrayBuffer): void {
+    if (typeof data !== 'string') {
+      if (!this.#greeted) return;
+      this.#lastFrameAt = performance.now();
+      this.listener.frame(data);
+      return;
+    }
+    let message: ServerMessage;
+    try {
+      message = JSON.parse(data) as ServerMessage;
+    } catch {
+      this.listener.unreadable('a text message is not JSON');
+      return;
+    }
+    switch (message.type) {
+      case 'hello':
+        this.#hello(message);
+        break;
+      case 'fleet':
+        if (this.#greeted) this.listener.fleet(message);
+        break;
+      case 'event':
+        if (this.#greeted) this.listener.event(message);
+        break;
+      case 'gap':
+        this.listener.gap(message.missed);
+        break;
+      case 'error':
+        this.listener.unreadable(`the server did not understand this page: ${message.error.message}`);
+        break;
+      default:
+        // A newer server may say more than this page knows; what it does not know does not concern it.
+        break;
+    }
+  }
+
+  #hello(hello: Hello): void {
+    if (hello.protocol !== PROTOCOL) {
+      this.#stopped = true;
+      this.#drop();
+      this.listener.state({ name: 'incompatible', hello });
+      return;
+    }
+    this.#greeted = true;
+    this.#failures = 0;
+    this.#sendRate();
+    this.listener.state({ name: 'live', hello });
+  }
+
+  #sendRate(): void {
+    if (this.#greeted && this.#rateHz > 0 && this.#socket?.readyState === WebSocket.OPEN) {
+      this.#socket.send(JSON.stringify({ type: 'rate', rate_hz: this.#rateHz }));
+    }
+  }
+
+  #watch(): void {
+    if (!this.#socket) return;
+    const now = performance.now();
+    if (!this.#greeted) {
+      if (now - this.#openedAt > GREETING_MS) this.#lost('the server does not answer');
+    } else if (this.#lastFrameAt > 0 && now - this.#lastFrameAt > SILENCE_MS) {
+      this.#lost('the server has gone silent');
+    }
+  }
+
+  #drop(): void {
+    const socket = this.#socket;
+    this.#socket = null;
+    this.#greeted = false;
+    socket?.close();
+  }
+
+  #lost(reason: string): void {
+    this.#drop();
+    if (this.#stopped) return;
+    const wait = waitMs(this.#failures++, Math.random());
+    this.#retryTimer = setTimeout(() => this.#connect(), wait);
+    this.listener.state({ name: 'lost', retryAt: performance.now() + wait, reason });
+  }
+}
+
+/** Address of the stream beside the page, whatever prefix the page is served under. */
+export function streamUrl(base: string): string {
+  const url = new URL('api/v1/stream', base);
+  url.protocol = url.protocol === 'https:' ? 'wss:' : 'ws:';
+  return url.href;
+}

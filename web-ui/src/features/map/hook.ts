@@ -1,0 +1,71 @@
+// `window.__skein`: what is on the canvas, for tests that cannot read pixels. Read-only; nothing of the page depends on it.
+
+import type { Console } from '../../app/console.svelte';
+import { FLAG } from '../../protocol/frame';
+import { hitTest } from './paintFleet';
+import type { Painter } from './painter';
+
+export type Plotted = {
+  id: number;
+  /** CSS pixels on the canvas. */
+  x: number;
+  y: number;
+  latitudeDeg: number;
+  longitudeDeg: number;
+  northM: number;
+  eastM: number;
+  altitudeM: number;
+  slot: { northM: number; eastM: number } | null;
+};
+
+export type Hook = {
+  /** Telemetry frames taken and map frames drawn. */
+  framesTaken(): number;
+  framesDrawn(): number;
+  positions(): Plotted[];
+  trailLength(id: number): number;
+  /** Id of the vehicle at a place on the canvas, or null. */
+  hitTest(x: number, y: number): number | null;
+  /** Where a place about the swarm's origin is on the canvas. */
+  toCanvas(northM: number, eastM: number): { x: number; y: number };
+};
+
+declare global {
+  interface Window {
+    __skein?: Hook;
+  }
+}
+
+export function installHook(app: Console, painter: Painter): () => void {
+  const { fleet } = app.session;
+  const { view } = app.map;
+  window.__skein = {
+    framesTaken: () => fleet.framesTaken,
+    framesDrawn: () => painter.frames,
+    trailLength: (id) => fleet.trails.length(fleet.indexOf(id)),
+    hitTest: (x, y) => fleet.ids[hitTest(view, fleet, x, y, 20)] ?? null,
+    toCanvas: (northM, eastM) => ({ x: view.x(eastM), y: view.y(northM) }),
+    positions: () => {
+      const plotted: Plotted[] = [];
+      for (let i = 0; i < fleet.size; i++) {
+        if (fleet.present[i] !== 1 || !fleet.has(i, FLAG.hasPosition)) continue;
+        const [northM, eastM] = [fleet.northM[i] ?? 0, fleet.eastM[i] ?? 0];
+        plotted.push({
+          id: fleet.ids[i] ?? 0,
+          x: view.x(eastM),
+          y: view.y(northM),
+          latitudeDeg: fleet.latitudeDeg[i] ?? 0,
+          longitudeDeg: fleet.longitudeDeg[i] ?? 0,
+          northM,
+          eastM,
+          altitudeM: fleet.altitudeM[i] ?? 0,
+          slot: fleet.has(i, FLAG.hasSlot) ? { northM: fleet.slotNorthM[i] ?? 0, eastM: fleet.slotEastM[i] ?? 0 } : null,
+        });
+      }
+      return plotted;
+    },
+  };
+  return () => {
+    delete window.__skein;
+  };
+}

@@ -1,0 +1,172 @@
+// Fingers, mouse and keys on the map: drag pans, wheel and pinch zoom, a tap toggles a target, a box adds many, and in route mode
+// a tap sets a waypoint and a drag moves one. Must never send anything: it changes view, targets and drafts only.
+
+import type { Console } from '../../app/console.svelte';
+import { hitTest, within } from './paintFleet';
+import { waypointAt } from './paintPlan';
+import type { Painter } from './painter';
+
+/** A pointer that moved less than this has tapped. */
+const TAP_PX = 5;
+const REACH_MOUSE_PX = 18;
+const REACH_TOUCH_PX = 30;
+const PAN_KEY_PX = 60;
+
+type Finger = { x: number; y: number; startX: number; startY: number; moved: boolean };
+
+export class Interaction {
+  #fingers = new Map<number, Finger>();
+  #mode: 'none' | 'pan' | 'box' | 'waypoint' = 'none';
+  #waypoint = -1;
+
+  constructor(
+    readonly canvas: HTMLCanvasElement,
+    readonly console: Console,
+    readonly painter: Painter,
+  ) {}
+
+  pointerdown = (event: PointerEvent): void => {
+    if (event.button !== 0) return;
+    this.canvas.setPointerCapture(event.pointerId);
+    const { x, y } = this.#place(event);
+    this.#fingers.set(event.pointerId, { x, y, startX: x, startY: y, moved: false });
+    if (this.#fingers.size > 1) {
+      this.#mode = 'pan';
+      this.painter.box = null;
+      return;
+    }
+    const { map, formation } = this.console;
+    this.#waypoint = map.tool === 'route' ? waypointAt(map.view, formation.waypoints, x, y, this.#reach(event)) : -1;
+    if (this.#waypoint >= 0) this.#mode = 'waypoint';
+    else this.#mode = map.tool === 'box' || event.shiftKey ? 'box' : 'pan';
+  };
+
+  pointermove = (event: PointerEvent): void => {
+    const { x, y } = this.#place(event);
+    this.#showCursor(x, y);
+    const finger = this.#fingers.get(event.pointerId);
+    if (!finger) return;
+    if (!finger.moved && Math.hypot(x - finger.startX, y - finger.startY) < TAP_PX) return;
+    finger.moved = true;
+    if (this.#fingers.size >= 2) this.#pinch(finger, x, y);
+    else if (this.#mode === 'pan') this.#pan(x - finger.x, y - finger.y);
+    else if (this.#mode === 'box') this.painter.box = { x0: finger.startX, y0: finger.startY, x1: x, y1: y };
+    else if (this.#mode === 'waypoint') this.console.formation.moveWaypoint(this.#waypoint, this.#ground(x, y));
+    finger.x = x;
+    finger.y = y;
+    this.painter.wake();
+  };
+
+  pointerup = (event: PointerEvent): void => {
+    const finger = this.#fingers.get(event.pointerId);
+    this.#fingers.delete(event.pointerId);
+    if (!finger || this.#fingers.size > 0) return;
+    const { map, session, targets, formation } = this.console;
+    if (this.#mode === 'box' && finger.moved) {
+      targets.add(within(map.view, session.fleet, finger.startX, finger.startY, finger.x, finger.y));
+    } else if (!finger.moved && map.tool === 'route') {
+      if (this.#mode !== 'waypoint') formation.addWaypoint(this.#ground(finger.x, finger.y));
+    } else if (!finger.moved) {
+      const index = hitTest(map.view, session.fleet, finger.x, finger.y, this.#reach(event));
+      if (index >= 0) targets.toggle(session.fleet.ids[index] ?? 0);
+    }
+    this.#end();
+  };
+
+  pointercancel = (event: PointerEvent): void => {
+    this.#fingers.delete(event.pointerId);
+    this.#end();
+  };
+
+  pointerleave = (): void => {
+    this.console.map.cursor = '';
+  };
+
+  wheel = (event: WheelEvent): void => {
+    event.preventDefault();
+    const { map } = this.console;
+    const { x, y } = this.#place(event);
+    const unit = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 16 : 1;
+    map.view.zoomAt(x, y, Math.exp(-event.deltaY * unit * 0.0015));
+    if (map.camera === 'fleet') map.camera = 'free';
+    this.painter.wake();
+  };
+
+  keydown = (event: KeyboardEvent): void => {
+    const { map, formation } = this.console;
+    switch (event.key) {
+      case 'ArrowLeft':
+        this.#pan(PAN_KEY_PX, 0);
+        break;
+      case 'ArrowRight':
+        this.#pan(-PAN_KEY_PX, 0);
+        break;
+      case 'ArrowUp':
+        this.#pan(0, PAN_KEY_PX);
+        break;
+      case 'ArrowDown':
+        this.#pan(0, -PAN_KEY_PX);
+        break;
+      case '+':
+      case '=':
+        map.zoom(1.4);
+        break;
+      case '-':
+        map.zoom(1 / 1.4);
+        break;
+      case 'f':
+        map.camera = 'fleet';
+        this.painter.fit();
+        break;
+      case 'Backspace':
+        if (map.tool === 'route') formation.removeWaypoint(formation.waypoints.length - 1);
+        break;
+      default:
+        return;
+    }
+    event.preventDefault();
+    this.painter.wake();
+  };
+
+  #end(): void {
+    this.#mode = 'none';
+    this.painter.box = null;
+    this.painter.wake();
+  }
+
+  #pan(dx: number, dy: number): void {
+    this.console.map.camera = 'free';
+    this.console.map.view.panBy(dx, dy);
+  }
+
+  /** One of two fingers moved to (x, y): the ground under both stays under both. */
+  #pinch(moving: Finger, x: number, y: number): void {
+    const other = [...this.#fingers.values()].find((f) => f !== moving);
+    if (!other) return;
+    const before = Math.hypot(moving.x - other.x, moving.y - other.y);
+    const after = Math.hypot(x - other.x, y - other.y);
+    this.#pan((x - moving.x) / 2, (y - moving.y) / 2);
+    if (before > 1) this.console.map.view.zoomAt((x + other.x) / 2, (y + other.y) / 2, after / before);
+  }
+
+  #place(event: { offsetX: number; offsetY: number }): { x: number; y: number } {
+    return { x: event.offsetX, y: event.offsetY };
+  }
+
+  #ground(x: number, y: number): { north: number; east: number } {
+    const { view } = this.console.map;
+    const tenth = (metres: number) => Math.round(metres * 10) / 10;
+    return { north: tenth(view.north(y)), east: tenth(view.east(x)) };
+  }
+
+  #reach(event: PointerEvent): number {
+    return event.pointerType === 'touch' ? REACH_TOUCH_PX : REACH_MOUSE_PX;
+  }
+
+  #showCursor(x: number, y: number): void {
+    const { view } = this.console.map;
+    const part = (metres: number, positive: string, negative: string) =>
+      `${Math.abs(metres).toFixed(1)} m ${metres >= 0 ? positive : negative}`;
+    this.console.map.cursor = `${part(view.north(y), 'N', 'S')}  ${part(view.east(x), 'E', 'W')}`;
+  }
+}

@@ -1,0 +1,167 @@
+// Draws the map when something has changed, on the next animation frame and not before. Owns the canvas, not the data.
+
+import type { Console } from '../../app/console.svelte';
+import { FLAG } from '../../protocol/frame';
+import { paintFence, paintFurniture, paintGrid, paintHatching } from './paintGround';
+import { paintLabels, paintSlots, paintTrails, paintVehicles } from './paintFleet';
+import type { Marking } from './paintFleet';
+import { paintBox, paintDraftRoute, paintPreview, paintRoute } from './paintPlan';
+import { readPalette } from './palette';
+import type { Palette } from './palette';
+import { include, isEmpty, noBounds } from './view';
+import type { Bounds } from './view';
+
+const FIT_PADDING_PX = 96;
+/** The camera that keeps all in view moves when one comes closer to the edge than this. */
+const EDGE_PX = 28;
+const CALM: Marking = { level: 0, problem: '', height: '' };
+
+export type SelectionBox = { x0: number; y0: number; x1: number; y1: number };
+
+export class Painter {
+  /** Animation frames that were drawn. */
+  frames = 0;
+  box: SelectionBox | null = null;
+  #dirty = true;
+  #request = 0;
+  #palette: Palette;
+  #ratio = 1;
+  #placedOnce = false;
+  readonly #ctx: CanvasRenderingContext2D;
+
+  constructor(
+    readonly canvas: HTMLCanvasElement,
+    readonly console: Console,
+  ) {
+    const ctx = canvas.getContext('2d', { alpha: false });
+    if (!ctx) throw new Error('this browser gives no 2D canvas');
+    this.#ctx = ctx;
+    this.#palette = readPalette(canvas);
+  }
+
+  /** Asks for a drawing on the next animation frame. */
+  wake = (): void => {
+    this.#dirty = true;
+    if (this.#request === 0) this.#request = requestAnimationFrame(this.#draw);
+  };
+
+  stop(): void {
+    cancelAnimationFrame(this.#request);
+    this.#request = -1;
+  }
+
+  themeChanged(): void {
+    this.#palette = readPalette(this.canvas);
+    this.wake();
+  }
+
+  /** Takes the size of the element in CSS pixels and the screen's pixel ratio. */
+  resize(width: number, height: number, ratio: number): void {
+    const view = this.console.map.view;
+    view.width = Math.max(1, width);
+    view.height = Math.max(1, height);
+    this.#ratio = ratio;
+    this.canvas.width = Math.round(view.width * ratio);
+    this.canvas.height = Math.round(view.height * ratio);
+    if (this.console.map.camera === 'fleet') this.fit();
+    this.wake();
+  }
+
+  /** Brings all vehicles and plans into view. */
+  fit(): void {
+    const bounds = this.#everything();
+    if (!isEmpty(bounds)) this.console.map.view.fit(bounds, FIT_PADDING_PX);
+    this.wake();
+  }
+
+  #draw = (): void => {
+    this.#request = 0;
+    if (!this.#dirty) return;
+    this.#dirty = false;
+    this.#moveCamera();
+    const ctx = this.#ctx;
+    const palette = this.#palette;
+    const { map, session, targets, formation } = this.console;
+    const { view } = map;
+    const { fleet, info } = session;
+    ctx.setTransform(this.#ratio, 0, 0, this.#ratio, 0, 0);
+    paintGrid(ctx, view, palette);
+    if (info.fence) paintFence(ctx, view, palette, info.fence);
+    const route = info.formation?.route;
+    if (route) {
+      const points = route.waypoints.map((w) => ({ north: w.north_m, east: w.east_m }));
+      paintRoute(ctx, view, palette, points, info.formation?.route_finished ?? false);
+    }
+    if (map.trails) paintTrails(ctx, view, palette, fleet);
+    paintSlots(ctx, view, palette, fleet);
+    paintPreview(ctx, view, palette, formation.previewSlots());
+    const scene = { fleet, now: performance.now(), selected: targets.selected, marking: this.#marking };
+    paintVehicles(ctx, view, palette, scene);
+    paintLabels(ctx, view, palette, scene);
+    paintDraftRoute(ctx, view, palette, formation.waypoints, this.#leaderPlace());
+    if (session.everLive && !session.canCommand) paintHatching(ctx, view, palette);
+    if (this.box) paintBox(ctx, palette, this.box.x0, this.box.y0, this.box.x1, this.box.y1);
+    paintFurniture(ctx, view, palette);
+    this.frames++;
+  };
+
+  #marking = (index: number): Marking => {
+    const row = this.console.session.rowAt(index);
+    return row ? { level: row.level, problem: row.problems.split(' · ', 1)[0] ?? '', height: row.height } : CALM;
+  };
+
+  #leaderPlace(): { north: number; east: number } | null {
+    const { fleet, info } = this.console.session;
+    const leader = info.formation?.leader ?? this.console.formation.leaderId;
+    const index = leader === null ? -1 : fleet.indexOf(leader);
+    if (index < 0 || !fleet.has(index, FLAG.hasPosition)) return null;
+    return { north: fleet.northM[index] ?? 0, east: fleet.eastM[index] ?? 0 };
+  }
+
+  #moveCamera(): void {
+    const { map } = this.console;
+    if (map.camera === 'follow') {
+      const bounds = this.#followed();
+      if (isEmpty(bounds)) return;
+      map.view.centerNorth = (bounds.minNorth + bounds.maxNorth) / 2;
+      map.view.centerEast = (bounds.minEast + bounds.maxEast) / 2;
+      return;
+    }
+    if (map.camera !== 'fleet') return;
+    const bounds = this.#everything();
+    if (isEmpty(bounds)) return;
+    if (!this.#placedOnce || !map.view.contains(bounds, EDGE_PX)) {
+      this.#placedOnce = true;
+      map.view.fit(bounds, FIT_PADDING_PX);
+    }
+  }
+
+  /** What the following camera looks at: the selected vehicles, or the leader, or all. */
+  #followed(): Bounds {
+    const { session, targets } = this.console;
+    const { fleet, info } = session;
+    const bounds = noBounds();
+    const ids = targets.selected.size > 0 ? [...targets.selected] : info.formation ? [info.formation.leader] : targets.ids;
+    for (const id of ids) {
+      const index = fleet.indexOf(id);
+      if (index >= 0 && fleet.has(index, FLAG.hasPosition)) include(bounds, fleet.northM[index] ?? 0, fleet.eastM[index] ?? 0);
+    }
+    return bounds;
+  }
+
+  #everything(): Bounds {
+    const { session, formation } = this.console;
+    const { fleet, info } = session;
+    const bounds = noBounds();
+    for (let i = 0; i < fleet.size; i++) {
+      if (fleet.present[i] !== 1 || !fleet.has(i, FLAG.hasPosition)) continue;
+      include(bounds, fleet.northM[i] ?? 0, fleet.eastM[i] ?? 0);
+      if (fleet.has(i, FLAG.hasSlot)) include(bounds, fleet.slotNorthM[i] ?? 0, fleet.slotEastM[i] ?? 0);
+    }
+    if (info.formation && !info.formation.route_finished) {
+      for (const w of info.formation.route?.waypoints ?? []) include(bounds, w.north_m, w.east_m);
+    }
+    for (const w of formation.waypoints) include(bounds, w.north, w.east);
+    return bounds;
+  }
+}

@@ -1,0 +1,47 @@
+// Sends commands and keeps their life cycle for the screen. Must never retry or repeat a command by itself.
+
+import { ApiError, sendCommand } from '../protocol/rest';
+import type { EventRecord, Targets, VehicleCommand } from '../protocol/types';
+import { EMPTY, latestOf, reduce } from './commandLedger';
+import type { Action, Batch, Entry } from './commandLedger';
+
+export class Commander {
+  ledger = $state.raw(EMPTY);
+  /** Newest command per vehicle, for the cards. */
+  latest = $derived.by(() => {
+    const map = new Map<number, { batch: Batch; entry: Entry }>();
+    for (const batch of this.ledger.batches) {
+      for (const entry of batch.entries) {
+        if (!map.has(entry.vehicle)) map.set(entry.vehicle, { batch, entry });
+      }
+    }
+    return map;
+  });
+  #nextKey = 1;
+
+  dispatch(action: Action): void {
+    this.ledger = reduce(this.ledger, action);
+  }
+
+  /** Sends `command` to `targets`; `vehicles` are the ids it is for, `label` and `detail` the words on the button. */
+  async run(command: VehicleCommand, targets: Targets, vehicles: readonly number[], label: string, detail = ''): Promise<void> {
+    const key = this.#nextKey++;
+    this.dispatch({ type: 'begin', key, label, detail, vehicles, at: performance.now() });
+    try {
+      this.dispatch({ type: 'receipts', key, receipts: await sendCommand(targets, command) });
+    } catch (error) {
+      const known = error instanceof ApiError;
+      // An answer says for certain that nothing was done; no answer says nothing.
+      this.dispatch({ type: 'failed', key, certain: known && error.status > 0, message: known ? error.message : String(error) });
+    }
+  }
+
+  takeEvent(event: EventRecord): void {
+    if (event.kind.kind !== 'command' || event.vehicle === null) return;
+    this.dispatch({ type: 'progress', id: event.kind.id, vehicle: event.vehicle, progress: event.kind.progress });
+  }
+
+  latestOf(vehicle: number): { batch: Batch; entry: Entry } | null {
+    return latestOf(this.ledger, vehicle);
+  }
+}

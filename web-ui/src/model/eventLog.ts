@@ -1,0 +1,91 @@
+// The log of what happened: repeats are counted instead of repeated, warnings stay until acknowledged, length is bounded. Pure.
+
+import type { EventRecord, Severity } from '../protocol/types';
+
+export type LogEntry = {
+  /** Unique within the page. */
+  key: string;
+  /** What makes two records the same. */
+  signature: string;
+  vehicle: number | null;
+  severity: Severity;
+  kind: string;
+  text: string;
+  /** How often it happened in a row. */
+  count: number;
+  /** Wall-clock ms of the first and the last time. */
+  firstAt: number;
+  lastAt: number;
+  acknowledged: boolean;
+};
+
+export type EventLog = {
+  /** Newest last time first. */
+  entries: readonly LogEntry[];
+  /** Greatest sequence number taken. */
+  lastSeq: number;
+};
+
+export const EMPTY_LOG: EventLog = { entries: [], lastSeq: 0 };
+export const KEPT_ENTRIES = 400;
+/** The same thing within this time counts as a repeat. */
+export const REPEAT_WITHIN_MS = 60_000;
+
+export const SEVERITY_RANK: Record<Severity, number> = { info: 0, advisory: 1, warning: 2, critical: 3 };
+
+/** What an entry is made of, whether it came from the server or from this page. */
+export type Happening = {
+  key: string;
+  vehicle: number | null;
+  severity: Severity;
+  kind: string;
+  text: string;
+  at: number;
+};
+
+export function happening(record: EventRecord, at: number): Happening {
+  const { vehicle, severity, text } = record;
+  return { key: `s${record.seq}`, vehicle, severity, kind: record.kind.kind, text, at };
+}
+
+/** Adds one; a repeat is counted on the entry it repeats and moves that to the top. */
+export function add(log: EventLog, h: Happening, seq = 0): EventLog {
+  const lastSeq = Math.max(log.lastSeq, seq);
+  const signature = `${h.vehicle ?? ''}|${h.kind}|${h.severity}|${h.text}`;
+  const at = log.entries.findIndex((e) => e.signature === signature);
+  const former = at >= 0 ? log.entries[at] : undefined;
+  if (former && h.at - former.lastAt <= REPEAT_WITHIN_MS) {
+    // It happened again after it was acknowledged: that wants a new look.
+    const again: LogEntry = { ...former, count: former.count + 1, lastAt: Math.max(former.lastAt, h.at), acknowledged: false };
+    return { lastSeq, entries: [again, ...log.entries.slice(0, at), ...log.entries.slice(at + 1)] };
+  }
+  const acknowledged = SEVERITY_RANK[h.severity] < SEVERITY_RANK.warning;
+  const entry: LogEntry = {
+    key: h.key, signature, vehicle: h.vehicle, severity: h.severity, kind: h.kind, text: h.text,
+    count: 1, firstAt: h.at, lastAt: h.at, acknowledged,
+  };
+  return { lastSeq, entries: bounded([entry, ...log.entries]) };
+}
+
+/** Over the bound the oldest goes, but what still wants acknowledging goes last. */
+function bounded(entries: LogEntry[]): LogEntry[] {
+  if (entries.length <= KEPT_ENTRIES) return entries;
+  const at = entries.findLastIndex((e) => e.acknowledged);
+  entries.splice(at > 0 ? at : entries.length - 1, 1);
+  return entries;
+}
+
+export function acknowledge(log: EventLog, key: string): EventLog {
+  return { ...log, entries: log.entries.map((e) => (e.key === key ? { ...e, acknowledged: true } : e)) };
+}
+
+export function acknowledgeAll(log: EventLog): EventLog {
+  return { ...log, entries: log.entries.map((e) => (e.acknowledged ? e : { ...e, acknowledged: true })) };
+}
+
+/** Not acknowledged, worst first, then newest. */
+export function outstanding(log: EventLog): LogEntry[] {
+  return log.entries
+    .filter((e) => !e.acknowledged)
+    .sort((a, b) => SEVERITY_RANK[b.severity] - SEVERITY_RANK[a.severity] || b.lastAt - a.lastAt);
+}

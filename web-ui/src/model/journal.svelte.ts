@@ -1,0 +1,43 @@
+// The event log as the page holds it: what the server says, and what this page itself noticed.
+
+import type { EventRecord, Severity } from '../protocol/types';
+import { EMPTY_LOG, acknowledge, acknowledgeAll, add, happening, outstanding } from './eventLog';
+
+/** Events older than this when the page opens are history: they want no acknowledgement. */
+const HISTORY_MS = 60_000;
+
+export class Journal {
+  log = $state.raw(EMPTY_LOG);
+  outstanding = $derived(outstanding(this.log));
+  #nextNotice = 1;
+  readonly #openedAt = Date.now();
+
+  /** Takes an event unless it was taken already. Tells whether it was new. */
+  take(record: EventRecord, at: number): boolean {
+    if (record.seq <= this.log.lastSeq) return false;
+    this.log = add(this.log, happening(record, at), record.seq);
+    if (at < this.#openedAt - HISTORY_MS) this.log = acknowledge(this.log, `s${record.seq}`);
+    return true;
+  }
+
+  /** Something this page noticed itself. */
+  notice(severity: Severity, kind: string, text: string, vehicle: number | null = null): void {
+    const key = `p${this.#nextNotice++}`;
+    this.log = add(this.log, { key, vehicle, severity, kind, text, at: Date.now() });
+  }
+
+  /** The server began anew: its sequence numbers do too. */
+  restart(): void {
+    const entries = this.log.entries.map((e) => ({ ...e, key: e.key.replace(/^s/, `o${this.#nextNotice}-`) }));
+    this.#nextNotice++;
+    this.log = { entries, lastSeq: 0 };
+  }
+
+  acknowledge(key: string): void {
+    this.log = acknowledge(this.log, key);
+  }
+
+  acknowledgeAll(): void {
+    this.log = acknowledgeAll(this.log);
+  }
+}

@@ -1,0 +1,226 @@
+// The page's side of the connection: puts what the stream says where it belongs and beats the tick the list lives on.
+// Must never send a command.
+
+import { Stream, streamUrl } from '../features/connection/stream';
+import type { StreamState } from '../features/connection/stream';
+import { getEvents, measureLatencyMs } from '../protocol/rest';
+import type { EventRecord, FleetInfo, VehicleInfo } from '../protocol/types';
+import { Fleet } from '../telemetry/fleet';
+import type { Commander } from './commander.svelte';
+import type { Journal } from './journal.svelte';
+import { VehicleRow } from './vehicleRow.svelte';
+
+/** How often the list is brought up to date. */
+const TICK_MS = 250;
+const LATENCY_EVERY_MS = 5000;
+/** Frames per second asked for: at a desk, on a tablet, and while nobody looks. */
+const RATE_DESK_HZ = 20;
+const RATE_TOUCH_HZ = 10;
+const RATE_HIDDEN_HZ = 1;
+/** The server's clock going back by more than this means that it is another run of it. */
+const RESTART_MS = 2000;
+
+const NO_INFO: FleetInfo = {
+  frame: null, vehicles: [], unadopted: [], formation: null, actors: [], fence: null, faults_enabled: false,
+};
+
+export class Session {
+  readonly fleet = new Fleet();
+  state = $state.raw<StreamState>({ name: 'connecting' });
+  info = $state.raw<FleetInfo>(NO_INFO);
+  rows = $state.raw<readonly VehicleRow[]>([]);
+  /** Counts ticks; reading it in an effect makes the effect run with the list. */
+  tick = $state(0);
+  /** `performance.now()` of the last tick. */
+  now = $state(0);
+  latencyMs = $state<number | null>(null);
+  frameHz = $state(0);
+  /** When the connection was last lost, on the `performance.now()` clock; null while it stands. */
+  lostAt = $state<number | null>(null);
+  everLive = $state(false);
+  hasFrame = $state(false);
+  /** Commands go out only while frames come in. */
+  canCommand = $derived(this.state.name === 'live' && this.hasFrame);
+  hello = $derived(this.state.name === 'live' || this.state.name === 'incompatible' ? this.state.hello : null);
+
+  #stream: Stream;
+  #rowById = new Map<number, VehicleRow>();
+  /** By the vehicle's index in the live arrays, for the map. */
+  #rowByIndex: VehicleRow[] = [];
+  #infoById = new Map<number, VehicleInfo>();
+  #frameListeners: (() => void)[] = [];
+  #waiting: EventRecord[] = [];
+  #historyLoaded = false;
+  #historyRequested = false;
+  #firstLoad = true;
+  #framesAtTick = 0;
+  #timers: ReturnType<typeof setInterval>[] = [];
+
+  constructor(
+    readonly commander: Commander,
+    readonly journal: Journal,
+  ) {
+    this.#stream = new Stream(streamUrl(document.baseURI), {
+      state: (state) => this.#onState(state),
+      frame: (buffer) => this.#onFrame(buffer),
+      fleet: (info) => this.#onFleet(info),
+      event: (event) => (this.#historyLoaded ? this.#takeEvent(event) : this.#waiting.push(event)),
+      gap: (missed) => journal.notice('warning', 'stream', `${missed} events did not reach this page`),
+      unreadable: (why) => journal.notice('warning', 'stream', why),
+    });
+  }
+
+  start(): void {
+    this.#applyRate();
+    document.addEventListener('visibilitychange', () => this.#applyRate());
+    this.#timers.push(setInterval(() => this.#beat(), TICK_MS));
+    this.#timers.push(setInterval(() => void this.#measure(), LATENCY_EVERY_MS));
+    this.#stream.start();
+  }
+
+  retryNow(): void {
+    this.#stream.retryNow();
+  }
+
+  /** Calls `listener` after every frame: the map's wake-up, outside of the framework. */
+  onFrame(listener: () => void): () => void {
+    this.#frameListeners.push(listener);
+    return () => {
+      this.#frameListeners = this.#frameListeners.filter((l) => l !== listener);
+    };
+  }
+
+  /** The row of the vehicle at an index of the live arrays, once the list has seen it. */
+  rowAt(index: number): VehicleRow | undefined {
+    return this.#rowByIndex[index];
+  }
+
+  infoOf(id: number): VehicleInfo | undefined {
+    return this.#infoById.get(id);
+  }
+
+  /** Wall-clock ms of a moment on the node's clock. */
+  wallClockOf(nodeTimeUs: number): number {
+    const serverNow = this.fleet.serverTimeMs + (performance.now() - this.fleet.receivedAt);
+    return Date.now() - (serverNow - nodeTimeUs / 1000);
+  }
+
+  #applyRate(): void {
+    const touch = matchMedia('(pointer: coarse)').matches;
+    this.#stream.setRate(document.hidden ? RATE_HIDDEN_HZ : touch ? RATE_TOUCH_HZ : RATE_DESK_HZ);
+  }
+
+  #onState(state: StreamState): void {
+    this.state = state;
+    this.hasFrame = false;
+    if (state.name === 'live') {
+      this.#historyLoaded = false;
+      this.#historyRequested = false;
+      this.#waiting = [];
+      void this.#measure();
+    }
+    if (state.name === 'lost' && this.lostAt === null) {
+      this.lostAt = performance.now();
+      this.latencyMs = null;
+      this.commander.dispatch({ type: 'connection_lost' });
+      if (this.everLive) this.journal.notice('warning', 'connection', `connection to the server lost: ${state.reason}`);
+    }
+  }
+
+  #onFrame(buffer: ArrayBuffer): void {
+    const before = this.fleet.serverTimeMs;
+    try {
+      this.fleet.take(buffer, performance.now());
+    } catch (error) {
+      this.journal.notice('warning', 'stream', error instanceof Error ? error.message : String(error));
+      return;
+    }
+    if (!this.hasFrame) this.#firstFrame(before, buffer);
+    for (const listener of this.#frameListeners) listener();
+  }
+
+  /** The first frame of a connection tells whether the server is the one we knew. */
+  #firstFrame(serverTimeBefore: number, buffer: ArrayBuffer): void {
+    if (this.everLive && this.fleet.serverTimeMs + RESTART_MS < serverTimeBefore) {
+      this.#serverRestarted();
+      this.fleet.take(buffer, performance.now());
+    }
+    if (this.everLive && this.lostAt !== null) this.journal.notice('info', 'connection', 'connection to the server is back');
+    this.hasFrame = true;
+    this.everLive = true;
+    this.lostAt = null;
+    this.#beat();
+    if (!this.#historyRequested) {
+      this.#historyRequested = true;
+      void this.#loadHistory();
+    }
+  }
+
+  #serverRestarted(): void {
+    this.fleet.reset();
+    this.#rowById.clear();
+    this.#rowByIndex = [];
+    this.rows = [];
+    this.fleet.setOrigin(this.info.frame?.origin ?? null);
+    this.journal.restart();
+    this.commander.dispatch({ type: 'server_restarted' });
+    this.journal.notice('advisory', 'connection', 'the server was restarted');
+  }
+
+  async #loadHistory(): Promise<void> {
+    try {
+      const { events } = await getEvents(this.journal.log.lastSeq);
+      for (const event of events) this.#takeEvent(event);
+    } catch {
+      this.journal.notice('advisory', 'connection', 'earlier events could not be fetched');
+    }
+    this.#firstLoad = false;
+    this.#historyLoaded = true;
+    for (const event of this.#waiting.splice(0)) this.#takeEvent(event);
+  }
+
+  #takeEvent(event: EventRecord): void {
+    if (!this.journal.take(event, this.wallClockOf(event.time))) return;
+    if (!this.#firstLoad) this.commander.takeEvent(event);
+  }
+
+  #onFleet(info: FleetInfo): void {
+    this.info = info;
+    this.#infoById = new Map(info.vehicles.map((v) => [v.id, v]));
+    this.fleet.setOrigin(info.frame?.origin ?? null);
+  }
+
+  #beat(): void {
+    const now = performance.now();
+    const fleet = this.fleet;
+    let added = false;
+    for (let index = 0; index < fleet.size; index++) {
+      const id = fleet.ids[index] ?? 0;
+      let row = this.#rowById.get(id);
+      if (!row) {
+        row = new VehicleRow(id, index);
+        this.#rowById.set(id, row);
+        this.#rowByIndex[index] = row;
+        added = true;
+      }
+      row.refresh(fleet, this.#infoById.get(id), now);
+    }
+    const changed = added || this.rows.length !== fleet.presentCount || this.rows.some((row) => !row.present);
+    if (changed) this.rows = [...this.#rowById.values()].filter((r) => r.present).sort((a, b) => a.id - b.id);
+    const frames = fleet.framesTaken - this.#framesAtTick;
+    this.#framesAtTick = fleet.framesTaken;
+    const elapsed = Math.max(1, now - this.now);
+    if (elapsed > TICK_MS / 2) this.frameHz += ((frames * 1000) / elapsed - this.frameHz) * 0.3;
+    this.now = now;
+    this.tick++;
+  }
+
+  async #measure(): Promise<void> {
+    if (this.state.name !== 'live') return;
+    try {
+      this.latencyMs = await measureLatencyMs();
+    } catch {
+      this.latencyMs = null;
+    }
+  }
+}

@@ -1,0 +1,132 @@
+// One vehicle as the list shows it. Refreshed a few times a second from the live arrays; a field that did not change wakes no
+// DOM. Numbers are already text here: formatting happens once per tick, not per component.
+
+import { FLAG } from '../protocol/frame';
+import type { VehicleInfo } from '../protocol/types';
+import { FLIGHT_MODES, FLIGHT_STATES, GNSS_FIXES, LANDED_STATES } from '../protocol/words';
+import type { FlightMode, FlightState, GnssFix } from '../protocol/types';
+import type { Fleet } from '../telemetry/fleet';
+import { ageText, classify } from '../telemetry/staleness';
+import type { Staleness } from '../telemetry/staleness';
+import { LEVEL, problemsOf, worst } from './severity';
+import type { Level } from './severity';
+
+/** What stands where a value is not known. */
+export const UNKNOWN = '–';
+
+export class VehicleRow {
+  present = $state(true);
+  name = $state('');
+  plugin = $state('');
+  stateDetail = $state('');
+  flightState = $state<FlightState>('idle');
+  mode = $state<FlightMode>('unknown');
+  fix = $state<GnssFix>('unknown');
+  staleness = $state<Staleness>('live');
+  age = $state('');
+  armed = $state(false);
+  airborne = $state(false);
+  leader = $state(false);
+  readyToArm = $state(false);
+  level = $state<Level>(LEVEL.normal);
+  problems = $state('');
+  /** Percent in whole numbers, or null. */
+  battery = $state<number | null>(null);
+  voltage = $state(UNKNOWN);
+  satellites = $state(0);
+  loss = $state(0);
+  roundTrip = $state(UNKNOWN);
+  setpointRate = $state(UNKNOWN);
+  height = $state(UNKNOWN);
+  speed = $state(UNKNOWN);
+  trackingError = $state(UNKNOWN);
+  actorRestarts = $state(0);
+  modelRestarts = $state(0);
+
+  constructor(
+    readonly id: number,
+    readonly index: number,
+  ) {
+    this.name = `vehicle ${id}`;
+  }
+
+  /** Brings every field up to date. */
+  refresh(fleet: Fleet, info: VehicleInfo | undefined, now: number): void {
+    const i = this.index;
+    const ageMs = fleet.ageMs(i, now);
+    this.present = fleet.present[i] === 1;
+    this.staleness = classify(ageMs, fleet.has(i, FLAG.linkConnected));
+    this.age = ageText(ageMs);
+    this.flightState = FLIGHT_STATES[fleet.flightState[i] ?? 0] ?? 'idle';
+    this.mode = FLIGHT_MODES[fleet.mode[i] ?? 0] ?? 'unknown';
+    this.fix = GNSS_FIXES[fleet.fix[i] ?? 0] ?? 'unknown';
+    this.armed = fleet.has(i, FLAG.armed);
+    const landed = LANDED_STATES[fleet.landed[i] ?? 0] ?? 'unknown';
+    // Not known counts as in the air while the motors may turn.
+    this.airborne = landed === 'unknown' ? this.armed : landed !== 'on_ground';
+    this.leader = fleet.has(i, FLAG.leader);
+    this.readyToArm = fleet.has(i, FLAG.readyToArm);
+    const battery = fleet.batteryPercent[i] ?? NaN;
+    this.battery = Number.isNaN(battery) ? null : battery;
+    const volts = fleet.batteryV[i] ?? 0;
+    this.voltage = volts > 0 ? `${volts.toFixed(1)} V` : UNKNOWN;
+    this.satellites = fleet.satellites[i] ?? 0;
+    this.loss = fleet.lossPercent[i] ?? 0;
+    this.roundTrip = measured(fleet.roundTripMs[i], 'ms');
+    this.setpointRate = (fleet.setpointHz[i] ?? 0) > 0 ? `${Math.round(fleet.setpointHz[i] ?? 0)} Hz` : UNKNOWN;
+    this.actorRestarts = Math.max(0, (fleet.actorIncarnation[i] ?? 1) - 1);
+    this.modelRestarts = Math.max(0, (fleet.modelIncarnation[i] ?? 1) - 1);
+    this.#refreshMotion(fleet, info);
+    if (info) {
+      this.name = info.name;
+      this.plugin = `${info.plugin} ${info.plugin_version}`;
+      this.stateDetail = info.state_detail;
+    }
+    this.#assess(fleet, info);
+  }
+
+  #refreshMotion(fleet: Fleet, info: VehicleInfo | undefined): void {
+    const i = this.index;
+    if (!fleet.has(i, FLAG.hasPosition)) {
+      this.height = this.speed = this.trackingError = UNKNOWN;
+      return;
+    }
+    const ground = info?.home?.altitude_amsl_m;
+    this.height = ground === undefined ? UNKNOWN : `${noMinusZero((fleet.altitudeM[i] ?? 0) - ground)} m`;
+    const speed = Math.hypot(fleet.velocityNorth[i] ?? 0, fleet.velocityEast[i] ?? 0, fleet.velocityDown[i] ?? 0);
+    this.speed = `${speed.toFixed(1)} m/s`;
+    const error = fleet.trackingErrorM[i] ?? NaN;
+    this.trackingError = Number.isNaN(error) ? UNKNOWN : `${error.toFixed(error < 10 ? 2 : 0)} m`;
+  }
+
+  #assess(fleet: Fleet, info: VehicleInfo | undefined): void {
+    const i = this.index;
+    const problems = problemsOf({
+      staleness: this.staleness,
+      flightState: this.flightState,
+      airborne: this.airborne,
+      armed: this.armed,
+      batteryPercent: fleet.batteryPercent[i] ?? NaN,
+      lossPercent: this.loss,
+      fix: fleet.fix[i] ?? 0,
+      hasPosition: fleet.has(i, FLAG.hasPosition),
+      trackingErrorM: fleet.trackingErrorM[i] ?? NaN,
+      pilotControl: fleet.has(i, FLAG.pilotControl),
+      faulted: fleet.has(i, FLAG.faulted),
+      actor: info?.actor.status ?? 'running',
+      model: info?.model.status ?? 'running',
+    });
+    this.level = worst(problems);
+    this.problems = problems.map((p) => p.text).join(' · ');
+  }
+}
+
+function measured(value: number | undefined, unit: string): string {
+  if (value === undefined || Number.isNaN(value)) return UNKNOWN;
+  return `${value < 10 ? value.toFixed(1) : Math.round(value)} ${unit}`;
+}
+
+function noMinusZero(metres: number): string {
+  const text = metres.toFixed(1);
+  return text === '-0.0' ? '0.0' : text;
+}

@@ -1,0 +1,22 @@
+// Build and unit-test set-up. The result goes into `dist`, which the Rust program embeds: URLs are relative, nothing is
+// inlined (the page runs under `default-src 'self'`, so no data: URL and no inline script would be let through).
+import { svelte } from '@sveltejs/vite-plugin-svelte';
+import { defineConfig } from 'vitest/config';
+
+/** Where `vite` sends the API during development; `npm run dev:swarm` or a real `skein run` listens there. */
+const backend = process.env.SKEIN_BACKEND ?? 'http://127.0.0.1:8080';
+
+export default defineConfig({
+  base: './',
+  plugins: [svelte()],
+  build: {
+    outDir: 'dist',
+    emptyOutDir: true,
+    assetsInlineLimit: 0,
+    modulePreload: { polyfill: false },
+    target: 'es2022',
+    reportCompressedSize: true,
+  },
+  server: { host: '127.0.0.1', proxy: { '/api': { target: backend, ws: true } } },
+  test: { include: ['src/**/*.test.ts'], environment: 'node' },
+});
