@@ -8,7 +8,7 @@ mod clearance;
 mod detour;
 
 use crate::formation::FormationError;
-use crate::time_law::{bump_over_time, min_jerk};
+use crate::time_law::{bump_over_time, progress};
 use crate::{assignment, transition::detour::Ways};
 use nalgebra::Vector3;
 use skein_domain::{NodeTime, OffsetFrd, SlotMove};
@@ -171,25 +171,24 @@ fn leader_penalty_m2(a: &Vector3<f64>, b: &Vector3<f64>, min_distance_m: f64) ->
 #[must_use]
 pub fn sample(slot: &SlotMove, now: NodeTime) -> SlotSample {
     let (from, to) = (slot.from.vector(), slot.to.vector());
-    let tau = if slot.duration_s > 0.0 {
-        now.seconds_since(slot.start) / slot.duration_s
-    } else {
-        1.0
-    };
-    if !(0.0..1.0).contains(&tau) {
-        let offset = if tau < 0.0 { slot.from } else { slot.to };
+    let t_s = now.seconds_since(slot.start);
+    // Written so that a duration that is not a number is over.
+    let moving = t_s < slot.duration_s;
+    if t_s <= 0.0 || !moving {
+        let offset = if moving { slot.from } else { slot.to };
         return SlotSample {
             offset,
             velocity: Vector3::zeros(),
             acceleration: Vector3::zeros(),
         };
     }
-    let (s, b) = (min_jerk(tau), bump_over_time(tau));
+    let s = progress(t_s, slot.duration_s);
+    let b = bump_over_time(s);
     let (way, lift) = (to - from, Vector3::new(0.0, 0.0, -slot.detour_up_m));
     SlotSample {
         offset: (from + way * s.value + lift * b.value).into(),
-        velocity: (way * s.first + lift * b.first) / slot.duration_s,
-        acceleration: (way * s.second + lift * b.second) / (slot.duration_s * slot.duration_s),
+        velocity: way * s.first + lift * b.first,
+        acceleration: way * s.second + lift * b.second,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::MotionLimits;
 use super::clearance::{TOLERANCE_M, horizontal_m, lifted_m};
-use crate::time_law::duration_s;
+use crate::time_law::{Ability, duration_s};
 use nalgebra::Vector3;
 use skein_domain::{NodeTime, SlotMove};
 
@@ -133,19 +133,16 @@ impl Ways {
 
     /// The duration that the slowest member needs.
     pub fn longest_s(&self, limits: &MotionLimits) -> f64 {
+        let ability = Ability {
+            speed_m_s: limits.speed_m_s,
+            acceleration_m_s2: limits.acceleration_m_s2,
+            climb_m_s: limits.climb_m_s,
+        };
         let ways = self.starts.iter().zip(&self.ends).zip(&self.lifts_m);
-        ways.map(|((start, end), lift_m)| {
+        ways.fold(0.0, |so_far_s, ((start, end), lift_m)| {
             let way = end - start;
-            let way_m = [way.x, way.y, -way.z];
-            duration_s(
-                way_m,
-                *lift_m,
-                limits.speed_m_s,
-                limits.acceleration_m_s2,
-                limits.climb_m_s,
-            )
+            duration_s([way.x, way.y, -way.z], *lift_m, &ability, so_far_s)
         })
-        .fold(0.0, f64::max)
     }
 
     /// The ways as moves over one common time.
