@@ -1,1 +1,22 @@
-//! Placeholder.
+//! Simulated PX4 vehicles: real MAVLink frames over real sockets, a quadrotor that flies like one, and the truth for a referee.
+//!
+//! * [`Simulation`]: vehicles on their own thread, each with its own UDP ports. What a link meets.
+//! * [`vehicle::Vehicle`]: one vehicle without sockets or clock: bytes in, time steps in, frames out. Runs faster than real time.
+//! * [`TruthFrame`]: where every vehicle really is, and what its autopilot really did; for referees only, never for the swarm.
+//!
+//! Must never do: share code with the link that it is there to test, or let anything but its seed decide what happens in
+//! [`vehicle`]. Nothing here listens on other interfaces than the loopback.
+#![forbid(unsafe_code)]
+
+pub mod settings;
+pub mod simulation;
+pub mod truth;
+pub mod vehicle;
+mod wind;
+mod wire;
+
+pub use settings::{
+    BatterySettings, Impairment, NoiseSettings, PortPlan, Px4Ports, SimSettings, VehicleStart, WindSettings,
+};
+pub use simulation::{SimError, Simulation, VehiclePorts};
+pub use truth::{ModeCause, ModeChange, TruthFrame, VehicleTruth};

@@ -1,0 +1,281 @@
+//! Many vehicles in real time on their own thread, each behind its own UDP ports on the loopback interface.
+//!
+//! Must never do: decide anything about a flight; that is [`crate::vehicle`]'s.
+
+mod ports;
+mod runner;
+
+use crate::settings::{Impairment, SimSettings, VehicleStart};
+use crate::truth::TruthFrame;
+use crate::vehicle::VehicleIdentity;
+use parking_lot::Mutex;
+use ports::Sockets;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use runner::{Observer, Order, Runner};
+use skein_domain::{FlightMode, PositionNed};
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::sync::mpsc::Sender;
+use std::thread::JoinHandle;
+
+/// Why a simulation could not be started, or what was asked of it could not be done.
+#[derive(Debug, thiserror::Error)]
+pub enum SimError {
+    /// A port could not be had.
+    #[error("cannot bind {address} for simulated vehicle {system_id}: {source}")]
+    Bind {
+        /// The vehicle it is for.
+        system_id: u8,
+        /// The port.
+        address: SocketAddr,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// There are only 255 system ids.
+    #[error("no system id is left for another vehicle: 1 to 255 are taken")]
+    NoSystemIdLeft,
+    /// The vehicle's port number would not fit.
+    #[error("system id {system_id} leads to port {port}, which does not exist")]
+    NoSuchPort {
+        /// The vehicle.
+        system_id: u8,
+        /// The number.
+        port: u32,
+    },
+    /// The thread could not be started.
+    #[error("cannot start the simulation's thread: {0}")]
+    Thread(std::io::Error),
+    /// No living vehicle has this system id.
+    #[error("no simulated vehicle has system id {0}")]
+    UnknownVehicle(u8),
+    /// The simulation has ended.
+    #[error("the simulation has ended")]
+    Ended,
+}
+
+/// How one vehicle is reached.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct VehiclePorts {
+    /// Its system id.
+    pub system_id: u8,
+    /// Its own end of the onboard link.
+    pub onboard: SocketAddr,
+    /// Where the onboard link sends to.
+    pub onboard_partner: SocketAddr,
+    /// Its own end of the ground-station link and where that sends to.
+    pub ground: Option<(SocketAddr, SocketAddr)>,
+}
+
+/// What the caller's side knows of the vehicles.
+#[derive(Debug, Default)]
+struct Roll {
+    ports: Vec<VehiclePorts>,
+    started: u64,
+}
+
+/// A running simulation. Dropping it stops it.
+pub struct Simulation {
+    settings: SimSettings,
+    truth: Arc<Mutex<Arc<TruthFrame>>>,
+    roll: Mutex<Roll>,
+    orders: Sender<Order>,
+    thread: Option<JoinHandle<()>>,
+    utc_at_zero_us: u64,
+}
+
+impl std::fmt::Debug for Simulation {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Simulation")
+            .field("vehicles", &self.roll.lock().ports.len())
+            .finish_non_exhaustive()
+    }
+}
+
+impl Simulation {
+    /// Binds all ports and starts the vehicles on a thread of their own.
+    ///
+    /// # Errors
+    /// When a port is taken, or there are more vehicles than system ids.
+    pub fn start(settings: SimSettings) -> Result<Self, SimError> {
+        let truth = Arc::new(Mutex::new(Arc::default()));
+        let (orders, inbox) = std::sync::mpsc::channel();
+        let utc = std::time::SystemTime::now()
+            .duration_since(std::time::UNIX_EPOCH)
+            .unwrap_or_default();
+        let mut simulation = Self {
+            truth: truth.clone(),
+            roll: Mutex::default(),
+            orders,
+            thread: None,
+            utc_at_zero_us: utc.as_micros() as u64,
+            settings,
+        };
+        for start in starts(&simulation.settings) {
+            simulation.enlist(start)?;
+        }
+        let mut runner = Runner::new(&simulation.settings, inbox, truth);
+        runner.take_orders();
+        runner.publish();
+        let thread = std::thread::Builder::new()
+            .name("skein-sim".to_owned())
+            .spawn(move || runner.run());
+        simulation.thread = Some(thread.map_err(SimError::Thread)?);
+        Ok(simulation)
+    }
+
+    /// Binds a vehicle's ports and hands it to the thread.
+    fn enlist(&self, start: VehicleStart) -> Result<u8, SimError> {
+        let mut roll = self.roll.lock();
+        let system_id = match start.system_id {
+            Some(id) => id,
+            None => free_system_id(&roll.ports, self.settings.first_system_id).ok_or(SimError::NoSystemIdLeft)?,
+        };
+        let sockets = Sockets::bind(&self.settings.ports, system_id)?;
+        let ports = sockets.ports(system_id);
+        let identity = VehicleIdentity {
+            system_id,
+            position: start.position,
+            yaw_rad: start.yaw_rad,
+            number: roll.started,
+            ground_link: ports.ground.is_some(),
+            started_s: 0.0,
+            utc_at_zero_us: self.utc_at_zero_us,
+        };
+        self.order(Order::Add(Box::new(identity), sockets))?;
+        roll.started += 1;
+        roll.ports.push(ports);
+        Ok(system_id)
+    }
+
+    fn order(&self, order: Order) -> Result<(), SimError> {
+        self.orders.send(order).map_err(|_| SimError::Ended)
+    }
+
+    /// For a vehicle that has to exist.
+    fn order_for(&self, system_id: u8, order: Order) -> Result<(), SimError> {
+        if !self.roll.lock().ports.iter().any(|p| p.system_id == system_id) {
+            return Err(SimError::UnknownVehicle(system_id));
+        }
+        self.order(order)
+    }
+
+    /// What is really the case, at most 20 ms old.
+    #[must_use]
+    pub fn truth(&self) -> Arc<TruthFrame> {
+        self.truth.lock().clone()
+    }
+
+    /// Has a referee called 50 times a second from the simulation's thread. It should be quick.
+    ///
+    /// # Errors
+    /// When the simulation has ended.
+    pub fn observe(&self, observer: Observer) -> Result<(), SimError> {
+        self.order(Order::Observe(observer))
+    }
+
+    /// How the vehicles are reached, in the order of their start; killed ones are not among them.
+    #[must_use]
+    pub fn ports(&self) -> Vec<VehiclePorts> {
+        self.roll.lock().ports.clone()
+    }
+
+    /// A vehicle vanishes: from now on it sends and answers nothing, and its ports are free.
+    ///
+    /// # Errors
+    /// When there is no such vehicle.
+    pub fn kill(&self, system_id: u8) -> Result<(), SimError> {
+        self.order_for(system_id, Order::Kill(system_id))?;
+        self.roll.lock().ports.retain(|p| p.system_id != system_id);
+        Ok(())
+    }
+
+    /// Another vehicle is switched on; gives its system id.
+    ///
+    /// # Errors
+    /// When its port is taken or no system id is left.
+    pub fn add(&self, start: VehicleStart) -> Result<u8, SimError> {
+        self.enlist(start)
+    }
+
+    /// The pilot of a vehicle takes a mode by radio control.
+    ///
+    /// # Errors
+    /// When there is no such vehicle.
+    pub fn pilot_mode(&self, system_id: u8, mode: FlightMode) -> Result<(), SimError> {
+        self.order_for(system_id, Order::PilotMode(system_id, mode))
+    }
+
+    /// A vehicle's autopilot starts anew, wherever it is.
+    ///
+    /// # Errors
+    /// When there is no such vehicle.
+    pub fn reboot(&self, system_id: u8) -> Result<(), SimError> {
+        self.order_for(system_id, Order::Reboot(system_id))
+    }
+
+    /// A vehicle's datagrams are lost or delayed from now on.
+    ///
+    /// # Errors
+    /// When there is no such vehicle.
+    pub fn impair(&self, system_id: u8, impairment: Impairment) -> Result<(), SimError> {
+        self.order_for(system_id, Order::Impair(system_id, impairment))
+    }
+
+    /// Ends the simulation and waits for its thread.
+    pub fn stop(mut self) {
+        self.end();
+    }
+
+    fn end(&mut self) {
+        let _ = self.orders.send(Order::Stop);
+        if let Some(thread) = self.thread.take()
+            && thread.join().is_err()
+        {
+            tracing::error!("the simulation's thread panicked");
+        }
+    }
+}
+
+impl Drop for Simulation {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+/// The places the vehicles start from: the given ones, or a grid as near to a square as the number allows.
+fn starts(settings: &SimSettings) -> Vec<VehicleStart> {
+    if !settings.starts.is_empty() {
+        return settings.starts.clone();
+    }
+    let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
+    let columns = (settings.vehicles as f64).sqrt().ceil().max(1.0) as usize;
+    (0..settings.vehicles)
+        .map(|i| {
+            let (row, column) = (i / columns, i % columns);
+            let relief = rng.random_range(-1.0..=1.0) * settings.ground_relief_m;
+            let position = PositionNed::new(
+                row as f64 * settings.spacing_m,
+                column as f64 * settings.spacing_m,
+                relief,
+            );
+            VehicleStart {
+                system_id: None,
+                position,
+                yaw_rad: 0.0,
+            }
+        })
+        .collect()
+}
+
+/// The lowest system id from `first` on that no living vehicle has.
+fn free_system_id(taken: &[VehiclePorts], first: u8) -> Option<u8> {
+    let is_free = |id: &u8| !taken.iter().any(|p| p.system_id == *id);
+    (first.max(1)..=u8::MAX)
+        .find(is_free)
+        .or_else(|| (1..first.max(1)).find(is_free))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,112 @@
+//! The vehicles' sockets: which ports they bind and where they send to.
+
+use super::{SimError, VehiclePorts};
+use crate::settings::{PortPlan, Px4Ports};
+use crate::vehicle::LinkKind;
+use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
+
+/// From this instance on all onboard links of the PX4 plan share one partner port.
+const LAST_PARTNER: u32 = 9;
+
+/// One link's socket and its fixed partner.
+#[derive(Debug)]
+pub(super) struct Wire {
+    socket: UdpSocket,
+    local: SocketAddr,
+    partner: SocketAddr,
+}
+
+/// One vehicle's sockets.
+#[derive(Debug)]
+pub(super) struct Sockets {
+    onboard: Wire,
+    ground: Option<Wire>,
+}
+
+impl Sockets {
+    /// Binds what the plan says for this vehicle.
+    pub(super) fn bind(plan: &PortPlan, system_id: u8) -> Result<Self, SimError> {
+        let base = match plan {
+            PortPlan::Px4 => Px4Ports::default(),
+            PortPlan::Px4At(base) => *base,
+            PortPlan::SendTo(partner) => {
+                return Ok(Self {
+                    onboard: Wire::bind(0, *partner, system_id)?,
+                    ground: None,
+                });
+            }
+        };
+        let instance = u32::from(system_id.saturating_sub(1));
+        let port = |base: u16, add: u32| {
+            // Zero stays zero: any free port.
+            let port = if base == 0 { 0 } else { u32::from(base) + add };
+            u16::try_from(port).map_err(|_| SimError::NoSuchPort { system_id, port })
+        };
+        let partner = port(base.onboard_partner, instance.min(LAST_PARTNER))?;
+        let onboard = Wire::bind(port(base.onboard_local, instance)?, loopback(partner), system_id)?;
+        let ground = Wire::bind(
+            port(base.ground_local, instance)?,
+            loopback(base.ground_partner),
+            system_id,
+        )?;
+        Ok(Self {
+            onboard,
+            ground: Some(ground),
+        })
+    }
+
+    /// How the vehicle is reached.
+    pub(super) fn ports(&self, system_id: u8) -> VehiclePorts {
+        VehiclePorts {
+            system_id,
+            onboard: self.onboard.local,
+            onboard_partner: self.onboard.partner,
+            ground: self.ground.as_ref().map(|g| (g.local, g.partner)),
+        }
+    }
+
+    /// Both links that there are.
+    pub(super) fn links(&self) -> impl Iterator<Item = (LinkKind, &Wire)> {
+        let ground = self.ground.as_ref().map(|wire| (LinkKind::GroundStation, wire));
+        std::iter::once((LinkKind::Onboard, &self.onboard)).chain(ground)
+    }
+
+    /// Sends one frame.
+    pub(super) fn send(&self, link: LinkKind, frame: &[u8]) {
+        if let Some((_, wire)) = self.links().find(|(kind, _)| *kind == link) {
+            // Nobody need listen: like a radio, it sends all the same.
+            let _ = wire.socket.send_to(frame, wire.partner);
+        }
+    }
+}
+
+impl Wire {
+    fn bind(port: u16, partner: SocketAddr, system_id: u8) -> Result<Self, SimError> {
+        let address = match partner {
+            SocketAddr::V4(_) => SocketAddr::from((Ipv4Addr::LOCALHOST, port)),
+            SocketAddr::V6(_) => SocketAddr::from((Ipv6Addr::LOCALHOST, port)),
+        };
+        let bound = UdpSocket::bind(address).and_then(|socket| {
+            socket.set_nonblocking(true)?;
+            let local = socket.local_addr()?;
+            Ok(Self { socket, local, partner })
+        });
+        bound.map_err(|source| SimError::Bind {
+            system_id,
+            address,
+            source,
+        })
+    }
+
+    /// The next datagram that has come, from anyone: the partner of a link is fixed for sending only.
+    pub(super) fn receive<'a>(&self, buffer: &'a mut [u8]) -> Option<&'a [u8]> {
+        match self.socket.recv_from(buffer) {
+            Ok((length, _)) => buffer.get(..length),
+            Err(_) => None,
+        }
+    }
+}
+
+fn loopback(port: u16) -> SocketAddr {
+    SocketAddr::from((Ipv4Addr::LOCALHOST, port))
+}

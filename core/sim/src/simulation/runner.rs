@@ -1,0 +1,321 @@
+//! The simulation's thread: keeps step with real time, moves datagrams, obeys orders, publishes the truth.
+
+use super::ports::Sockets;
+use crate::settings::{Impairment, SimSettings};
+use crate::truth::{TruthFrame, VehicleTruth};
+use crate::vehicle::{LinkKind, Outbox, Vehicle, VehicleIdentity};
+use crate::wind::Wind;
+use parking_lot::Mutex;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use skein_domain::FlightMode;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError};
+use std::time::{Duration, Instant};
+
+/// A referee.
+pub(super) type Observer = Box<dyn FnMut(&TruthFrame) + Send>;
+
+/// What the thread is told to do.
+pub(super) enum Order {
+    Add(Box<VehicleIdentity>, Sockets),
+    Kill(u8),
+    PilotMode(u8, FlightMode),
+    Reboot(u8),
+    Impair(u8, Impairment),
+    Observe(Observer),
+    Stop,
+}
+
+/// Length of a step in seconds, with few vehicles and with many.
+const STEP_S: f64 = 0.004;
+const STEP_OF_MANY_S: f64 = 0.008;
+const MANY: usize = 24;
+/// The truth is published this often, in seconds.
+const PUBLISH_S: f64 = 0.02;
+/// When real time has run away by more than this, the simulation lets it go, in seconds.
+const GIVE_UP_S: f64 = 1.0;
+/// A wake-up later than this counts as a stall, in seconds.
+const STALL_S: f64 = 0.01;
+/// Datagrams read from one link in one step at most: a flood must not stop the others.
+const READ_LIMIT: usize = 64;
+
+/// One vehicle on the thread.
+struct Slot {
+    vehicle: Vehicle,
+    /// Gone once killed.
+    sockets: Option<Sockets>,
+    last_truth: Option<VehicleTruth>,
+    impairment: Impairment,
+    delayed: Vec<Delayed>,
+}
+
+/// A datagram under way.
+struct Delayed {
+    due_s: f64,
+    link: LinkKind,
+    inbound: bool,
+    bytes: Vec<u8>,
+}
+
+/// The thread's state.
+pub(super) struct Runner {
+    settings: SimSettings,
+    inbox: Receiver<Order>,
+    truth: Arc<Mutex<Arc<TruthFrame>>>,
+    slots: Vec<Slot>,
+    observers: Vec<Observer>,
+    wind: Wind,
+    rng: ChaCha8Rng,
+    time_s: f64,
+    published_s: f64,
+    sequence: u64,
+    stalled_s: f64,
+    longest_stall_s: f64,
+    stopped: bool,
+    outbox: Outbox,
+    buffer: Vec<u8>,
+}
+
+impl Runner {
+    pub(super) fn new(settings: &SimSettings, inbox: Receiver<Order>, truth: Arc<Mutex<Arc<TruthFrame>>>) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
+        Self {
+            wind: Wind::new(&settings.wind, &mut rng),
+            settings: settings.clone(),
+            inbox,
+            truth,
+            slots: Vec::new(),
+            observers: Vec::new(),
+            rng,
+            time_s: 0.0,
+            published_s: 0.0,
+            sequence: 0,
+            stalled_s: 0.0,
+            longest_stall_s: 0.0,
+            stopped: false,
+            outbox: Outbox::default(),
+            buffer: vec![0; 2048],
+        }
+    }
+
+    /// Runs until told to stop.
+    pub(super) fn run(mut self) {
+        let mut zero = Instant::now() - Duration::from_secs_f64(self.time_s);
+        while !self.stopped {
+            let step_s = self.step_s();
+            let late_s = zero.elapsed().as_secs_f64() - self.time_s - step_s;
+            if late_s < 0.0 {
+                std::thread::sleep(Duration::from_secs_f64(-late_s));
+                continue;
+            }
+            if late_s > GIVE_UP_S {
+                zero += Duration::from_secs_f64(late_s);
+            }
+            self.take_orders();
+            self.step(step_s);
+            // Counted after the step that reads what came in the meantime, so that the gap that follows is known for its own.
+            if late_s > STALL_S {
+                self.note_stall(late_s);
+                let behind_s = zero.elapsed().as_secs_f64() - self.time_s;
+                self.catch_up(behind_s.min(GIVE_UP_S));
+            }
+        }
+    }
+
+    /// With many vehicles a longer step saves half of the work and is still ten times shorter than any of their lags.
+    fn step_s(&self) -> f64 {
+        if self.slots.len() > MANY {
+            STEP_OF_MANY_S
+        } else {
+            STEP_S
+        }
+    }
+
+    fn note_stall(&mut self, late_s: f64) {
+        self.stalled_s += late_s;
+        self.longest_stall_s = self.longest_stall_s.max(late_s);
+        for slot in &mut self.slots {
+            slot.vehicle.note_stalls(self.stalled_s);
+        }
+    }
+
+    fn catch_up(&mut self, behind_s: f64) {
+        let step_s = self.step_s();
+        for _ in 0..(behind_s / step_s) as usize {
+            self.step(step_s);
+        }
+    }
+
+    /// One step of everything.
+    fn step(&mut self, dt_s: f64) {
+        let wind = self.wind.step(dt_s, &mut self.rng);
+        self.time_s += dt_s;
+        let Self {
+            slots,
+            rng,
+            outbox,
+            buffer,
+            time_s,
+            ..
+        } = self;
+        for slot in slots.iter_mut() {
+            let Some(sockets) = &slot.sockets else { continue };
+            let air = Air {
+                impairment: slot.impairment,
+                now_s: *time_s,
+            };
+            for (link, wire) in sockets.links() {
+                for _ in 0..READ_LIMIT {
+                    let Some(datagram) = wire.receive(buffer) else { break };
+                    if air.passes(link, true, datagram, &mut slot.delayed, rng) {
+                        slot.vehicle.receive(link, datagram, outbox);
+                    }
+                }
+            }
+            for late in take_due(&mut slot.delayed, *time_s) {
+                if late.inbound {
+                    slot.vehicle.receive(late.link, &late.bytes, outbox);
+                } else {
+                    sockets.send(late.link, &late.bytes);
+                }
+            }
+            slot.vehicle.step(dt_s, &wind, outbox);
+            for (link, frame) in outbox.frames() {
+                if air.passes(link, false, frame, &mut slot.delayed, rng) {
+                    sockets.send(link, frame);
+                }
+            }
+            outbox.clear();
+        }
+        if self.time_s - self.published_s >= PUBLISH_S - 1e-9 {
+            self.published_s = self.time_s;
+            self.publish();
+        }
+    }
+
+    /// Makes the truth known.
+    pub(super) fn publish(&mut self) {
+        self.sequence += 1;
+        let vehicles = self
+            .slots
+            .iter()
+            .map(|slot| slot.last_truth.clone().unwrap_or_else(|| slot.vehicle.truth()))
+            .collect();
+        let frame = Arc::new(TruthFrame {
+            time_s: self.time_s,
+            sequence: self.sequence,
+            vehicles,
+            longest_stall_s: self.longest_stall_s,
+        });
+        *self.truth.lock() = frame.clone();
+        for observer in &mut self.observers {
+            observer(&frame);
+        }
+    }
+
+    /// Does what has been ordered.
+    pub(super) fn take_orders(&mut self) {
+        loop {
+            match self.inbox.try_recv() {
+                Ok(order) => self.obey(order),
+                Err(TryRecvError::Empty) => return,
+                Err(TryRecvError::Disconnected) => {
+                    self.stopped = true;
+                    return;
+                }
+            }
+        }
+    }
+
+    fn obey(&mut self, order: Order) {
+        match order {
+            Order::Add(mut identity, sockets) => {
+                identity.started_s = self.time_s;
+                let mut vehicle = Vehicle::new(*identity, &self.settings);
+                vehicle.note_stalls(self.stalled_s);
+                self.slots.push(Slot {
+                    vehicle,
+                    sockets: Some(sockets),
+                    last_truth: None,
+                    impairment: Impairment::default(),
+                    delayed: Vec::new(),
+                });
+            }
+            Order::Kill(id) => self.each(id, |slot| {
+                slot.sockets = None;
+                slot.last_truth = Some(VehicleTruth {
+                    alive: false,
+                    ..slot.vehicle.truth()
+                });
+            }),
+            Order::PilotMode(id, mode) => self.each(id, |slot| slot.vehicle.pilot_mode(mode)),
+            Order::Reboot(id) => self.each(id, |slot| slot.vehicle.reboot()),
+            Order::Impair(id, impairment) => self.each(id, |slot| slot.impairment = impairment),
+            Order::Observe(observer) => self.observers.push(observer),
+            Order::Stop => self.stopped = true,
+        }
+    }
+
+    /// Every living vehicle with this system id: as a rule one.
+    fn each(&mut self, system_id: u8, mut work: impl FnMut(&mut Slot)) {
+        self.slots
+            .iter_mut()
+            .filter(|slot| slot.sockets.is_some() && slot.vehicle.system_id() == system_id)
+            .for_each(&mut work);
+    }
+}
+
+/// What a datagram has to pass through.
+struct Air {
+    impairment: Impairment,
+    now_s: f64,
+}
+
+impl Air {
+    /// True if it gets through at once; else it is lost, or kept in `delayed` until it is due.
+    fn passes(
+        &self,
+        link: LinkKind,
+        inbound: bool,
+        bytes: &[u8],
+        delayed: &mut Vec<Delayed>,
+        rng: &mut ChaCha8Rng,
+    ) -> bool {
+        let Impairment {
+            loss,
+            delay_s,
+            jitter_s,
+        } = self.impairment;
+        if loss > 0.0 && rng.random_range(0.0..1.0) < loss {
+            return false;
+        }
+        if delay_s <= 0.0 && jitter_s <= 0.0 {
+            return true;
+        }
+        let extra_s = if jitter_s > 0.0 {
+            rng.random_range(0.0..jitter_s)
+        } else {
+            0.0
+        };
+        delayed.push(Delayed {
+            due_s: self.now_s + delay_s + extra_s,
+            link,
+            inbound,
+            bytes: bytes.to_vec(),
+        });
+        false
+    }
+}
+
+/// Takes those that are due, oldest first.
+fn take_due(delayed: &mut Vec<Delayed>, now_s: f64) -> Vec<Delayed> {
+    if delayed.is_empty() {
+        return Vec::new();
+    }
+    let (mut due, rest): (Vec<_>, Vec<_>) = delayed.drain(..).partition(|d| d.due_s <= now_s);
+    *delayed = rest;
+    due.sort_by(|a, b| a.due_s.total_cmp(&b.due_s));
+    due
+}

@@ -1,0 +1,1 @@
+//! The simulation over real sockets on the loopback interface.

@@ -1,0 +1,229 @@
+//! One link of a vehicle as PX4 keeps it: which messages go out how often, sequence numbers, and whether a ground station
+//! listens.
+
+use crate::wire::{self, Sender};
+use mavlink::{MavHeader, MessageData};
+
+/// The two links of a vehicle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum LinkKind {
+    /// To a companion computer.
+    Onboard,
+    /// To ground stations.
+    GroundStation,
+}
+
+/// Frames a vehicle wants to send, each for one of its links. Reused from step to step.
+#[derive(Debug, Default)]
+pub struct Outbox {
+    bytes: Vec<u8>,
+    marks: Vec<(LinkKind, usize)>,
+}
+
+impl Outbox {
+    /// The frames in the order they are to be sent.
+    pub fn frames(&self) -> impl Iterator<Item = (LinkKind, &[u8])> {
+        let mut start = 0;
+        self.marks.iter().map(move |(link, end)| {
+            let frame = self.bytes.get(start..*end).unwrap_or_default();
+            start = *end;
+            (*link, frame)
+        })
+    }
+
+    /// Whether there is nothing to send.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.marks.is_empty()
+    }
+
+    /// Forgets all frames.
+    pub fn clear(&mut self) {
+        self.bytes.clear();
+        self.marks.clear();
+    }
+}
+
+/// One message sent at a rate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Stream {
+    message_id: u32,
+    default_us: u64,
+    /// 0 = off.
+    interval_us: u64,
+    due_us: u64,
+}
+
+/// Message, default rate on the onboard link, default rate on the ground-station link, in hertz; 0 = only when asked for.
+const STREAMS: &[(u32, f64, f64)] = &[
+    (0, 1.0, 1.0),
+    (1, 5.0, 1.0),
+    (2, 1.0, 0.0),
+    (24, 8.0, 5.0),
+    (30, 100.0, 50.0),
+    (31, 50.0, 50.0),
+    (32, 30.0, 50.0),
+    (33, 50.0, 50.0),
+    (36, 10.0, 50.0),
+    (42, 1.0, 1.0),
+    (49, 0.0, 0.0),
+    (74, 10.0, 4.0),
+    (83, 10.0, 50.0),
+    (85, 10.0, 50.0),
+    (105, 50.0, 0.0),
+    (111, 10.0, 0.0),
+    (141, 10.0, 1.0),
+    (147, 0.5, 0.5),
+    (148, 0.0, 0.0),
+    (230, 1.0, 0.5),
+    (241, 0.5, 0.1),
+    (242, 0.5, 0.5),
+    (245, 5.0, 1.0),
+    (331, 30.0, 0.0),
+];
+/// PX4's links do not run faster than their own loop, in microseconds.
+const SHORTEST_INTERVAL_US: u64 = 4_000;
+/// A ground station counts as listening this long after its last heartbeat, in seconds.
+const GROUND_STATION_TIMEOUT_S: f64 = 2.5;
+
+/// One link.
+#[derive(Debug, Clone)]
+pub(crate) struct Channel {
+    pub kind: LinkKind,
+    system_id: u8,
+    sequence: u8,
+    streams: Vec<Stream>,
+    next_due_us: u64,
+    ground_station_s: Option<f64>,
+    text_id: u16,
+    /// Next parameter of a list being sent.
+    pub list_next: Option<usize>,
+}
+
+impl Channel {
+    /// With the default rates; `phase` in 0..1 spreads the vehicles' messages over time.
+    pub(crate) fn new(kind: LinkKind, system_id: u8, phase: f64, now_us: u64) -> Self {
+        let streams = STREAMS
+            .iter()
+            .enumerate()
+            .map(|(i, (message_id, onboard, ground))| {
+                let rate_hz = if kind == LinkKind::Onboard { *onboard } else { *ground };
+                let default_us = if rate_hz > 0.0 { (1e6 / rate_hz) as u64 } else { 0 };
+                let share = (phase + i as f64 * 0.618_034).fract();
+                // Nothing rarer than once a second is first seen later than that.
+                let due_us = now_us + (share * default_us.min(1_000_000) as f64) as u64;
+                Stream {
+                    message_id: *message_id,
+                    default_us,
+                    interval_us: default_us,
+                    due_us,
+                }
+            })
+            .collect();
+        Self {
+            kind,
+            system_id,
+            sequence: 0,
+            streams,
+            next_due_us: 0,
+            ground_station_s: None,
+            text_id: 0,
+            list_next: None,
+        }
+    }
+
+    /// Calls `send` for every message that is due.
+    pub(crate) fn due(&mut self, now_us: u64, mut send: impl FnMut(&mut Self, u32)) {
+        if now_us < self.next_due_us {
+            return;
+        }
+        let mut next = u64::MAX;
+        for index in 0..self.streams.len() {
+            let Some(stream) = self.streams.get_mut(index) else {
+                break;
+            };
+            if stream.interval_us == 0 {
+                continue;
+            }
+            let id = stream.message_id;
+            let due = now_us >= stream.due_us;
+            if due {
+                stream.due_us += stream.interval_us;
+                if stream.due_us <= now_us {
+                    // Fell behind by more than one: do not make up for it.
+                    stream.due_us = now_us + stream.interval_us;
+                }
+            }
+            next = next.min(stream.due_us);
+            if due {
+                send(self, id);
+            }
+        }
+        self.next_due_us = next;
+    }
+
+    /// SET_MESSAGE_INTERVAL: microseconds, 0 = default, negative = off. False for a message it does not have.
+    pub(crate) fn set_interval(&mut self, message_id: u32, interval_us: f64, now_us: u64) -> bool {
+        let Some(stream) = self.streams.iter_mut().find(|s| s.message_id == message_id) else {
+            return false;
+        };
+        stream.interval_us = if interval_us < 0.0 {
+            0
+        } else if interval_us == 0.0 {
+            stream.default_us
+        } else {
+            (interval_us as u64).max(SHORTEST_INTERVAL_US)
+        };
+        stream.due_us = stream.due_us.min(now_us + stream.interval_us);
+        self.next_due_us = 0;
+        true
+    }
+
+    /// The interval of a message in microseconds, -1 = off; `None` if it does not have it.
+    pub(crate) fn interval_us(&self, message_id: u32) -> Option<i32> {
+        let stream = self.streams.iter().find(|s| s.message_id == message_id)?;
+        Some(if stream.interval_us == 0 {
+            -1
+        } else {
+            i32::try_from(stream.interval_us).unwrap_or(i32::MAX)
+        })
+    }
+
+    /// A heartbeat of a ground station came.
+    pub(crate) fn heard_ground_station(&mut self, now_s: f64) {
+        self.ground_station_s = Some(now_s);
+    }
+
+    /// Whether texts are sent on this link.
+    pub(crate) fn has_ground_station(&self, now_s: f64) -> bool {
+        self.ground_station_s
+            .is_some_and(|heard| now_s - heard < GROUND_STATION_TIMEOUT_S)
+    }
+
+    /// The number of the next text.
+    pub(crate) fn next_text_id(&mut self) -> u16 {
+        let id = self.text_id;
+        self.text_id = self.text_id.wrapping_add(1);
+        id
+    }
+
+    /// Writes one message.
+    pub(crate) fn send<M: MessageData>(&mut self, out: &mut Outbox, message: &M) {
+        let header = MavHeader {
+            system_id: u32::from(self.system_id),
+            component_id: AUTOPILOT_COMPONENT,
+            sequence: self.sequence,
+        };
+        self.sequence = self.sequence.wrapping_add(1);
+        wire::write_frame(&mut out.bytes, header, message);
+        out.marks.push((self.kind, out.bytes.len()));
+    }
+
+    /// Writes an acknowledgement.
+    pub(crate) fn acknowledge(&mut self, out: &mut Outbox, command: u16, result: u8, to: Sender) {
+        self.send(out, &wire::Acknowledgement { command, result, to });
+    }
+}
+
+/// Component id of an autopilot.
+pub(crate) const AUTOPILOT_COMPONENT: u8 = 1;

@@ -1,0 +1,1 @@
+//! One vehicle in simulated time.
