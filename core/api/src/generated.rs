@@ -6,13 +6,13 @@
 pub(crate) mod golden;
 
 use crate::protocol::{
-    Accepted, ClientMessage, CommandBody, CommandReceipts, ErrorBody, EventList, FormationAnswer, Health, RouteBody,
-    ServerMessage, VehicleList, VersionInfo,
+    Accepted, ClientMessage, CommandBody, CommandReceipts, ErrorBody, EventList, FormationAnswer, Health, PluginList,
+    RouteBody, ServerMessage, VehicleList, VersionInfo,
 };
 use crate::wire::{self, Field, Header, Record, flag};
 use skein_domain::{FlightMode, FlightState, FormationRequest, GnssFix, LandedState};
-use skein_runtime::handle::{Fault, FormationReceipt};
 use skein_runtime::snapshot::FleetSnapshot;
+use skein_runtime::{Fault, FormationReceipt};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use ts_rs::{Config, TS, TypeVisitor};
@@ -72,6 +72,7 @@ fn types() -> String {
     found.visit::<Accepted>();
     found.visit::<Fault>();
     found.visit::<EventList>();
+    found.visit::<PluginList>();
     found.visit::<ErrorBody>();
     found.visit::<ServerMessage>();
     found.visit::<ClientMessage>();

@@ -4,6 +4,23 @@
 //! Must never do: decide anything about flight, or make the node wait. It reads snapshots and hands commands to the node's handle.
 #![forbid(unsafe_code)]
 
+mod app;
+mod assets;
+mod body;
+mod endpoints;
+mod error;
 pub mod generated;
+mod guard;
+mod metrics;
+pub mod openapi;
 pub mod protocol;
+mod routes;
+mod server;
+mod settings;
+mod stream;
+mod view;
 pub mod wire;
+
+pub use error::ApiError;
+pub use server::{router, serve};
+pub use settings::ApiSettings;

@@ -5,8 +5,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use skein_domain::{Geodetic, NodeTime, Route, SwarmFrame, SystemId, VehicleCommand, VehicleId};
-use skein_runtime::handle::{CommandReceipt, Targets};
 use skein_runtime::snapshot::{ActorHealth, EventRecord, FormationSnapshot, UnadoptedVehicle, VehicleSnapshot};
+use skein_runtime::{CommandReceipt, PluginInfo, Targets};
 use ts_rs::TS;
 
 /// Version of the stream's messages and of the binary frame.
@@ -132,6 +132,15 @@ pub struct EventList {
     pub events: Vec<EventRecord>,
     /// How many between the given one and the first of the list are no longer kept.
     pub missed: u64,
+}
+
+/// Plugins that were found.
+#[derive(Debug, Clone, PartialEq, Serialize, TS, JsonSchema)]
+pub struct PluginList {
+    /// Those that can be used.
+    pub plugins: Vec<PluginInfo>,
+    /// Files that look like plugins and were not taken, and why.
+    pub problems: Vec<String>,
 }
 
 /// What is said of the fleet at a slow rate: everything that is not in the binary frame.

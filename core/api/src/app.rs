@@ -1,0 +1,50 @@
+//! What every route can reach.
+
+use crate::view::View;
+use axum::body::Bytes;
+use skein_runtime::NodeHandle;
+use std::sync::Arc;
+use tokio::sync::{Semaphore, watch};
+
+/// Streams served at once. A crew has a handful of screens; more is a mistake or an attack.
+pub const MAX_STREAMS: usize = 64;
+
+/// What every route can reach. Cheap to clone.
+#[derive(Clone)]
+pub struct App {
+    /// The node.
+    pub node: NodeHandle,
+    /// What all streams share.
+    pub view: Arc<View>,
+    /// One permit for each stream that may be open.
+    pub streams: Arc<Semaphore>,
+    /// The OpenAPI document.
+    pub document: Bytes,
+}
+
+impl App {
+    /// For one node, with the document of its routes.
+    #[must_use]
+    pub fn new(node: NodeHandle, document: Bytes) -> Self {
+        Self {
+            node,
+            view: Arc::default(),
+            streams: Arc::new(Semaphore::new(MAX_STREAMS)),
+            document,
+        }
+    }
+}
+
+/// Becomes true when the server is to end; streams close then.
+#[derive(Debug, Clone)]
+pub struct Closing(pub watch::Receiver<bool>);
+
+impl Closing {
+    /// Waits until the server is to end.
+    pub async fn wait(&mut self) {
+        if self.0.wait_for(|closing| *closing).await.is_err() {
+            // Whoever could say so is gone without saying it: the streams go on as long as their sockets do.
+            std::future::pending::<()>().await;
+        }
+    }
+}

@@ -1,0 +1,275 @@
+//! Bodies of requests: JSON of exactly the published shape, with numbers that make sense before anyone asks whether they are
+//! allowed. What is allowed is the safety gate's to say, not ours.
+
+use crate::error::ApiError;
+use crate::protocol::{CommandBody, RouteBody};
+use axum::Json;
+use axum::body::Bytes;
+use axum::extract::rejection::JsonRejection;
+use axum::extract::{FromRequest, Request};
+use axum::http::{HeaderMap, header};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+use skein_domain::{FormationRequest, HeadingRequest, PositionNed, Route, VehicleCommand, VehicleId};
+use skein_runtime::{Fault, Targets};
+
+/// Largest body that is read, in bytes.
+pub const MAX_BODY_BYTES: usize = 1024 * 1024;
+
+/// More vehicles than this are not named in one request. A MAVLink network has at most 255.
+const MAX_VEHICLES: usize = 1024;
+/// Longest route.
+const MAX_WAYPOINTS: usize = 10_000;
+/// Farthest from the swarm's origin that a position means anything: beyond it the tangent plane is no use.
+const MAX_DISTANCE_M: f64 = 100_000.0;
+/// No take-off goes higher, whatever the fence.
+const MAX_HEIGHT_M: f64 = 10_000.0;
+/// No multicopter flies faster.
+const MAX_SPEED_M_S: f64 = 200.0;
+/// Angles may be given over several turns, but not as a number without meaning.
+const MAX_ANGLE_RAD: f64 = 1000.0;
+
+/// A body that was read, is of the published shape, and makes sense.
+#[derive(Debug, Clone, Copy)]
+pub struct Body<T>(pub T);
+
+impl<T, S> FromRequest<S> for Body<T>
+where
+    T: DeserializeOwned + Serialize + MakesSense,
+    S: Send + Sync,
+{
+    type Rejection = ApiError;
+
+    async fn from_request(request: Request, state: &S) -> Result<Self, ApiError> {
+        if !says_json(request.headers()) {
+            return Err(ApiError::NotJson);
+        }
+        let bytes = Bytes::from_request(request, state).await.map_err(JsonRejection::from)?;
+        let Json(value) = Json::<T>::from_bytes(&bytes)?;
+        reject_unknown_fields(&bytes, &value)?;
+        value.check(&Place::root())?;
+        Ok(Self(value))
+    }
+}
+
+/// Whether the body says that it is JSON. A foreign page cannot say so without asking first, and is refused then.
+fn says_json(headers: &HeaderMap) -> bool {
+    let said = headers
+        .get(header::CONTENT_TYPE)
+        .and_then(|value| value.to_str().ok())
+        .unwrap_or_default();
+    said.split(';')
+        .next()
+        .is_some_and(|kind| kind.trim().eq_ignore_ascii_case("application/json"))
+}
+
+/// Serde overlooks unknown fields beside a tag that needs no others (`{"command":"arm","when":1}`). What was understood is
+/// written out again; a key that is then missing was not understood.
+fn reject_unknown_fields<T: Serialize>(bytes: &[u8], understood: &T) -> Result<(), ApiError> {
+    let (Ok(given), Ok(understood)) = (serde_json::from_slice::<Value>(bytes), serde_json::to_value(understood)) else {
+        return Ok(());
+    };
+    match unknown_field(&given, &understood, &Place::root()) {
+        Some(field) => Err(ApiError::UnknownField { field }),
+        None => Ok(()),
+    }
+}
+
+fn unknown_field(given: &Value, understood: &Value, place: &Place<'_>) -> Option<String> {
+    match (given, understood) {
+        (Value::Object(given), Value::Object(understood)) => given.iter().find_map(|(key, value)| {
+            let place = place.field(key);
+            match understood.get(key) {
+                Some(understood) => unknown_field(value, understood, &place),
+                None => Some(place.to_string()),
+            }
+        }),
+        (Value::Array(given), Value::Array(understood)) => given
+            .iter()
+            .zip(understood)
+            .enumerate()
+            .find_map(|(index, (given, understood))| unknown_field(given, understood, &place.item(index))),
+        _ => None,
+    }
+}
+
+/// Where in a body something stands, for the message.
+pub enum Place<'a> {
+    /// The body itself.
+    Root,
+    /// A field of an object.
+    Field(&'a Place<'a>, &'a str),
+    /// An item of a list.
+    Item(&'a Place<'a>, usize),
+}
+
+impl<'a> Place<'a> {
+    fn root() -> Self {
+        Self::Root
+    }
+
+    fn field(&'a self, name: &'a str) -> Self {
+        Self::Field(self, name)
+    }
+
+    fn item(&'a self, index: usize) -> Self {
+        Self::Item(self, index)
+    }
+
+    fn wrong(&self, problem: impl Into<String>) -> ApiError {
+        ApiError::OutOfRange {
+            field: self.to_string(),
+            problem: problem.into(),
+        }
+    }
+
+    /// A finite number within limits.
+    fn number(&self, value: f64, at_least: f64, at_most: f64) -> Result<(), ApiError> {
+        if value >= at_least && value <= at_most {
+            return Ok(());
+        }
+        Err(self.wrong(format!("{value} is not within {at_least} to {at_most}")))
+    }
+
+    /// A finite number above zero.
+    fn positive(&self, value: f64, at_most: f64) -> Result<(), ApiError> {
+        if value > 0.0 && value <= at_most {
+            return Ok(());
+        }
+        Err(self.wrong(format!("{value} is not above 0 and at most {at_most}")))
+    }
+
+    /// A list that is neither empty nor too long.
+    fn length(&self, length: usize, at_most: usize) -> Result<(), ApiError> {
+        if (1..=at_most).contains(&length) {
+            return Ok(());
+        }
+        Err(self.wrong(format!("{length} entries; 1 to {at_most} are taken")))
+    }
+
+    fn position(&self, position: &PositionNed) -> Result<(), ApiError> {
+        self.field("north_m")
+            .number(position.north_m, -MAX_DISTANCE_M, MAX_DISTANCE_M)?;
+        self.field("east_m")
+            .number(position.east_m, -MAX_DISTANCE_M, MAX_DISTANCE_M)?;
+        self.field("down_m")
+            .number(position.down_m, -MAX_DISTANCE_M, MAX_DISTANCE_M)
+    }
+
+    fn vehicles(&self, vehicles: &[VehicleId]) -> Result<(), ApiError> {
+        self.length(vehicles.len(), MAX_VEHICLES)?;
+        let mut seen = std::collections::BTreeSet::new();
+        for (index, vehicle) in vehicles.iter().enumerate() {
+            if !seen.insert(*vehicle) {
+                return Err(self.item(index).wrong(format!("vehicle {vehicle} is named twice")));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl std::fmt::Display for Place<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Root => Ok(()),
+            Self::Field(Self::Root, name) => f.write_str(name),
+            Self::Field(outer, name) => write!(f, "{outer}.{name}"),
+            Self::Item(outer, index) => write!(f, "{outer}[{index}]"),
+        }
+    }
+}
+
+/// A body whose numbers can be looked at before anyone acts on them.
+pub trait MakesSense {
+    /// Ok if every number is finite and in a range in which it means something.
+    ///
+    /// # Errors
+    /// The first field that makes no sense.
+    fn check(&self, place: &Place<'_>) -> Result<(), ApiError>;
+}
+
+impl MakesSense for CommandBody {
+    fn check(&self, place: &Place<'_>) -> Result<(), ApiError> {
+        self.targets.check(&place.field("targets"))?;
+        self.command.check(&place.field("command"))
+    }
+}
+
+impl MakesSense for Targets {
+    fn check(&self, place: &Place<'_>) -> Result<(), ApiError> {
+        match self {
+            Self::All => Ok(()),
+            Self::Vehicles(vehicles) => place.field("vehicles").vehicles(vehicles),
+        }
+    }
+}
+
+impl MakesSense for VehicleCommand {
+    fn check(&self, place: &Place<'_>) -> Result<(), ApiError> {
+        match self {
+            Self::Arm | Self::Disarm | Self::Land | Self::Hold | Self::Return => Ok(()),
+            Self::TakeOff { height_m } => place.field("height_m").positive(*height_m, MAX_HEIGHT_M),
+            Self::LandAt { spot } => place.field("spot").position(spot),
+            Self::GoTo {
+                position,
+                yaw_rad,
+                speed_m_s,
+            } => {
+                place.field("position").position(position)?;
+                if let Some(yaw_rad) = yaw_rad {
+                    place.field("yaw_rad").number(*yaw_rad, -MAX_ANGLE_RAD, MAX_ANGLE_RAD)?;
+                }
+                speed_m_s.map_or(Ok(()), |speed| place.field("speed_m_s").positive(speed, MAX_SPEED_M_S))
+            }
+        }
+    }
+}
+
+impl MakesSense for FormationRequest {
+    fn check(&self, place: &Place<'_>) -> Result<(), ApiError> {
+        place.field("spacing_m").positive(self.spacing_m, MAX_DISTANCE_M)?;
+        place
+            .field("altitude_step_m")
+            .number(self.altitude_step_m, -MAX_HEIGHT_M, MAX_HEIGHT_M)?;
+        if let HeadingRequest::Fixed { heading_deg } = self.heading {
+            let most_deg = MAX_ANGLE_RAD.to_degrees().round();
+            place
+                .field("heading")
+                .field("heading_deg")
+                .number(heading_deg, -most_deg, most_deg)?;
+        }
+        self.members
+            .as_ref()
+            .map_or(Ok(()), |members| place.field("members").vehicles(members))
+    }
+}
+
+impl MakesSense for RouteBody {
+    fn check(&self, place: &Place<'_>) -> Result<(), ApiError> {
+        self.route.check(&place.field("route"))
+    }
+}
+
+impl MakesSense for Route {
+    fn check(&self, place: &Place<'_>) -> Result<(), ApiError> {
+        let waypoints = place.field("waypoints");
+        waypoints.length(self.waypoints.len(), MAX_WAYPOINTS)?;
+        for (index, waypoint) in self.waypoints.iter().enumerate() {
+            waypoints.item(index).position(waypoint)?;
+        }
+        place.field("speed_m_s").positive(self.speed_m_s, MAX_SPEED_M_S)?;
+        place
+            .field("corner_radius_m")
+            .number(self.corner_radius_m, 0.0, MAX_DISTANCE_M)
+    }
+}
+
+impl MakesSense for Fault {
+    fn check(&self, _: &Place<'_>) -> Result<(), ApiError> {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,223 @@
+//! The table of all routes: path, method, handler and what the published document says of it. Router and document are made from
+//! the same table, so that neither can have a route that the other lacks.
+
+use crate::app::App;
+use crate::protocol::{
+    Accepted, CommandBody, CommandReceipts, EventList, FormationAnswer, Health, PluginList, RouteBody, VehicleList,
+    VersionInfo,
+};
+use crate::routes::{self, EventQuery};
+use crate::stream::{self, StreamQuery};
+use axum::handler::Handler;
+use axum::http::StatusCode;
+use axum::routing::{MethodRouter, delete, get, post, put};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use skein_domain::{FormationRequest, VehicleId};
+use skein_runtime::{Fault, FleetSnapshot, FormationReceipt, VehicleSnapshot};
+use utoipa::openapi::HttpMethod;
+
+/// Makes the schema of a type in a document.
+pub(crate) type SchemaOf = fn(&mut SchemaGenerator) -> Schema;
+
+/// One route with one method.
+pub(crate) struct Endpoint {
+    pub(crate) path: &'static str,
+    pub(crate) method: HttpMethod,
+    pub(crate) handler: MethodRouter<App>,
+    /// Unique name, for generated clients.
+    pub(crate) id: &'static str,
+    pub(crate) tag: &'static str,
+    pub(crate) summary: &'static str,
+    /// Name and schema of the path's variable.
+    pub(crate) variable: Option<(&'static str, SchemaOf)>,
+    /// Schema of the query, an object.
+    pub(crate) query: Option<SchemaOf>,
+    pub(crate) body: Option<SchemaOf>,
+    pub(crate) answers: Vec<Answer>,
+    /// Statuses of errors beside those that any route may give.
+    pub(crate) errors: &'static [u16],
+}
+
+/// One answer that is not an error.
+pub(crate) struct Answer {
+    pub(crate) status: StatusCode,
+    pub(crate) description: &'static str,
+    pub(crate) content: Option<(&'static str, SchemaOf)>,
+}
+
+const JSON: &str = "application/json";
+
+fn schema_of<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
+    generator.subschema_for::<T>()
+}
+
+impl Endpoint {
+    fn new(method: HttpMethod, path: &'static str, id: &'static str, handler: MethodRouter<App>) -> Self {
+        Self {
+            path,
+            method,
+            handler,
+            id,
+            tag: "",
+            summary: "",
+            variable: None,
+            query: None,
+            body: None,
+            answers: Vec::new(),
+            errors: &[],
+        }
+    }
+
+    fn get<H: Handler<T, App>, T: 'static>(path: &'static str, id: &'static str, handler: H) -> Self {
+        Self::new(HttpMethod::Get, path, id, get(handler))
+    }
+
+    fn post<H: Handler<T, App>, T: 'static>(path: &'static str, id: &'static str, handler: H) -> Self {
+        Self::new(HttpMethod::Post, path, id, post(handler))
+    }
+
+    fn put<H: Handler<T, App>, T: 'static>(path: &'static str, id: &'static str, handler: H) -> Self {
+        Self::new(HttpMethod::Put, path, id, put(handler))
+    }
+
+    fn delete<H: Handler<T, App>, T: 'static>(path: &'static str, id: &'static str, handler: H) -> Self {
+        Self::new(HttpMethod::Delete, path, id, delete(handler))
+    }
+
+    fn about(mut self, tag: &'static str, summary: &'static str) -> Self {
+        (self.tag, self.summary) = (tag, summary);
+        self
+    }
+
+    fn takes<T: JsonSchema>(mut self) -> Self {
+        self.body = Some(schema_of::<T>);
+        self
+    }
+
+    fn asks<T: JsonSchema>(mut self) -> Self {
+        self.query = Some(schema_of::<T>);
+        self
+    }
+
+    fn with<T: JsonSchema>(mut self, variable: &'static str) -> Self {
+        self.variable = Some((variable, schema_of::<T>));
+        self
+    }
+
+    fn answer(
+        mut self,
+        status: StatusCode,
+        description: &'static str,
+        content: Option<(&'static str, SchemaOf)>,
+    ) -> Self {
+        self.answers.push(Answer {
+            status,
+            description,
+            content,
+        });
+        self
+    }
+
+    fn json<T: JsonSchema>(self, status: StatusCode, description: &'static str) -> Self {
+        self.answer(status, description, Some((JSON, schema_of::<T>)))
+    }
+
+    fn fails(mut self, errors: &'static [u16]) -> Self {
+        self.errors = errors;
+        self
+    }
+}
+
+/// Every route.
+pub(crate) fn all() -> Vec<Endpoint> {
+    let mut all = node();
+    all.extend(fleet());
+    all.extend(formation());
+    all
+}
+
+fn node() -> Vec<Endpoint> {
+    vec![
+        Endpoint::get("/api/v1/version", "getVersion", routes::version)
+            .about("node", "Which program, which version, which node.")
+            .json::<VersionInfo>(StatusCode::OK, "The version."),
+        Endpoint::get("/api/v1/health", "getHealth", routes::health)
+            .about("node", "Whether the node is well, for people and for whatever restarts it.")
+            .json::<Health>(StatusCode::OK, "It runs; possibly degraded.")
+            .json::<Health>(StatusCode::SERVICE_UNAVAILABLE, "The picture of the fleet is not renewed any more."),
+        Endpoint::get("/api/v1/plugins", "getPlugins", routes::plugins)
+            .about("node", "Plugins that were found, and files that were not taken.")
+            .json::<PluginList>(StatusCode::OK, "The plugins."),
+        Endpoint::get("/api/v1/events", "getEvents", routes::events)
+            .about("node", "What happened, oldest first. A bounded number is kept.")
+            .asks::<EventQuery>()
+            .json::<EventList>(StatusCode::OK, "The events.")
+            .fails(&[400]),
+        Endpoint::post("/api/v1/faults", "injectFault", routes::inject_fault)
+            .about("node", "Injects a fault, for drills and tests. Only where the configuration permits it.")
+            .takes::<Fault>()
+            .json::<Accepted>(StatusCode::ACCEPTED, "It was injected; what comes of it comes as events.")
+            .fails(&[404, 503]),
+        Endpoint::get("/api/v1/stream", "openStream", stream::open)
+            .about(
+                "node",
+                "A WebSocket: binary telemetry frames and, as text, the messages of the schema. A client may send the messages \
+                 of the schema ClientMessage.",
+            )
+            .asks::<StreamQuery>()
+            .json::<crate::protocol::ServerMessage>(StatusCode::SWITCHING_PROTOCOLS, "The stream is open. The schema is that of its text messages.")
+            .fails(&[400, 426, 503]),
+        Endpoint::get("/api/v1/openapi.json", "getDocument", routes::document)
+            .about("node", "This document.")
+            .json::<serde_json::Map<String, serde_json::Value>>(StatusCode::OK, "An OpenAPI 3.1 document."),
+        Endpoint::get("/metrics", "getMetrics", routes::prometheus)
+            .about("node", "Counters and gauges as Prometheus reads them.")
+            .answer(StatusCode::OK, "Prometheus text format.", Some(("text/plain", schema_of::<String>))),
+    ]
+}
+
+fn fleet() -> Vec<Endpoint> {
+    vec![
+        Endpoint::get("/api/v1/fleet", "getFleet", routes::fleet)
+            .about("fleet", "The whole newest picture of the fleet.")
+            .json::<FleetSnapshot>(StatusCode::OK, "The fleet."),
+        Endpoint::get("/api/v1/vehicles", "getVehicles", routes::vehicles)
+            .about("fleet", "All vehicles.")
+            .json::<VehicleList>(StatusCode::OK, "The vehicles."),
+        Endpoint::get("/api/v1/vehicles/{id}", "getVehicle", routes::vehicle)
+            .about("fleet", "One vehicle.")
+            .with::<VehicleId>("id")
+            .json::<VehicleSnapshot>(StatusCode::OK, "The vehicle.")
+            .fails(&[400, 404]),
+        Endpoint::post("/api/v1/commands", "giveCommand", routes::command)
+            .about(
+                "fleet",
+                "Gives a command to one, several or all vehicles. Each answers for itself: look into the receipts.",
+            )
+            .takes::<CommandBody>()
+            .json::<CommandReceipts>(StatusCode::OK, "One receipt per vehicle; some or all may be refusals.")
+            .fails(&[404, 409]),
+    ]
+}
+
+fn formation() -> Vec<Endpoint> {
+    vec![
+        Endpoint::get("/api/v1/formation", "getFormation", routes::formation)
+            .about("formation", "The formation that is flown.")
+            .json::<FormationAnswer>(StatusCode::OK, "The formation, or null."),
+        Endpoint::put("/api/v1/formation", "setFormation", routes::set_formation)
+            .about("formation", "Flies a formation, from wherever the vehicles are now.")
+            .takes::<FormationRequest>()
+            .json::<FormationReceipt>(StatusCode::OK, "It has begun; how it will look.")
+            .fails(&[404, 409, 503]),
+        Endpoint::delete("/api/v1/formation", "dissolveFormation", routes::dissolve_formation)
+            .about("formation", "Ends the formation; its members hold.")
+            .answer(StatusCode::NO_CONTENT, "It has ended.", None)
+            .fails(&[409, 503]),
+        Endpoint::put("/api/v1/formation/route", "setRoute", routes::set_route)
+            .about("formation", "Has the leader fly a route, with the formation behind it.")
+            .takes::<RouteBody>()
+            .json::<Accepted>(StatusCode::ACCEPTED, "It has begun.")
+            .fails(&[409, 503]),
+    ]
+}

@@ -1,0 +1,206 @@
+//! The one place where errors become HTTP: every answer that is not a success has a status, a code for programs, a sentence for
+//! people and the facts that go with it.
+//!
+//! Must never do: leak what only the log should have (paths, backtraces).
+
+use crate::protocol::{CommandReceipts, ErrorBody, ErrorDetail};
+use axum::Json;
+use axum::extract::rejection::{JsonRejection, PathRejection, QueryRejection};
+use axum::http::{Method, StatusCode, Uri};
+use axum::response::{IntoResponse, Response};
+use serde_json::{Value, json};
+use skein_domain::Refusal;
+use thiserror::Error;
+
+/// Everything that can go wrong with a request.
+#[derive(Debug, Error)]
+pub enum ApiError {
+    /// The node refused.
+    #[error("{0}")]
+    Refused(#[from] Refusal),
+    /// Not one of the vehicles a command was for is known.
+    #[error("none of these vehicles is known here")]
+    NoneKnown(CommandReceipts),
+    /// The body is not JSON, or not of the right shape.
+    #[error("{}", .0.body_text())]
+    Body(#[from] JsonRejection),
+    /// The body does not say that it is JSON.
+    #[error("the body has to be JSON, with the header `content-type: application/json`")]
+    NotJson,
+    /// The body has a field that means nothing here.
+    #[error("unknown field `{field}`")]
+    UnknownField {
+        /// Where, as in `command.height`.
+        field: String,
+    },
+    /// A number is outside of its range, a list is empty or too long.
+    #[error("`{field}`: {problem}")]
+    OutOfRange {
+        /// Where, as in `route.waypoints[3]`.
+        field: String,
+        /// What is wrong and what would be right.
+        problem: String,
+    },
+    /// The query does not say what it should.
+    #[error("{}", .0.body_text())]
+    Query(#[from] QueryRejection),
+    /// A part of the path is not what it should be.
+    #[error("{}", .0.body_text())]
+    Path(#[from] PathRejection),
+    /// There is nothing of that name.
+    #[error("there is nothing at {path}")]
+    NotFound {
+        /// The path asked for.
+        path: String,
+    },
+    /// It is there, but not for this method.
+    #[error("{path} does not take {method}")]
+    MethodNotAllowed {
+        /// The path asked for.
+        path: String,
+        /// The method used.
+        method: Method,
+    },
+    /// The request came under a host name that is not ours.
+    #[error("this node does not answer to the host name `{host}`")]
+    ForeignHost {
+        /// The name.
+        host: String,
+    },
+    /// The request says nothing of which host it is for.
+    #[error("the request has no usable Host header")]
+    NoHost,
+    /// A page of another origin tries to act here.
+    #[error("pages of `{origin}` may not do this")]
+    ForeignOrigin {
+        /// Where the page comes from.
+        origin: String,
+    },
+    /// A stream was asked for without the headers that make it one.
+    #[error("this is a WebSocket: {problem}")]
+    NotAnUpgrade {
+        /// What is missing.
+        problem: String,
+    },
+    /// As many streams as are served at once are open.
+    #[error("{limit} streams are open already")]
+    TooManyStreams {
+        /// How many.
+        limit: usize,
+    },
+}
+
+impl ApiError {
+    /// For a path that nothing answers to.
+    #[must_use]
+    pub fn not_found(uri: &Uri) -> Self {
+        Self::NotFound {
+            path: uri.path().to_owned(),
+        }
+    }
+
+    /// The HTTP status.
+    #[must_use]
+    pub fn status(&self) -> StatusCode {
+        match self {
+            Self::Refused(refusal) => refusal_status(refusal),
+            Self::NoneKnown(_) | Self::NotFound { .. } => StatusCode::NOT_FOUND,
+            Self::Body(rejection) => rejection.status(),
+            Self::NotJson => StatusCode::UNSUPPORTED_MEDIA_TYPE,
+            Self::UnknownField { .. } | Self::OutOfRange { .. } => StatusCode::UNPROCESSABLE_ENTITY,
+            Self::Query(_) | Self::Path(_) | Self::NoHost => StatusCode::BAD_REQUEST,
+            Self::MethodNotAllowed { .. } => StatusCode::METHOD_NOT_ALLOWED,
+            Self::ForeignHost { .. } | Self::ForeignOrigin { .. } => StatusCode::FORBIDDEN,
+            Self::NotAnUpgrade { .. } => StatusCode::UPGRADE_REQUIRED,
+            Self::TooManyStreams { .. } => StatusCode::SERVICE_UNAVAILABLE,
+        }
+    }
+
+    /// The word for programs.
+    #[must_use]
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Refused(refusal) => refusal.code(),
+            Self::NoneKnown(_) => "unknown_vehicle",
+            Self::Body(rejection) => body_code(rejection),
+            Self::NotJson => "not_json",
+            Self::UnknownField { .. } => "unknown_field",
+            Self::OutOfRange { .. } => "invalid_value",
+            Self::Query(_) => "invalid_query",
+            Self::Path(_) => "invalid_path",
+            Self::NotFound { .. } => "not_found",
+            Self::MethodNotAllowed { .. } => "method_not_allowed",
+            Self::ForeignHost { .. } => "foreign_host",
+            Self::NoHost => "no_host",
+            Self::ForeignOrigin { .. } => "foreign_origin",
+            Self::NotAnUpgrade { .. } => "not_a_websocket",
+            Self::TooManyStreams { .. } => "too_many_streams",
+        }
+    }
+
+    /// The facts that go with the code.
+    fn facts(&self) -> Value {
+        match self {
+            Self::Refused(refusal) => json!(refusal),
+            Self::NoneKnown(receipts) => json!(receipts),
+            Self::UnknownField { field } => json!({ "field": field }),
+            Self::OutOfRange { field, problem } => json!({ "field": field, "problem": problem }),
+            Self::TooManyStreams { limit } => json!({ "limit": limit }),
+            _ => Value::Null,
+        }
+    }
+
+    /// As it goes over the wire.
+    #[must_use]
+    pub fn detail(&self) -> ErrorDetail {
+        ErrorDetail {
+            code: self.code().to_owned(),
+            message: self.to_string(),
+            detail: self.facts(),
+        }
+    }
+}
+
+impl IntoResponse for ApiError {
+    fn into_response(self) -> Response {
+        let status = self.status();
+        tracing::debug!(status = status.as_u16(), code = self.code(), "refused: {self}");
+        (status, Json(ErrorBody { error: self.detail() })).into_response()
+    }
+}
+
+/// Which status a refusal is: a conflict with the state of things, unless it is something else.
+fn refusal_status(refusal: &Refusal) -> StatusCode {
+    match refusal {
+        Refusal::UnknownVehicle { .. } => StatusCode::NOT_FOUND,
+        Refusal::NotPermitted { .. } => StatusCode::FORBIDDEN,
+        Refusal::NotRunning { .. } => StatusCode::SERVICE_UNAVAILABLE,
+        Refusal::InvalidValue { .. } => StatusCode::UNPROCESSABLE_ENTITY,
+        Refusal::LinkLost { .. }
+        | Refusal::WrongState { .. }
+        | Refusal::PilotInControl
+        | Refusal::NotReadyToArm { .. }
+        | Refusal::Autopilot { .. }
+        | Refusal::TimedOut { .. }
+        | Refusal::Superseded
+        | Refusal::OutsideFence { .. }
+        | Refusal::TooFast { .. }
+        | Refusal::TooClose { .. }
+        | Refusal::NoSwarmFrame
+        | Refusal::NoPosition
+        | Refusal::NotEnoughVehicles { .. }
+        | Refusal::StaleIncarnation { .. }
+        | Refusal::DuplicateSystemId { .. } => StatusCode::CONFLICT,
+    }
+}
+
+fn body_code(rejection: &JsonRejection) -> &'static str {
+    match rejection.status() {
+        StatusCode::UNPROCESSABLE_ENTITY => "invalid_body",
+        StatusCode::PAYLOAD_TOO_LARGE => "too_large",
+        _ => "bad_json",
+    }
+}
+
+#[cfg(test)]
+mod tests;

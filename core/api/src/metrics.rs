@@ -1,0 +1,156 @@
+//! `/metrics` in Prometheus' text format: what the program counted (the `metrics` crate's global recorder), and the state of this
+//! node's fleet at the moment of the scrape.
+//!
+//! The fleet's part is made anew for each scrape with a recorder of its own: a vehicle that is gone is gone from it, and two nodes
+//! in one process do not mix. Must never do: keep state per vehicle.
+
+use metrics::{counter, gauge};
+use metrics_exporter_prometheus::{PrometheusBuilder, PrometheusHandle};
+use skein_domain::FlightState;
+use skein_runtime::NodeHandle;
+use skein_runtime::snapshot::{ActorHealth, ActorStatus, FleetSnapshot, VehicleSnapshot};
+use std::sync::OnceLock;
+use std::time::Duration;
+
+/// How often the recorder folds what it collected, so that it stays small when nobody scrapes.
+pub const UPKEEP_EVERY: Duration = Duration::from_secs(5);
+
+static RECORDER: OnceLock<Option<PrometheusHandle>> = OnceLock::new();
+
+/// Installs the recorder, once for the whole process. If the process has another one already, its metrics go there.
+pub fn install() {
+    RECORDER.get_or_init(|| {
+        let installed = PrometheusBuilder::new().install_recorder();
+        installed
+            .inspect_err(|error| tracing::warn!("counters are not shown at /metrics: {error}"))
+            .ok()
+    });
+}
+
+/// Folds what the recorder collected.
+pub fn upkeep() {
+    if let Some(Some(handle)) = RECORDER.get() {
+        handle.run_upkeep();
+    }
+}
+
+/// Everything, as Prometheus reads it.
+#[must_use]
+pub fn render(node: &NodeHandle) -> String {
+    let mut text = RECORDER
+        .get()
+        .and_then(Option::as_ref)
+        .map(PrometheusHandle::render)
+        .unwrap_or_default();
+    text.push_str(&render_node(node));
+    text
+}
+
+fn render_node(node: &NodeHandle) -> String {
+    let recorder = PrometheusBuilder::new().build_recorder();
+    metrics::with_local_recorder(&recorder, || {
+        let (snapshot, now) = (node.snapshot(), node.now());
+        gauge!("skein_info", "version" => env!("CARGO_PKG_VERSION"), "node" => node.name().to_owned()).set(1.0);
+        gauge!("skein_uptime_seconds").set(now.as_seconds());
+        gauge!("skein_snapshot_age_seconds").set(now.seconds_since(snapshot.time).max(0.0));
+        describe();
+        fleet(&snapshot);
+        for (endpoint, counters) in node.endpoint_metrics() {
+            for (name, count) in counters.read().named() {
+                counter!(format!("skein_endpoint_{name}_total"), "endpoint" => endpoint.to_string()).absolute(count);
+            }
+        }
+    });
+    recorder.handle().render()
+}
+
+fn describe() {
+    use metrics::describe_gauge;
+    describe_gauge!("skein_info", "Version and name of the node.");
+    describe_gauge!("skein_uptime_seconds", "How long the node has been running.");
+    describe_gauge!(
+        "skein_snapshot_age_seconds",
+        "Age of the newest picture of the fleet; grows if the control loop stands still."
+    );
+    describe_gauge!("skein_vehicles", "Vehicles in each flight state.");
+    describe_gauge!("skein_vehicles_unadopted", "Vehicles that are heard but not flown.");
+    describe_gauge!(
+        "skein_formation_members",
+        "Vehicles in the formation; 0 if none is flown."
+    );
+    describe_gauge!("skein_vehicle_connected", "1 if frames of the vehicle arrive.");
+    describe_gauge!("skein_vehicle_armed", "1 if its motors are armed.");
+    describe_gauge!("skein_vehicle_age_seconds", "Since when it was not heard.");
+    describe_gauge!("skein_vehicle_link_loss_ratio", "Share of frames lost on the way here.");
+    describe_gauge!("skein_vehicle_receive_rate_hertz", "Frames received per second.");
+    describe_gauge!("skein_vehicle_setpoint_rate_hertz", "Setpoints sent per second.");
+    describe_gauge!("skein_vehicle_round_trip_seconds", "Round trip on the link.");
+    describe_gauge!("skein_vehicle_battery_ratio", "Remaining charge.");
+    describe_gauge!(
+        "skein_vehicle_tracking_error_metres",
+        "Distance to where its task wants it."
+    );
+    describe_gauge!("skein_actor_up", "1 if the actor or model instance is running.");
+    metrics::describe_counter!("skein_actor_restarts_total", "How often it was started again.");
+}
+
+/// The gauges of a snapshot, in the recorder of the moment.
+fn fleet(snapshot: &FleetSnapshot) {
+    for state in FlightState::ALL {
+        let count = snapshot
+            .vehicles
+            .iter()
+            .filter(|vehicle| vehicle.flight_state == *state)
+            .count();
+        gauge!("skein_vehicles", "state" => state.word()).set(count as f64);
+    }
+    gauge!("skein_vehicles_unadopted").set(snapshot.unadopted.len() as f64);
+    gauge!("skein_formation_members").set(
+        snapshot
+            .formation
+            .as_ref()
+            .map_or(0.0, |formation| formation.members.len() as f64),
+    );
+    for health in &snapshot.actors {
+        actor(health);
+    }
+    for one in &snapshot.vehicles {
+        vehicle(one);
+        actor(&one.actor);
+        actor(&one.model);
+    }
+}
+
+fn vehicle(vehicle: &VehicleSnapshot) {
+    let labels = [("vehicle", vehicle.id.to_string()), ("name", vehicle.name.clone())];
+    let link = &vehicle.link;
+    gauge!("skein_vehicle_connected", &labels).set(f64::from(u8::from(link.connected)));
+    gauge!("skein_vehicle_armed", &labels).set(f64::from(u8::from(vehicle.armed)));
+    gauge!("skein_vehicle_age_seconds", &labels).set(vehicle.age_s);
+    gauge!("skein_vehicle_link_loss_ratio", &labels).set(f64::from(link.loss));
+    gauge!("skein_vehicle_receive_rate_hertz", &labels).set(f64::from(link.receive_rate_hz));
+    gauge!("skein_vehicle_setpoint_rate_hertz", &labels).set(f64::from(link.setpoint_rate_hz));
+    // What is not known is left out: a zero would look like a measurement.
+    if let Some(round_trip_s) = link.round_trip_s {
+        gauge!("skein_vehicle_round_trip_seconds", &labels).set(f64::from(round_trip_s));
+    }
+    if let Some(remaining) = vehicle.battery.remaining {
+        gauge!("skein_vehicle_battery_ratio", &labels).set(f64::from(remaining));
+    }
+    if let Some(tracking_error_m) = vehicle.tracking_error_m {
+        gauge!("skein_vehicle_tracking_error_metres", &labels).set(tracking_error_m);
+    }
+}
+
+fn actor(health: &ActorHealth) {
+    let labels = [("actor", health.name.clone())];
+    gauge!("skein_actor_up", &labels).set(if health.status == ActorStatus::Running {
+        1.0
+    } else {
+        0.0
+    });
+    counter!("skein_actor_restarts_total", &labels).absolute(u64::from(health.incarnation.0.saturating_sub(1)));
+}
+
+#[cfg(test)]
+mod tests;

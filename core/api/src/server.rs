@@ -1,0 +1,155 @@
+//! Serving: the router with everything around it, and the accept loop with its bounds.
+//!
+//! Must never do: wait for a client that takes its time.
+
+use crate::app::{App, Closing};
+use crate::error::ApiError;
+use crate::guard::{Guard, keep_foreign_pages_out};
+use crate::settings::ApiSettings;
+use crate::{assets, body, endpoints, metrics, openapi};
+use axum::Extension;
+use axum::Router;
+use axum::extract::DefaultBodyLimit;
+use axum::http::{HeaderName, HeaderValue, Method, Request, Uri, header};
+use axum::middleware;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
+use skein_runtime::NodeHandle;
+use std::future::Future;
+use std::io;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore, watch};
+use tokio::time::{interval, sleep, timeout};
+use tower_http::set_header::SetResponseHeaderLayer;
+use tower_http::trace::TraceLayer;
+
+/// Connections served at once; more wait in the system's queue.
+const MAX_CONNECTIONS: usize = 256;
+/// The head of a request has to be there within this time.
+const HEAD_WITHIN: Duration = Duration::from_secs(10);
+/// At the end, requests that are being answered have so long.
+const END_WITHIN: Duration = Duration::from_secs(3);
+/// Pause after an accept that failed, for example because no file descriptor is left.
+const AFTER_FAILED_ACCEPT: Duration = Duration::from_millis(100);
+
+/// What an answer of the API may load in a browser: nothing. The dashboard's pages say more themselves.
+const POLICY_OF_DATA: &str = "default-src 'none'; frame-ancestors 'none'";
+
+/// Every route of a node, with the checks and headers around them.
+#[must_use]
+pub fn router(node: NodeHandle, settings: &ApiSettings) -> Router {
+    metrics::install();
+    let app = App::new(node, openapi::document().into());
+    let guard = Arc::new(Guard::new(settings));
+    let routes = endpoints::all()
+        .into_iter()
+        .fold(Router::new(), |routes, one| routes.route(one.path, one.handler));
+    let always = |name: HeaderName, value: &'static str| {
+        SetResponseHeaderLayer::overriding(name, HeaderValue::from_static(value))
+    };
+    let unless_said = |name: HeaderName, value: &'static str| {
+        SetResponseHeaderLayer::if_not_present(name, HeaderValue::from_static(value))
+    };
+    routes
+        .fallback(assets::dashboard)
+        .method_not_allowed_fallback(wrong_method)
+        .with_state(app)
+        .layer(DefaultBodyLimit::max(body::MAX_BODY_BYTES))
+        .layer(middleware::from_fn_with_state(guard, keep_foreign_pages_out))
+        .layer(unless_said(header::CACHE_CONTROL, "no-store"))
+        .layer(unless_said(header::CONTENT_SECURITY_POLICY, POLICY_OF_DATA))
+        .layer(always(header::X_CONTENT_TYPE_OPTIONS, "nosniff"))
+        .layer(always(header::REFERRER_POLICY, "no-referrer"))
+        .layer(always(header::X_FRAME_OPTIONS, "DENY"))
+        .layer(always(
+            HeaderName::from_static("cross-origin-resource-policy"),
+            "same-origin",
+        ))
+        .layer(always(
+            HeaderName::from_static("cross-origin-opener-policy"),
+            "same-origin",
+        ))
+        .layer(TraceLayer::new_for_http().make_span_with(|request: &Request<_>| {
+            // The path without the query, and no headers: nothing that somebody would not want in a log.
+            tracing::debug_span!("request", method = %request.method(), path = request.uri().path())
+        }))
+}
+
+async fn wrong_method(method: Method, uri: Uri) -> ApiError {
+    ApiError::MethodNotAllowed {
+        path: uri.path().to_owned(),
+        method,
+    }
+}
+
+/// Serves until `shutdown` is there: then takes no more connections, closes the streams, and gives requests a moment to finish.
+///
+/// # Errors
+/// Never yet: a connection that fails is its own affair, and an accept that fails is tried again.
+pub async fn serve(listener: TcpListener, router: Router, shutdown: impl Future<Output = ()>) -> io::Result<()> {
+    let (close, closing) = watch::channel(false);
+    let closing = Closing(closing);
+    let router = router.layer(Extension(closing.clone()));
+    let connections = Arc::new(Semaphore::new(MAX_CONNECTIONS));
+    let mut upkeep = interval(metrics::UPKEEP_EVERY);
+    let mut shutdown = std::pin::pin!(shutdown);
+    loop {
+        tokio::select! {
+            () = &mut shutdown => break,
+            _ = upkeep.tick() => metrics::upkeep(),
+            (permit, stream) = accept(&listener, &connections) => {
+                if let Some(stream) = stream {
+                    tokio::spawn(connection(stream, router.clone(), closing.clone(), permit));
+                }
+            }
+        }
+    }
+    drop((listener, router, closing));
+    close.send_replace(true);
+    // Every connection and every stream holds a receiver as long as it lives.
+    if timeout(END_WITHIN, close.closed()).await.is_err() {
+        tracing::debug!("some requests were not finished in time");
+    }
+    Ok(())
+}
+
+/// Serves one connection; a stream that is opened on it goes on by itself.
+async fn connection(stream: TcpStream, router: Router, mut closing: Closing, permit: Option<OwnedSemaphorePermit>) {
+    let mut http = hyper::server::conn::http1::Builder::new();
+    http.timer(TokioTimer::new()).header_read_timeout(HEAD_WITHIN);
+    let served = http
+        .serve_connection(TokioIo::new(stream), TowerToHyperService::new(router))
+        .with_upgrades();
+    let mut served = std::pin::pin!(served);
+    let outcome = tokio::select! {
+        outcome = served.as_mut() => outcome,
+        () = closing.wait() => {
+            served.as_mut().graceful_shutdown();
+            served.await
+        }
+    };
+    if let Err(error) = outcome {
+        tracing::debug!("a connection broke: {error}");
+    }
+    drop(permit);
+}
+
+/// The next connection, once there is room for it. Nothing in it may be lost if it is dropped while it waits.
+async fn accept(listener: &TcpListener, room: &Arc<Semaphore>) -> (Option<OwnedSemaphorePermit>, Option<TcpStream>) {
+    // The semaphore is never closed.
+    let permit = room.clone().acquire_owned().await.ok();
+    match listener.accept().await {
+        Ok((stream, _)) => {
+            // Small messages, each worth having now. A socket that does not take the option still works.
+            let _ = stream.set_nodelay(true);
+            (permit, Some(stream))
+        }
+        Err(error) => {
+            tracing::warn!("a connection could not be accepted: {error}");
+            sleep(AFTER_FAILED_ACCEPT).await;
+            (permit, None)
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! What all streams share: the newest frame and the newest slow state, each made once for all clients.
+//!
+//! Must never do: hold its lock across an await, or keep more than the newest.
+
+use crate::protocol::{FenceInfo, FleetInfo, ServerMessage, VehicleInfo};
+use crate::wire;
+use axum::body::Bytes;
+use axum::extract::ws::Utf8Bytes;
+use parking_lot::Mutex;
+use skein_domain::NodeTime;
+use skein_runtime::NodeHandle;
+use skein_runtime::snapshot::FleetSnapshot;
+
+/// A frame is made anew from the same snapshot after so long, so that its ages are right.
+const FRAME_GOOD_FOR_S: f64 = 0.02;
+
+/// The newest frame and slow state.
+#[derive(Debug, Default)]
+pub struct View {
+    frame: Mutex<Option<Frame>>,
+    fleet: Mutex<Option<Fleet>>,
+}
+
+#[derive(Debug)]
+struct Frame {
+    sequence: u64,
+    made: NodeTime,
+    bytes: Bytes,
+}
+
+#[derive(Debug)]
+struct Fleet {
+    sequence: u64,
+    text: Utf8Bytes,
+}
+
+impl View {
+    /// The newest binary frame.
+    pub fn frame(&self, node: &NodeHandle) -> Bytes {
+        let (snapshot, now) = (node.snapshot(), node.now());
+        let mut kept = self.frame.lock();
+        if let Some(frame) = kept.as_ref()
+            && frame.sequence == snapshot.sequence
+            && now.seconds_since(frame.made) < FRAME_GOOD_FOR_S
+        {
+            return frame.bytes.clone();
+        }
+        let bytes = Bytes::from(wire::encode(&snapshot, now));
+        *kept = Some(Frame {
+            sequence: snapshot.sequence,
+            made: now,
+            bytes: bytes.clone(),
+        });
+        bytes
+    }
+
+    /// The newest slow state as the stream's message. As long as nothing has changed it is the same text.
+    pub fn fleet(&self, node: &NodeHandle) -> Utf8Bytes {
+        let snapshot = node.snapshot();
+        let mut kept = self.fleet.lock();
+        if let Some(fleet) = kept.as_ref()
+            && fleet.sequence == snapshot.sequence
+        {
+            return fleet.text.clone();
+        }
+        let text = text(&ServerMessage::Fleet(fleet_info(&snapshot, node.config())));
+        *kept = Some(Fleet {
+            sequence: snapshot.sequence,
+            text: text.clone(),
+        });
+        text
+    }
+}
+
+/// A message as it goes over the wire.
+#[must_use]
+pub fn text(message: &ServerMessage) -> Utf8Bytes {
+    // Our own types have no maps with other keys than strings, so that this cannot fail.
+    serde_json::to_string(message).unwrap_or_default().into()
+}
+
+/// What is not in the binary frame.
+fn fleet_info(snapshot: &FleetSnapshot, config: &skein_config::NodeConfig) -> FleetInfo {
+    let vehicle = |vehicle: &skein_runtime::VehicleSnapshot| VehicleInfo {
+        id: vehicle.id,
+        name: vehicle.name.clone(),
+        system_id: vehicle.system_id,
+        plugin: vehicle.plugin.clone(),
+        plugin_version: vehicle.plugin_version.clone(),
+        state_detail: vehicle.state_detail.clone(),
+        home: vehicle.home,
+        actor: vehicle.actor.clone(),
+        model: vehicle.model.clone(),
+    };
+    FleetInfo {
+        frame: snapshot.frame,
+        vehicles: snapshot.vehicles.iter().map(vehicle).collect(),
+        unadopted: snapshot.unadopted.clone(),
+        formation: snapshot.formation.clone(),
+        actors: snapshot.actors.clone(),
+        fence: config.safety.fence.as_ref().map(|fence| FenceInfo {
+            polygon_m: fence.polygon_m.clone(),
+            floor_m: fence.floor_m,
+            ceiling_m: fence.ceiling_m,
+        }),
+        faults_enabled: config.faults.enabled,
+    }
+}
