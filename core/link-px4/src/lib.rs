@@ -4,14 +4,19 @@
 #![forbid(unsafe_code)]
 
 pub mod address;
+pub mod decode;
 pub mod endpoint;
 pub mod error;
 pub mod event;
+pub mod frame;
 pub mod link;
 pub mod metrics;
 pub mod modes;
+pub mod outbox;
+mod outlet;
 pub mod settings;
 pub mod table;
+pub mod vehicle;
 
 pub use address::{AddressError, EndpointAddress};
 pub use endpoint::{Endpoint, EndpointArguments, EventSink};
@@ -21,3 +26,6 @@ pub use link::Px4Link;
 pub use metrics::{EndpointCounters, EndpointMetrics};
 pub use settings::{EndpointSettings, LinkSettings, MessageRates};
 pub use table::LinkTable;
+pub use vehicle::AutopilotIdentity;
+pub use vehicle::parameters::{ParameterError, ParameterEvent, ParameterValue};
+pub use vehicle::plan::Command;

@@ -1,26 +1,287 @@
-//! One vehicle's link as the vehicle actor sees it: the sans-I/O core behind a lock, and the way out.
+//! One vehicle's link as the vehicle actor sees it: the core behind a lock, and the way out.
+//!
+//! Must never do: wait. Everything that is asked comes back as an event.
 
-use skein_domain::link::{LinkEvent, VehicleLink};
+use crate::decode::{Heartbeat, Inbound, decode};
+use crate::event::Source;
+use crate::frame::Frame;
+use crate::outlet::Outlet;
+use crate::settings::LinkSettings;
+use crate::vehicle::parameters::{ParameterError, ParameterEvent, ParameterValue};
+use crate::vehicle::plan::Command;
+use crate::vehicle::{AUTOPILOT_COMPONENT, AutopilotIdentity, VehicleCore};
+use parking_lot::Mutex;
+use skein_domain::link::{LinkEvent, StreamState, VehicleLink};
 use skein_domain::setpoint::LocalSetpoint;
-use skein_domain::{AutopilotCommand, LinkHealth, NodeTime, RequestId, SystemId, Telemetry};
+use skein_domain::{AutopilotCommand, LinkHealth, NodeTime, Refusal, RequestId, SystemId, Telemetry};
+use std::net::SocketAddr;
+use std::sync::Arc;
+
+/// Where a vehicle is heard and answered. Two are the same place if endpoint and address are.
+#[derive(Debug, Clone)]
+pub(crate) struct Route {
+    /// Name of the endpoint.
+    pub endpoint: Arc<str>,
+    /// The endpoint's number in the node.
+    pub number: usize,
+    /// The way out.
+    pub outlet: Arc<Outlet>,
+    /// Where to, behind a UDP socket.
+    pub address: Option<SocketAddr>,
+}
+
+impl Route {
+    /// Whether a frame from `address` at endpoint `number` comes from here.
+    pub fn is(&self, number: usize, address: Option<SocketAddr>) -> bool {
+        self.number == number && self.address == address
+    }
+
+    /// For events.
+    pub fn source(&self) -> Source {
+        Source {
+            endpoint: Arc::clone(&self.endpoint),
+            address: self.address,
+        }
+    }
+}
+
+/// What became of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Received {
+    /// Read.
+    Read,
+    /// Of a message nobody reads, or of another component.
+    Ignored,
+    /// A field holds a value the protocol description does not know.
+    Undecodable,
+    /// From another place than the vehicle's.
+    Foreign,
+}
+
+/// What a tick found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Ticked {
+    /// When to come again.
+    pub due: NodeTime,
+    /// The link was declared lost in this tick.
+    pub lost: bool,
+    /// Two autopilots were heard with this system id from one place, at this time.
+    pub interleaved: Option<NodeTime>,
+    /// Whether everything is being refused.
+    pub refuses: bool,
+}
+
+#[derive(Debug)]
+struct Inner {
+    core: VehicleCore,
+    route: Route,
+}
+
+impl Inner {
+    fn flush(&mut self) {
+        let Self { core, route } = self;
+        if !core.outbox().is_empty() {
+            core.outbox().drain(|frame| route.outlet.send(route.address, frame));
+        }
+    }
+}
 
 /// One PX4 vehicle's link. Shared by the endpoint (frames in, ticks) and the vehicle actor (requests, setpoints).
+///
+/// Nothing is sent to it after it was taken over (its autopilot left OFFBOARD though nobody here asked for it) or after its
+/// stream was given up, until OFFBOARD is asked for by [`AutopilotCommand::EnterOffboard`]: PX4 would go back to OFFBOARD by
+/// itself. Setpoints that are offered meanwhile are dropped. That request waits by itself until the stream has run long enough.
 #[derive(Debug)]
 pub struct Px4Link {
-    system_id: SystemId,
+    system_id: u8,
+    inner: Mutex<Inner>,
+}
+
+impl Px4Link {
+    pub(crate) fn new(
+        settings: Arc<LinkSettings>,
+        system_id: u8,
+        first: &Heartbeat,
+        route: Route,
+        now: NodeTime,
+    ) -> Self {
+        let core = VehicleCore::new(settings, system_id, first, now);
+        Self {
+            system_id,
+            inner: Mutex::new(Inner { core, route }),
+        }
+    }
+
+    /// Takes in a frame of this system id that came from `address` at endpoint `number`.
+    pub(crate) fn receive(
+        &self,
+        now: NodeTime,
+        number: usize,
+        address: Option<SocketAddr>,
+        frame: &Frame<'_>,
+    ) -> Received {
+        let mut inner = self.inner.lock();
+        if !inner.route.is(number, address) {
+            return Received::Foreign;
+        }
+        let (read, received): (Option<Inbound>, _) = if frame.header.component_id == AUTOPILOT_COMPONENT && frame.known
+        {
+            match decode(frame) {
+                Some(Ok(message)) => (Some(message), Received::Read),
+                Some(Err(_)) => (None, Received::Undecodable),
+                None => (None, Received::Ignored),
+            }
+        } else {
+            (None, Received::Ignored)
+        };
+        inner.core.on_frame(now, &frame.header, read);
+        inner.flush();
+        received
+    }
+
+    /// Does what is due, if the vehicle is heard at endpoint `number`.
+    pub(crate) fn tick(&self, now: NodeTime, number: usize) -> Option<Ticked> {
+        let mut inner = self.inner.lock();
+        if inner.route.number != number {
+            return None;
+        }
+        let lost = inner.core.check_lost(now);
+        let due = inner.core.on_tick(now);
+        inner.flush();
+        Some(Ticked {
+            due,
+            lost,
+            interleaved: inner.core.interleaved(),
+            refuses: inner.core.refuses_all(),
+        })
+    }
+
+    /// Where it is heard.
+    pub(crate) fn route(&self) -> Route {
+        self.inner.lock().route.clone()
+    }
+
+    /// It is heard elsewhere from now on.
+    pub(crate) fn reroute(&self, route: Route) {
+        self.inner.lock().route = route;
+    }
+
+    /// Refuses everything, or nothing any more.
+    pub(crate) fn refuse_all(&self, now: NodeTime, refusal: Option<Refusal>) {
+        let mut inner = self.inner.lock();
+        inner.core.refuse_all(now, refusal);
+        inner.flush();
+    }
+
+    /// When its autopilot was last heard.
+    #[must_use]
+    pub fn last_heard(&self) -> NodeTime {
+        self.inner.lock().core.last_heard()
+    }
+
+    /// Where it is heard.
+    #[must_use]
+    pub fn source(&self) -> Source {
+        self.inner.lock().route.source()
+    }
+
+    /// Who its autopilot is.
+    #[must_use]
+    pub fn identity(&self) -> AutopilotIdentity {
+        self.inner.lock().core.identity().clone()
+    }
+
+    /// Whether the autopilot's own failsafe is acting, as its last heartbeat says. Tells a failsafe from a pilot when OFFBOARD
+    /// was left unasked.
+    #[must_use]
+    pub fn in_failsafe(&self) -> bool {
+        self.inner.lock().core.in_failsafe()
+    }
+
+    /// What the setpoint stream is doing.
+    #[must_use]
+    pub fn stream_state(&self) -> StreamState {
+        self.inner.lock().core.stream_state()
+    }
+
+    /// Whether another vehicle with the same system id is heard, so that neither is obeyed.
+    #[must_use]
+    pub fn is_duplicate(&self) -> bool {
+        self.inner.lock().core.refuses_all()
+    }
+
+    /// A parameter's value if it is known already.
+    #[must_use]
+    pub fn parameter(&self, name: &str) -> Option<ParameterValue> {
+        self.inner.lock().core.parameters().known(name)
+    }
+
+    /// Reads a parameter from the autopilot; the outcome comes from [`Self::take_parameter_events`].
+    ///
+    /// # Errors
+    /// If it can be said at once that it will not work.
+    pub fn read_parameter(&self, now: NodeTime, name: &str) -> Result<(), ParameterError> {
+        self.operate(now, name, None)
+    }
+
+    /// Writes a parameter and checks the echo; the outcome comes from [`Self::take_parameter_events`]. It is read first where
+    /// its type is not known: PX4 stores an integer sent as another type as nonsense.
+    ///
+    /// # Errors
+    /// If it can be said at once that it will not work.
+    pub fn write_parameter(&self, now: NodeTime, name: &str, value: ParameterValue) -> Result<(), ParameterError> {
+        self.operate(now, name, Some(value))
+    }
+
+    fn operate(&self, now: NodeTime, name: &str, value: Option<ParameterValue>) -> Result<(), ParameterError> {
+        let mut inner = self.inner.lock();
+        let started = inner.core.parameter(now, name, value);
+        inner.flush();
+        started
+    }
+
+    /// How parameter operations ended since the last call, in the order they were asked for.
+    #[must_use]
+    pub fn take_parameter_events(&self) -> Vec<ParameterEvent> {
+        self.inner.lock().core.parameters().take_events()
+    }
+
+    /// Sends a command that does not move the vehicle (a camera's, a gimbal's). The outcome comes as [`LinkEvent::Result`].
+    pub fn send_service(&self, now: NodeTime, request: RequestId, command: Command) {
+        let mut inner = self.inner.lock();
+        inner.core.send_service(now, request, command);
+        inner.flush();
+    }
 }
 
 impl VehicleLink for Px4Link {
     fn system_id(&self) -> SystemId {
-        self.system_id
+        SystemId(self.system_id)
     }
-    fn read(&self, _now: NodeTime) -> (Telemetry, LinkHealth) {
-        Default::default()
+
+    fn read(&self, now: NodeTime) -> (Telemetry, LinkHealth) {
+        self.inner.lock().core.read(now)
     }
+
     fn take_events(&self) -> Vec<LinkEvent> {
-        Vec::new()
+        self.inner.lock().core.take_events()
     }
-    fn request(&self, _now: NodeTime, _request: RequestId, _command: AutopilotCommand) {}
-    fn stream(&self, _now: NodeTime, _setpoint: LocalSetpoint, _expires: NodeTime) {}
-    fn stop_stream(&self, _now: NodeTime) {}
+
+    fn request(&self, now: NodeTime, request: RequestId, command: AutopilotCommand) {
+        let mut inner = self.inner.lock();
+        inner.core.request(now, request, command);
+        inner.flush();
+    }
+
+    fn stream(&self, now: NodeTime, setpoint: LocalSetpoint, expires: NodeTime) {
+        let mut inner = self.inner.lock();
+        inner.core.stream(now, setpoint, expires);
+        inner.flush();
+    }
+
+    fn stop_stream(&self, now: NodeTime) {
+        let mut inner = self.inner.lock();
+        inner.core.stop_stream(now);
+        inner.flush();
+    }
 }

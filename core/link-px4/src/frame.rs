@@ -1,0 +1,234 @@
+//! Finding MAVLink frames in bytes: whole ones in a datagram, or ones cut anywhere in a stream. MAVLink 2, and 1.
+//!
+//! A frame of a known message is only given out when its checksum is right. One of an unknown message cannot be checked; it
+//! is skipped as a whole if what follows looks like the next frame, and byte by byte otherwise.
+//!
+//! Must never do: allocate per frame, panic on any input, or look into payloads.
+
+use crate::metrics::EndpointCounters;
+use mavlink::dialects::common::MavMessage;
+use mavlink::{MAV_STX, MAV_STX_V2, MavlinkVersion, Message, calculate_crc};
+
+/// Longest frame there is: MAVLink 2 with a full payload and a signature.
+pub const MAX_FRAME_BYTES: usize = 280;
+/// Longest datagram that is looked at as a whole.
+pub const MAX_DATAGRAM_BYTES: usize = 2048;
+
+const CHECKSUM_BYTES: usize = 2;
+const SIGNATURE_BYTES: usize = 13;
+const V1_HEADER_BYTES: usize = 6;
+const V2_HEADER_BYTES: usize = 10;
+const FLAG_SIGNED: u8 = 0x01;
+
+/// What stands before a frame's payload.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FrameHeader {
+    /// Protocol version of the frame.
+    pub version: MavlinkVersion,
+    /// Who sent it.
+    pub system_id: u8,
+    /// Which part of that system.
+    pub component_id: u8,
+    /// Counts the frames of one channel, modulo 256.
+    pub sequence: u8,
+    /// Which message.
+    pub message_id: u32,
+}
+
+/// One frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Frame<'a> {
+    /// Its header.
+    pub header: FrameHeader,
+    /// Its payload; in MAVLink 2 without trailing zeroes.
+    pub payload: &'a [u8],
+    /// Whether the message is known here, and so the checksum was right. An unknown message's could not be checked.
+    pub known: bool,
+}
+
+/// What stands at the start of some bytes.
+enum Step<'a> {
+    /// A frame of so many bytes.
+    Frame(Frame<'a>, usize),
+    /// The start of a frame that is not here whole.
+    Partial,
+    /// A frame by its form, with a wrong checksum.
+    BadCrc,
+    /// Nothing that a frame begins with.
+    Stray,
+}
+
+/// The first frame of `bytes`, if they begin with one.
+fn step(bytes: &[u8]) -> Step<'_> {
+    let (version, header_len, flags) = match *bytes {
+        [MAV_STX_V2, _, flags, ..] => (MavlinkVersion::V2, V2_HEADER_BYTES, flags),
+        [MAV_STX, ..] => (MavlinkVersion::V1, V1_HEADER_BYTES, 0),
+        [MAV_STX_V2, ..] => return Step::Partial,
+        _ => return Step::Stray,
+    };
+    // Any other flag changes the layout (or means something we must understand): such a frame is not for us.
+    if flags & !FLAG_SIGNED != 0 {
+        return Step::Stray;
+    }
+    let Some(header_bytes) = bytes.get(..header_len) else {
+        return Step::Partial;
+    };
+    let (payload_len, header) = match *header_bytes {
+        [_, len, _, _, sequence, system_id, component_id, a, b, c] => {
+            let message_id = u32::from_le_bytes([a, b, c, 0]);
+            (
+                usize::from(len),
+                FrameHeader {
+                    version,
+                    system_id,
+                    component_id,
+                    sequence,
+                    message_id,
+                },
+            )
+        }
+        [_, len, sequence, system_id, component_id, id] => {
+            let message_id = u32::from(id);
+            (
+                usize::from(len),
+                FrameHeader {
+                    version,
+                    system_id,
+                    component_id,
+                    sequence,
+                    message_id,
+                },
+            )
+        }
+        _ => return Step::Stray,
+    };
+    let payload_end = header_len + payload_len;
+    let signature = if flags & FLAG_SIGNED == 0 { 0 } else { SIGNATURE_BYTES };
+    let frame_len = payload_end + CHECKSUM_BYTES + signature;
+    if bytes.len() < frame_len {
+        return Step::Partial;
+    }
+    let (Some(payload), Some(checked), Some(&[low, high])) = (
+        bytes.get(header_len..payload_end),
+        bytes.get(1..payload_end),
+        bytes
+            .get(payload_end..payload_end + CHECKSUM_BYTES)
+            .and_then(|sum| sum.first_chunk::<2>()),
+    ) else {
+        return Step::Stray;
+    };
+    let extra = MavMessage::extra_crc(header.message_id);
+    let known = extra != 0 || MavMessage::all_ids().contains(&header.message_id);
+    if known {
+        if calculate_crc(checked, extra) != u16::from_le_bytes([low, high]) {
+            return Step::BadCrc;
+        }
+    } else if !matches!(bytes.get(frame_len), None | Some(&(MAV_STX | MAV_STX_V2))) {
+        return Step::Stray;
+    }
+    Step::Frame(Frame { header, payload, known }, frame_len)
+}
+
+/// Calls `frame` for every frame in `bytes`, and counts. Gives the bytes used; the rest may be the start of a frame.
+fn scan(
+    bytes: &[u8],
+    counters: &mut EndpointCounters,
+    mut frame: impl FnMut(&mut EndpointCounters, &Frame<'_>),
+) -> usize {
+    let mut rest = bytes;
+    // One damaged frame is one error, however many markers are tried inside of it.
+    let mut damaged = false;
+    while !rest.is_empty() {
+        match step(rest) {
+            Step::Frame(found, len) => {
+                damaged = false;
+                counters.frames_in += 1;
+                counters.unknown += u64::from(!found.known);
+                frame(counters, &found);
+                rest = rest.get(len..).unwrap_or_default();
+            }
+            Step::Partial => break,
+            step => {
+                if matches!(step, Step::BadCrc) && !damaged {
+                    counters.bad_crc += 1;
+                    damaged = true;
+                }
+                let behind = rest.get(1..).unwrap_or_default();
+                let skipped = behind
+                    .iter()
+                    .position(|&b| b == MAV_STX || b == MAV_STX_V2)
+                    .unwrap_or(behind.len());
+                counters.stray_bytes += 1 + skipped as u64;
+                rest = behind.get(skipped..).unwrap_or_default();
+            }
+        }
+    }
+    bytes.len() - rest.len()
+}
+
+/// Calls `frame` for every frame in one datagram. A frame that the datagram's end cuts is counted, and what may be whole
+/// behind its start is still found.
+pub fn each_in_datagram(
+    datagram: &[u8],
+    counters: &mut EndpointCounters,
+    mut frame: impl FnMut(&mut EndpointCounters, &Frame<'_>),
+) {
+    let mut rest = datagram;
+    let mut truncated = false;
+    loop {
+        let used = scan(rest, counters, &mut frame);
+        rest = rest.get(used..).unwrap_or_default();
+        if rest.is_empty() {
+            break;
+        }
+        truncated = true;
+        counters.stray_bytes += 1;
+        rest = rest.get(1..).unwrap_or_default();
+    }
+    counters.truncated += u64::from(truncated);
+}
+
+/// Bytes of a stream (TCP, serial) until they make whole frames.
+#[derive(Debug)]
+pub struct StreamBuffer {
+    bytes: Box<[u8]>,
+    len: usize,
+}
+
+impl Default for StreamBuffer {
+    fn default() -> Self {
+        Self {
+            bytes: vec![0; 4 * MAX_DATAGRAM_BYTES].into_boxed_slice(),
+            len: 0,
+        }
+    }
+}
+
+impl StreamBuffer {
+    /// Where to read more bytes into; never empty.
+    pub fn space(&mut self) -> &mut [u8] {
+        self.bytes.get_mut(self.len..).unwrap_or_default()
+    }
+
+    /// Takes in `count` bytes that were read into [`Self::space`] and calls `frame` for every frame that is whole now.
+    pub fn advance(
+        &mut self,
+        count: usize,
+        counters: &mut EndpointCounters,
+        frame: impl FnMut(&mut EndpointCounters, &Frame<'_>),
+    ) {
+        self.len = (self.len + count).min(self.bytes.len());
+        let used = scan(self.bytes.get(..self.len).unwrap_or_default(), counters, frame);
+        // At most the start of one frame is left over, so there is always space.
+        self.bytes.copy_within(used..self.len, 0);
+        self.len -= used;
+    }
+
+    /// Forgets what is left of a connection that broke.
+    pub fn clear(&mut self) {
+        self.len = 0;
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,642 @@
+//! The link to one vehicle without sockets or clock: frames, requests, setpoints and ticks in; frames and events out.
+//!
+//! Must never do: read a clock, block, or send anything but into its [`Outbox`]. The same calls in the same order give the same
+//! result: recorded flights are replayed through it.
+
+pub mod boot;
+pub mod clock_sync;
+pub mod commands;
+pub mod events;
+pub mod local_origin;
+pub mod mode_watch;
+pub mod parameters;
+pub mod plan;
+pub mod rates;
+pub mod setpoints;
+pub mod status_text;
+mod telemetry;
+pub mod traffic;
+
+use crate::decode::{Heartbeat, Inbound};
+use crate::frame::FrameHeader;
+use crate::outbox::Outbox;
+use crate::settings::LinkSettings;
+use boot::{BootWatch, Stamp};
+use clock_sync::ClockSync;
+use commands::{Around, Commands, Ended, Origin};
+use events::EventQueue;
+use local_origin::LocalOrigin;
+use mavlink::dialects::common::{HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavState, MavType};
+use mode_watch::ModeWatch;
+use parameters::{ParameterError, ParameterMessage, ParameterValue, Parameters};
+use plan::{Class, Command, Condition, Goal, Plan, Situation, Step};
+use rates::{RateKeeper, Tuning};
+use setpoints::{HoldPlace, SetpointStream, StreamAction};
+use skein_domain::link::{LinkEvent, StreamState};
+use skein_domain::setpoint::LocalSetpoint;
+use skein_domain::{
+    AutopilotCommand, FlightMode, LandedState, LinkHealth, NodeTime, Refusal, RequestId, Telemetry, VehicleId,
+};
+use status_text::{StatusText, StatusTexts};
+use std::sync::Arc;
+use telemetry::Estimate;
+use traffic::Traffic;
+
+/// Component id of an autopilot.
+pub const AUTOPILOT_COMPONENT: u8 = 1;
+/// A position older than this is not where the vehicle is now, in seconds.
+const FRESH_POSITION_S: f64 = 1.0;
+/// Longest time between two ticks, in seconds.
+const TICK_MAX_S: f64 = 0.5;
+
+/// Who a vehicle's autopilot is.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct AutopilotIdentity {
+    /// `MAV_AUTOPILOT`; 12 is PX4.
+    pub autopilot: u8,
+    /// `MAV_TYPE`; 2 is a quadrotor.
+    pub vehicle_type: u8,
+    /// Firmware version: major, minor, patch, and kind (0 development .. 255 release). Absent until it says.
+    pub firmware: Option<[u8; 4]>,
+    /// Number of the hardware. Absent until it says.
+    pub uid: Option<u64>,
+}
+
+/// One vehicle's link, without I/O.
+#[derive(Debug)]
+pub struct VehicleCore {
+    settings: Arc<LinkSettings>,
+    system_id: u8,
+    identity: AutopilotIdentity,
+    outbox: Outbox,
+    events: EventQueue,
+    traffic: Traffic,
+    boot: BootWatch,
+    clock: ClockSync,
+    origin: LocalOrigin,
+    texts: StatusTexts,
+    modes: ModeWatch,
+    commands: Commands,
+    ended: Vec<Ended>,
+    rates: RateKeeper,
+    parameters: Parameters,
+    stream: SetpointStream,
+    estimate: Estimate,
+    heartbeat: Option<Heartbeat>,
+    connected: bool,
+    last_heard: NodeTime,
+    next_heartbeat: NodeTime,
+    /// Why nothing may be asked of it, if so.
+    refuse_all: Option<Refusal>,
+    interleaved: Option<NodeTime>,
+}
+
+impl VehicleCore {
+    /// The link to a vehicle that was just heard for the first time.
+    #[must_use]
+    pub fn new(settings: Arc<LinkSettings>, system_id: u8, first: &Heartbeat, now: NodeTime) -> Self {
+        let identity = AutopilotIdentity {
+            autopilot: first.autopilot,
+            vehicle_type: first.vehicle_type,
+            ..AutopilotIdentity::default()
+        };
+        let mut parameters = Parameters::default();
+        parameters.set_by_number(first.autopilot != MavAutopilot::MAV_AUTOPILOT_PX4 as u8);
+        Self {
+            outbox: Outbox::new(settings.own_system_id, settings.own_component_id),
+            rates: RateKeeper::new(settings.rates, system_id, now),
+            settings,
+            system_id,
+            identity,
+            events: EventQueue::default(),
+            traffic: Traffic::default(),
+            boot: BootWatch::default(),
+            clock: ClockSync::default(),
+            origin: LocalOrigin::default(),
+            texts: StatusTexts::default(),
+            modes: ModeWatch::default(),
+            commands: Commands::default(),
+            ended: Vec::new(),
+            parameters,
+            stream: SetpointStream::default(),
+            estimate: Estimate::default(),
+            heartbeat: None,
+            connected: true,
+            last_heard: now,
+            next_heartbeat: now,
+            refuse_all: None,
+            interleaved: None,
+        }
+    }
+
+    /// Its system id.
+    #[must_use]
+    pub fn system_id(&self) -> u8 {
+        self.system_id
+    }
+
+    /// Who its autopilot is.
+    #[must_use]
+    pub fn identity(&self) -> &AutopilotIdentity {
+        &self.identity
+    }
+
+    /// Frames to be sent.
+    pub fn outbox(&mut self) -> &mut Outbox {
+        &mut self.outbox
+    }
+
+    /// Events since the last call.
+    pub fn take_events(&mut self) -> Vec<LinkEvent> {
+        self.events.take()
+    }
+
+    /// When the last frame of its autopilot was heard.
+    #[must_use]
+    pub fn last_heard(&self) -> NodeTime {
+        self.last_heard
+    }
+
+    /// Whether the autopilot's own failsafe is acting, as its last heartbeat says.
+    #[must_use]
+    pub fn in_failsafe(&self) -> bool {
+        self.heartbeat.is_some_and(|heartbeat| heartbeat.failsafe())
+    }
+
+    /// When two autopilots were last heard with one system id from one place.
+    #[must_use]
+    pub fn interleaved(&self) -> Option<NodeTime> {
+        self.interleaved
+    }
+
+    /// Its parameters.
+    pub fn parameters(&mut self) -> &mut Parameters {
+        &mut self.parameters
+    }
+
+    /// Notes any frame of its system; `read` is what a message that is read here says, from the autopilot only.
+    pub fn on_frame(&mut self, now: NodeTime, header: &FrameHeader, read: Option<Inbound>) {
+        let autopilot = header.component_id == AUTOPILOT_COMPONENT;
+        self.traffic.on_frame(now, autopilot, header.sequence);
+        if !autopilot {
+            return;
+        }
+        self.last_heard = now;
+        if !self.connected {
+            self.connected = true;
+            self.events.push(LinkEvent::Regained);
+        }
+        match read {
+            Some(message) => {
+                self.rates.on_message(header.message_id);
+                self.on_message(now, message);
+            }
+            None => self.rates.on_unused(header.message_id),
+        }
+    }
+
+    fn on_message(&mut self, now: NodeTime, message: Inbound) {
+        match message {
+            Inbound::LocalPosition(local) => {
+                if self.is_of_this_boot(now, local.time_boot_ms) {
+                    self.estimate.on_local(now, &local, &mut self.origin);
+                }
+            }
+            Inbound::Attitude(attitude) => {
+                if self.is_of_this_boot(now, attitude.time_boot_ms) {
+                    self.estimate.on_attitude(&attitude);
+                }
+            }
+            Inbound::GlobalPosition(global) => {
+                if self.is_of_this_boot(now, global.time_boot_ms) {
+                    let change = self.estimate.on_global(now, &global, &mut self.origin);
+                    self.on_origin_change(now, change);
+                }
+            }
+            Inbound::Heartbeat(heartbeat) => self.on_heartbeat(now, heartbeat),
+            Inbound::ExtendedState(state) => {
+                if self.estimate.on_extended_state(&state) {
+                    self.poll_commands(now);
+                }
+            }
+            Inbound::SystemStatus(status) => self.estimate.on_system_status(&status),
+            Inbound::Battery(battery) => self.estimate.on_battery(now, &battery),
+            Inbound::Gnss(gnss) => self.estimate.on_gnss(&gnss),
+            Inbound::Home(home) => {
+                self.rates.on_copy(rates::HOME);
+                self.estimate.on_home(&home);
+            }
+            Inbound::GlobalOrigin(origin) => {
+                self.rates.on_copy(rates::GLOBAL_ORIGIN);
+                let change = self
+                    .origin
+                    .on_said(telemetry::place(origin.latitude, origin.longitude, origin.altitude));
+                self.on_origin_change(now, change);
+            }
+            Inbound::Acknowledgement(ack) => {
+                let ours = |id: u8, own: u8| id == 0 || id == own;
+                if ours(ack.target_system, self.settings.own_system_id)
+                    && ours(ack.target_component, self.settings.own_component_id)
+                {
+                    self.with_commands(now, |commands, around| commands.on_ack(around, &ack));
+                }
+            }
+            Inbound::TimeSync(answer) if answer.tc1 == 0 => self.rates.on_unused(rates::TIMESYNC),
+            Inbound::TimeSync(answer) => self.clock.on_answer(now, &answer),
+            Inbound::StatusText(message) => {
+                let text = self.texts.on_message(now, &message);
+                self.on_text(text);
+            }
+            Inbound::ParameterValue(value) => {
+                self.parameters.on_value(now, &value);
+                self.send_parameters(now);
+            }
+            Inbound::ParameterError(error) => {
+                self.parameters.on_error(&error);
+                self.send_parameters(now);
+            }
+            Inbound::AutopilotVersion(version) => {
+                self.rates.on_copy(rates::AUTOPILOT_VERSION);
+                let [kind, patch, minor, major] = version.flight_sw_version.to_le_bytes();
+                self.identity.firmware = Some([major, minor, patch, kind]);
+                self.identity.uid = Some(version.uid);
+            }
+        }
+    }
+
+    fn on_heartbeat(&mut self, now: NodeTime, heartbeat: Heartbeat) {
+        if !heartbeat.is_vehicle() {
+            return;
+        }
+        let armed_before = self.heartbeat.replace(heartbeat).map(|before| before.armed());
+        let armed = heartbeat.armed();
+        let mode = crate::modes::Px4Mode::from_custom_mode(heartbeat.custom_mode).flight_mode();
+        self.estimate.set_mode(mode, armed);
+        if armed_before.is_some_and(|before| before != armed) {
+            self.events.push(LinkEvent::ArmedChanged { armed });
+        }
+        if let Some(change) = self.modes.on_mode(now, mode) {
+            let (from, to, commanded) = (change.from, change.to, change.commanded);
+            self.events.push(LinkEvent::ModeChanged { from, to, commanded });
+            // On the ground nobody is taken out of anyone's hands: after a landing PX4 changes its mode by itself.
+            if from == FlightMode::Offboard && !commanded && armed {
+                let action = self.stream.taken_over();
+                self.act(now, action);
+            }
+        }
+        if self.is_standing_disarmed() {
+            self.stream.unbar();
+        } else if mode == FlightMode::Offboard {
+            self.stream.handed_back();
+        }
+        self.poll_commands(now);
+    }
+
+    /// Judges a message's time stamp; a restart is noticed here.
+    fn is_of_this_boot(&mut self, now: NodeTime, stamp_ms: u32) -> bool {
+        match self.boot.judge(now, stamp_ms) {
+            Stamp::Fresh => true,
+            Stamp::Doubtful => false,
+            Stamp::Rebooted => {
+                self.on_reboot(now);
+                true
+            }
+            Stamp::Interleaved => {
+                self.interleaved = Some(now);
+                false
+            }
+        }
+    }
+
+    /// The autopilot restarted: it has forgotten its rates, its frame, and every command; so must we.
+    fn on_reboot(&mut self, now: NodeTime) {
+        self.events.push(LinkEvent::Rebooted);
+        self.rates.restart(self.system_id, now);
+        self.origin.restart();
+        self.clock = ClockSync::default();
+        self.estimate.restart();
+        self.traffic.restart();
+        self.parameters.break_off("the autopilot restarted", true);
+        let refusal = Refusal::Autopilot {
+            result: "rebooted".to_owned(),
+            text: String::new(),
+        };
+        self.commands.end_all(&mut self.ended, &refusal);
+        self.finish_commands();
+        // Its frame may be another now: no old position must reach it.
+        let action = self.stream.stop();
+        self.act(now, action);
+        self.next_heartbeat = now;
+    }
+
+    fn on_origin_change(&mut self, now: NodeTime, change: local_origin::OriginChange) {
+        if change == local_origin::OriginChange::Moved {
+            self.rates.renew_copy(rates::GLOBAL_ORIGIN, now);
+        }
+    }
+
+    fn on_text(&mut self, text: Option<StatusText>) {
+        if let Some(StatusText { severity, text, .. }) = text {
+            self.events.push(LinkEvent::StatusText { severity, text });
+        }
+    }
+
+    fn is_standing_disarmed(&self) -> bool {
+        let telemetry = self.estimate.telemetry();
+        !telemetry.armed && telemetry.landed == LandedState::OnGround
+    }
+
+    /// Does what has become due; gives when to come again.
+    pub fn on_tick(&mut self, now: NodeTime) -> NodeTime {
+        self.check_lost(now);
+        while let Some(text) = self.texts.poll(now) {
+            self.on_text(Some(text));
+        }
+        self.poll_stream(now);
+        self.poll_commands(now);
+        if self.connected {
+            self.send_parameters(now);
+            if let Some(request) = self.clock.poll(now, self.settings.timesync_hz, self.target()) {
+                self.outbox.push(&request);
+            }
+            if !self.commands.is_tuning()
+                && let Some(tuning) = self.rates.poll(now)
+            {
+                let (origin, plan) = match tuning {
+                    Tuning::Rate(id, plan) => (Origin::Rate(id), plan),
+                    Tuning::Copy(id, plan) => (Origin::Copy(id), plan),
+                };
+                self.with_commands(now, |commands, around| commands.start(around, origin, plan));
+            }
+        }
+        if self.settings.heartbeat_hz > 0.0 && now >= self.next_heartbeat {
+            self.next_heartbeat = now.plus_seconds(1.0 / self.settings.heartbeat_hz);
+            self.outbox.push(&own_heartbeat());
+        }
+        self.due(now)
+    }
+
+    fn due(&self, now: NodeTime) -> NodeTime {
+        let mut due = now.plus_seconds(TICK_MAX_S).min(self.next_heartbeat);
+        let lost = self.last_heard.plus_seconds(self.settings.lost_after_s);
+        let tuning = if self.commands.is_tuning() {
+            None
+        } else {
+            Some(self.rates.due())
+        };
+        let when_connected = [Some(lost), tuning, Some(self.clock.due()), self.parameters.due()];
+        let always = [self.stream.due(&self.settings), self.commands.due()];
+        for next in always
+            .into_iter()
+            .chain(when_connected.into_iter().filter(|_| self.connected))
+            .flatten()
+        {
+            due = due.min(next);
+        }
+        due
+    }
+
+    /// Declares the link lost if it has been silent for too long. True if it is declared now.
+    pub fn check_lost(&mut self, now: NodeTime) -> bool {
+        if !self.connected || now.seconds_since(self.last_heard) <= self.settings.lost_after_s {
+            return false;
+        }
+        self.connected = false;
+        self.traffic.restart();
+        self.events.push(LinkEvent::Lost);
+        self.parameters.break_off("the link was lost", false);
+        true
+    }
+
+    /// Asks the autopilot for something; the outcome comes as an event.
+    pub fn request(&mut self, now: NodeTime, request: RequestId, command: AutopilotCommand) {
+        let planned = match self.refusal(now) {
+            Some(refusal) => Err(refusal),
+            None => plan::plan(command, &self.situation(now)),
+        };
+        match planned {
+            Ok(plan) => {
+                if plan.condition == Condition::Streaming {
+                    self.stream.unbar();
+                }
+                self.with_commands(now, |commands, around| {
+                    commands.start(around, Origin::Request(request), plan)
+                });
+            }
+            Err(refusal) => self.events.push(LinkEvent::Result {
+                request,
+                outcome: Err(refusal),
+            }),
+        }
+    }
+
+    /// Sends a command that moves nothing (a camera's, a gimbal's); the outcome comes as an event.
+    pub fn send_service(&mut self, now: NodeTime, request: RequestId, command: Command) {
+        if let Some(refusal) = self.refusal(now).or_else(|| plan::not_a_service(&command)) {
+            self.events.push(LinkEvent::Result {
+                request,
+                outcome: Err(refusal),
+            });
+            return;
+        }
+        let steps = vec![Step {
+            command,
+            goal: Goal::Acknowledged,
+        }];
+        let plan = Plan {
+            name: "command",
+            class: Class::Service,
+            condition: Condition::None,
+            steps,
+        };
+        self.with_commands(now, |commands, around| {
+            commands.start(around, Origin::Request(request), plan)
+        });
+    }
+
+    /// Reads a parameter anew, or writes it.
+    ///
+    /// # Errors
+    /// If it can be said at once that it will not work.
+    pub fn parameter(
+        &mut self,
+        now: NodeTime,
+        name: &str,
+        value: Option<ParameterValue>,
+    ) -> Result<(), ParameterError> {
+        if let Some(refusal) = self.refusal(now) {
+            return Err(ParameterError::BrokenOff {
+                reason: refusal.to_string(),
+            });
+        }
+        self.parameters.start(now, name, value)?;
+        self.send_parameters(now);
+        Ok(())
+    }
+
+    /// Takes a setpoint that is valid until `expires`, and sends it.
+    pub fn stream(&mut self, now: NodeTime, setpoint: LocalSetpoint, expires: NodeTime) {
+        if self.refuse_all.is_some() {
+            return;
+        }
+        let action = self.stream.offer(now, setpoint, expires, &self.settings);
+        self.act(now, action);
+        if self.commands.is_entering_offboard() {
+            self.poll_commands(now);
+        }
+    }
+
+    /// Ends the stream on purpose.
+    pub fn stop_stream(&mut self, now: NodeTime) {
+        let action = self.stream.stop();
+        self.act(now, action);
+    }
+
+    /// What the stream is doing.
+    #[must_use]
+    pub fn stream_state(&self) -> StreamState {
+        self.stream.state()
+    }
+
+    /// Refuses everything from now on, for one reason; or nothing any more.
+    pub fn refuse_all(&mut self, now: NodeTime, refusal: Option<Refusal>) {
+        if let Some(refusal) = &refusal {
+            self.commands.end_all(&mut self.ended, refusal);
+            self.finish_commands();
+            self.parameters.break_off(&refusal.to_string(), false);
+            let action = self.stream.give_up();
+            self.act(now, action);
+        }
+        self.refuse_all = refusal;
+    }
+
+    /// Whether everything is refused.
+    #[must_use]
+    pub fn refuses_all(&self) -> bool {
+        self.refuse_all.is_some()
+    }
+
+    /// Latest telemetry and link health.
+    pub fn read(&mut self, now: NodeTime) -> (Telemetry, LinkHealth) {
+        self.check_lost(now);
+        let mut telemetry = *self.estimate.telemetry();
+        telemetry.local_frame = self.origin.frame();
+        telemetry.position_time = self.estimate.position_time(&self.clock);
+        let health = LinkHealth {
+            connected: self.connected,
+            last_heard: self.last_heard,
+            loss: self.traffic.loss(now),
+            round_trip_s: self.clock.round_trip_s().map(|seconds| seconds as f32),
+            clock_offset_s: self.clock.offset_s(now),
+            receive_rate_hz: self.traffic.rate_hz(now),
+            setpoint_rate_hz: self.stream.rate_hz(now),
+        };
+        (telemetry, health)
+    }
+
+    fn refusal(&mut self, now: NodeTime) -> Option<Refusal> {
+        self.check_lost(now);
+        if self.refuse_all.is_some() {
+            return self.refuse_all.clone();
+        }
+        (!self.connected).then(|| Refusal::LinkLost {
+            vehicle: VehicleId(u16::from(self.system_id)),
+        })
+    }
+
+    fn target(&self) -> (u8, u8) {
+        (self.system_id, AUTOPILOT_COMPONENT)
+    }
+
+    fn situation(&self, now: NodeTime) -> Situation {
+        let telemetry = self.estimate.telemetry();
+        Situation {
+            mode: telemetry.mode,
+            armed: telemetry.armed,
+            landed: telemetry.landed,
+            streaming: self.stream.is_active(),
+            place: telemetry
+                .global
+                .filter(|_| self.estimate.global_age_s(now) <= FRESH_POSITION_S),
+            home: telemetry.home,
+        }
+    }
+
+    fn poll_stream(&mut self, now: NodeTime) {
+        let estimate = &self.estimate;
+        let place = || HoldPlace {
+            position: estimate
+                .telemetry()
+                .local
+                .filter(|_| estimate.local_age_s(now) <= FRESH_POSITION_S),
+            yaw_rad: estimate.yaw_rad(),
+        };
+        let action = self.stream.poll(now, place, &self.settings);
+        self.act(now, action);
+    }
+
+    fn act(&mut self, now: NodeTime, action: StreamAction) {
+        if let Some(setpoint) = action.send {
+            let stamp_ms = (now.0 / 1000) as u32;
+            self.outbox
+                .push(&setpoints::message(&setpoint, stamp_ms, self.target()));
+        }
+        if let Some(state) = action.changed {
+            self.events.push(LinkEvent::Stream(state));
+        }
+    }
+
+    fn poll_commands(&mut self, now: NodeTime) {
+        self.with_commands(now, Commands::poll);
+    }
+
+    fn with_commands(&mut self, now: NodeTime, act: impl FnOnce(&mut Commands, &mut Around<'_>)) {
+        let mut around = Around {
+            now,
+            settings: &self.settings,
+            target: (self.system_id, AUTOPILOT_COMPONENT),
+            situation: self.situation(now),
+            stream_has_run: self.stream.has_run(now, self.settings.offboard_lead_s),
+            texts: &self.texts,
+            modes: &mut self.modes,
+            outbox: &mut self.outbox,
+            ended: &mut self.ended,
+        };
+        act(&mut self.commands, &mut around);
+        self.finish_commands();
+    }
+
+    fn finish_commands(&mut self) {
+        for Ended { origin, outcome } in self.ended.drain(..) {
+            match origin {
+                Origin::Request(request) => self.events.push(LinkEvent::Result { request, outcome }),
+                Origin::Rate(id) => self.rates.on_rate_ended(id, outcome.is_ok()),
+                Origin::Copy(_) | Origin::Nobody => {}
+            }
+        }
+    }
+
+    fn send_parameters(&mut self, now: NodeTime) {
+        match self.parameters.poll(now, (self.system_id, AUTOPILOT_COMPONENT)) {
+            Some(ParameterMessage::Read(message)) => self.outbox.push(&message),
+            Some(ParameterMessage::Set(message)) => self.outbox.push(&message),
+            None => {}
+        }
+    }
+}
+
+/// The node's own heartbeat: a ground station's, for only to those PX4 sends status texts.
+#[must_use]
+pub fn own_heartbeat() -> HEARTBEAT_DATA {
+    HEARTBEAT_DATA {
+        custom_mode: 0,
+        mavtype: MavType::MAV_TYPE_GCS,
+        autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
+        base_mode: MavModeFlag::empty(),
+        system_status: MavState::MAV_STATE_ACTIVE,
+        mavlink_version: 3,
+    }
+}
+
+#[cfg(test)]
+mod tests;

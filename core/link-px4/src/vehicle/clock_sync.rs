@@ -1,0 +1,256 @@
+//! Offset between the autopilot's clock and the node's, and the round trip, by TIMESYNC.
+//!
+//! The autopilot's clock may run at another rate (a simulation slower than real time does): the offset is followed by an
+//! alpha-beta filter, so that a steady drift leaves no lag.
+
+use mavlink::dialects::common::TIMESYNC_DATA;
+use skein_domain::NodeTime;
+
+/// Samples at the start are taken this fast, per second, until the filter has settled.
+const SETTLING_HZ: f64 = 5.0;
+/// How many samples that takes.
+const SETTLING_SAMPLES: u32 = 5;
+/// A round trip over this multiple of the usual one, plus [`SLACK_S`], says little about the offset.
+const OUTLIER_FACTOR: f64 = 3.0;
+const SLACK_S: f64 = 0.01;
+/// After so many refused samples in a row the line has become slow for good.
+const REFUSALS_MAX: u32 = 5;
+/// An offset this far from the expected one is a new clock, in seconds.
+const NEW_CLOCK_S: f64 = 1.0;
+const ALPHA: f64 = 0.35;
+const BETA: f64 = 0.1;
+/// A clock drifts at most this much, in seconds per second.
+const DRIFT_MAX: f64 = 0.1;
+const ROUND_TRIP_ALPHA: f64 = 0.2;
+/// An answer older than this is not one to us any more, in seconds.
+const ANSWER_MAX_S: f64 = 2.0;
+
+/// Clock offset and round trip of one vehicle.
+#[derive(Debug, Default)]
+pub struct ClockSync {
+    next_request: NodeTime,
+    /// Time stamps of requests that may still be answered, newest last.
+    asked: [i64; 4],
+    samples: u32,
+    refused: u32,
+    /// Autopilot time minus node time in seconds, at `at`.
+    offset_s: f64,
+    at: NodeTime,
+    drift: f64,
+    round_trip_s: Option<f64>,
+}
+
+impl ClockSync {
+    /// A request if one is due.
+    pub fn poll(&mut self, now: NodeTime, rate_hz: f64, target: (u8, u8)) -> Option<TIMESYNC_DATA> {
+        if rate_hz <= 0.0 || now < self.next_request {
+            return None;
+        }
+        let rate_hz = if self.samples < SETTLING_SAMPLES {
+            rate_hz.max(SETTLING_HZ)
+        } else {
+            rate_hz
+        };
+        self.next_request = now.plus_seconds(1.0 / rate_hz);
+        // Zero would mean "not asked".
+        let ts1 = nanoseconds(now).max(1);
+        self.asked.rotate_left(1);
+        self.asked[3] = ts1;
+        Some(TIMESYNC_DATA {
+            tc1: 0,
+            ts1,
+            target_system: target.0,
+            target_component: target.1,
+        })
+    }
+
+    /// When the next request is due.
+    #[must_use]
+    pub fn due(&self) -> NodeTime {
+        self.next_request
+    }
+
+    /// Takes in an answer; anything else is passed over.
+    pub fn on_answer(&mut self, now: NodeTime, answer: &TIMESYNC_DATA) {
+        let Some(asked) = self
+            .asked
+            .iter_mut()
+            .find(|asked| **asked == answer.ts1 && answer.tc1 > 0 && answer.ts1 > 0)
+        else {
+            return;
+        };
+        *asked = 0;
+        let round_trip_s = (nanoseconds(now) - answer.ts1) as f64 * 1e-9;
+        if !(0.0..=ANSWER_MAX_S).contains(&round_trip_s) {
+            return;
+        }
+        let usual = self.round_trip_s.unwrap_or(round_trip_s);
+        if round_trip_s > usual * OUTLIER_FACTOR + SLACK_S && self.refused < REFUSALS_MAX {
+            self.refused += 1;
+            return;
+        }
+        self.refused = 0;
+        self.round_trip_s = Some(usual + ROUND_TRIP_ALPHA * (round_trip_s - usual));
+        let middle_ns = answer.ts1 + (nanoseconds(now) - answer.ts1) / 2;
+        self.update(now, (answer.tc1 - middle_ns) as f64 * 1e-9);
+    }
+
+    fn update(&mut self, now: NodeTime, measured_s: f64) {
+        let elapsed_s = now.seconds_since(self.at);
+        let expected_s = self.offset_s + self.drift * elapsed_s;
+        if self.samples == 0 || (measured_s - expected_s).abs() > NEW_CLOCK_S {
+            self.drift = 0.0;
+            self.offset_s = measured_s;
+            self.samples = 1;
+        } else {
+            let error_s = measured_s - expected_s;
+            self.samples = self.samples.saturating_add(1);
+            // At first the mean of what there is, then the filter.
+            let alpha = ALPHA.max(1.0 / f64::from(self.samples));
+            self.offset_s = expected_s + alpha * error_s;
+            if elapsed_s > 0.05 {
+                self.drift = (self.drift + BETA * error_s / elapsed_s).clamp(-DRIFT_MAX, DRIFT_MAX);
+            }
+        }
+        self.at = now;
+    }
+
+    /// Autopilot time minus node time in seconds, as expected now.
+    #[must_use]
+    pub fn offset_s(&self, now: NodeTime) -> Option<f64> {
+        (self.samples > 0).then(|| self.offset_s + self.drift * now.seconds_since(self.at))
+    }
+
+    /// Round trip in seconds, smoothed.
+    #[must_use]
+    pub fn round_trip_s(&self) -> Option<f64> {
+        self.round_trip_s
+    }
+
+    /// Node time of a stamp of the autopilot, if the offset is known and the result makes sense for something just heard.
+    #[must_use]
+    pub fn node_time(&self, now: NodeTime, stamp_ms: u32) -> Option<NodeTime> {
+        let measured_s = f64::from(stamp_ms) * 1e-3 - self.offset_s(now)?;
+        let age_s = now.as_seconds() - measured_s;
+        (-0.1..=1.0)
+            .contains(&age_s)
+            .then(|| NodeTime::from_seconds(measured_s).min(now))
+    }
+}
+
+fn nanoseconds(time: NodeTime) -> i64 {
+    i64::try_from(time.0).unwrap_or(i64::MAX / 1000).saturating_mul(1000)
+}
+
+#[cfg(test)]
+mod tests {
+    //! Offset, drift, outliers and answers that are not ours.
+
+    use super::*;
+
+    /// Exchanges TIMESYNC for `seconds` with an autopilot whose clock is `offset_s` ahead and runs at `rate`.
+    fn exchange(
+        sync: &mut ClockSync,
+        from_s: f64,
+        seconds: f64,
+        offset_s: f64,
+        rate: f64,
+        delay_s: impl Fn(u32) -> f64,
+    ) {
+        let mut t = from_s;
+        let mut count = 0;
+        while t < from_s + seconds {
+            let now = NodeTime::from_seconds(t);
+            if let Some(request) = sync.poll(now, 1.0, (1, 1)) {
+                let delay = delay_s(count);
+                count += 1;
+                let tc1 = (((t + delay / 2.0) * rate + offset_s) * 1e9) as i64;
+                sync.on_answer(now.plus_seconds(delay), &TIMESYNC_DATA { tc1, ..request });
+            }
+            t += 0.02;
+        }
+    }
+
+    #[test]
+    fn a_steady_clock_is_found_within_a_millisecond() {
+        let mut sync = ClockSync::default();
+        assert_eq!(sync.offset_s(NodeTime::from_seconds(1.0)), None);
+        exchange(&mut sync, 10.0, 10.0, 55.0, 1.0, |i| 0.004 + 0.002 * f64::from(i % 3));
+        let now = NodeTime::from_seconds(20.0);
+        assert!((sync.offset_s(now).unwrap() - 55.0).abs() < 0.001);
+        assert!((sync.round_trip_s().unwrap() - 0.006).abs() < 0.002);
+        let measured = sync.node_time(now, 74_950).unwrap();
+        assert!((measured.as_seconds() - 19.95).abs() < 0.001);
+        assert_eq!(
+            sync.node_time(now, 60_000),
+            None,
+            "fifteen seconds ago is no stamp of something just heard"
+        );
+    }
+
+    #[test]
+    fn a_clock_two_percent_slow_leaves_no_lag() {
+        let mut sync = ClockSync::default();
+        exchange(&mut sync, 10.0, 60.0, 5.0, 0.98, |_| 0.005);
+        let now = NodeTime::from_seconds(70.0);
+        let truth = 70.0 * 0.98 + 5.0 - 70.0;
+        assert!(
+            (sync.offset_s(now).unwrap() - truth).abs() < 0.003,
+            "{:?} {truth}",
+            sync.offset_s(now)
+        );
+    }
+
+    #[test]
+    fn slow_answers_do_not_move_the_offset_and_a_line_slow_for_good_is_followed() {
+        let mut sync = ClockSync::default();
+        exchange(&mut sync, 10.0, 20.0, 5.0, 1.0, |_| 0.004);
+        // One answer in ten sits 300 ms in a queue on its way back: halving the round trip would be wrong by 150 ms.
+        let mut t = 30.0;
+        for i in 0..30 {
+            let now = NodeTime::from_seconds(t);
+            if let Some(request) = sync.poll(now, 1.0, (1, 1)) {
+                let tc1 = ((t + 0.002 + 5.0) * 1e9) as i64;
+                let delay = if i % 10 == 0 { 0.3 } else { 0.004 };
+                sync.on_answer(now.plus_seconds(delay), &TIMESYNC_DATA { tc1, ..request });
+            }
+            t += 1.0;
+        }
+        assert!((sync.offset_s(NodeTime::from_seconds(t)).unwrap() - 5.0).abs() < 0.001);
+        exchange(&mut sync, 100.0, 60.0, 5.0, 1.0, |_| 0.4);
+        assert!(sync.round_trip_s().unwrap() > 0.3);
+    }
+
+    #[test]
+    fn answers_that_are_not_ours_are_passed_over() {
+        let mut sync = ClockSync::default();
+        let now = NodeTime::from_seconds(3.0);
+        let request = sync.poll(now, 1.0, (1, 1)).unwrap();
+        sync.on_answer(now, &TIMESYNC_DATA { tc1: 0, ..request });
+        sync.on_answer(
+            now,
+            &TIMESYNC_DATA {
+                tc1: 7,
+                ts1: request.ts1 + 1,
+                ..request
+            },
+        );
+        sync.on_answer(
+            now,
+            &TIMESYNC_DATA {
+                tc1: 7,
+                ts1: 0,
+                ..request
+            },
+        );
+        assert_eq!(sync.offset_s(now), None);
+        sync.on_answer(
+            now,
+            &TIMESYNC_DATA {
+                tc1: 7_000_000_000,
+                ..request
+            },
+        );
+        assert!(sync.offset_s(now).is_some());
+    }
+}
