@@ -166,7 +166,7 @@ fn fifty_vehicles_change_between_all_shapes_from_the_launch_grid() {
                 );
                 assert!(flown_min_distance_m(plan, 200) >= plan.min_distance_m - 1e-6);
                 // Detours cost no more than a few seconds over the time of the longest straight way.
-                let straight_s = plan.moves.iter().map(|slot| straight_s(slot)).fold(0.0, f64::max);
+                let straight_s = plan.moves.iter().map(straight_s).fold(0.0, f64::max);
                 assert!(
                     plan.duration_s <= straight_s + 6.0,
                     "{leader} {first:?}: {} {straight_s}",
