@@ -98,7 +98,7 @@ async fn fly(
     simulation: &Simulation,
 ) -> anyhow::Result<ExitCode> {
     println!("{}", layout.describe());
-    let referee = Referee::watch(simulation, running.handle());
+    let referee = Referee::watch(simulation, running.handle())?;
     let drills = arguments.faults.then(|| drills::start(running.handle()));
     let mut director = Director::new(running.handle(), layout, &referee);
     let flown = director.fly().await;

@@ -78,15 +78,18 @@ pub struct Referee {
 
 impl Referee {
     /// Watches from now on.
-    pub fn watch(simulation: &Simulation, node: NodeHandle) -> Self {
+    ///
+    /// # Errors
+    /// When the simulation has ended.
+    pub fn watch(simulation: &Simulation, node: NodeHandle) -> anyhow::Result<Self> {
         let figures = Arc::new(Mutex::new(Figures::default()));
         let last = Arc::new(Mutex::new(TruthFrame::default()));
         let (seen, newest, handle) = (figures.clone(), last.clone(), node.clone());
         simulation.observe(Box::new(move |truth: &TruthFrame| {
             look(&mut seen.lock(), truth, &handle);
             newest.lock().clone_from(truth);
-        }));
-        Self { figures, last, node }
+        }))?;
+        Ok(Self { figures, last, node })
     }
 
     /// Everything measured so far.
