@@ -1,0 +1,48 @@
+//! The demonstration as a user starts it: it flies, meets its criteria by the simulator's truth, and says so in its report.
+
+use skein_testkit::Process;
+use std::path::Path;
+use std::time::Duration;
+
+/// A flight is laid out for two minutes; a busy machine may take its time to start.
+const FLIGHT: Duration = Duration::from_secs(300);
+
+async fn fly(extra: &[&str]) -> serde_json::Value {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("report.json");
+    let report = file.to_str().expect("is text");
+    let mut arguments = vec!["demo", "--headless", "--port", "0", "--seconds", "120", "--report", report];
+    arguments.extend(extra);
+    let mut demo = Process::skein(&arguments);
+    let code = demo.exit_code(FLIGHT).await;
+    assert_eq!(code, 0, "{}", demo.output());
+    read(&file)
+}
+
+fn read(file: &Path) -> serde_json::Value {
+    serde_json::from_str(&std::fs::read_to_string(file).expect("the report is written")).expect("the report is JSON")
+}
+
+fn check(report: &serde_json::Value, vehicles: u64) {
+    assert_eq!(report["passed"], true);
+    assert_eq!(report["vehicles"], vehicles);
+    let criteria = report["criteria"].as_array().expect("criteria");
+    assert_eq!(criteria.len(), 8);
+    for criterion in criteria {
+        assert_eq!(criterion["met"], true, "{criterion}");
+        assert!(criterion["value"].is_f64() || criterion["value"].is_u64(), "measured: {criterion}");
+    }
+}
+
+#[tokio::test]
+async fn six_vehicles_fly_the_demonstration() {
+    check(&fly(&["--vehicles", "6"]).await, 6);
+}
+
+#[tokio::test]
+async fn with_faults_the_criteria_still_hold() {
+    let report = fly(&["--vehicles", "6", "--faults", "--seed", "2"]).await;
+    check(&report, 6);
+    let restarts = report["restarts"].as_array().expect("restarts");
+    assert!(restarts.len() >= 4, "two plugins, an actor and the coordinator were killed: {restarts:?}");
+}
