@@ -39,7 +39,7 @@ impl Actor for Gateway {
         arguments: GatewayArguments,
     ) -> Result<GatewayState, ActorProcessingErr> {
         let listener = tokio::net::TcpListener::from_std(arguments.listener)?;
-        let router = skein_api::router(arguments.node, arguments.settings);
+        let router = skein_api::router(arguments.node, &arguments.settings);
         let server = tokio::spawn(async move {
             let ended = skein_api::serve(listener, router, std::future::pending()).await;
             // An actor that is gone needs no word of it.
