@@ -13,6 +13,8 @@ export type Entry = {
   id: number | null;
   /** Why it was refused, or what is not known. */
   detail: string;
+  /** When it came into this phase. */
+  since: number;
 };
 
 /** One command as the operator gave it. */
@@ -22,7 +24,7 @@ export type Batch = {
   label: string;
   /** Further words: "10 m". */
   detail: string;
-  /** `performance.now()` when it was given. */
+  /** When it was given. */
   at: number;
   entries: readonly Entry[];
 };
@@ -37,7 +39,7 @@ export type Ledger = {
 };
 
 export type Action =
-  | { type: 'begin'; key: number; label: string; detail: string; vehicles: readonly number[]; at: number }
+  | { type: 'begin'; key: number; label: string; detail: string; vehicles: readonly number[] }
   | { type: 'receipts'; key: number; receipts: readonly CommandReceipt[] }
   | { type: 'failed'; key: number; certain: boolean; message: string }
   | { type: 'progress'; id: number; vehicle: number; progress: CommandProgress }
@@ -50,66 +52,71 @@ const KEPT_EARLY = 1024;
 
 export const OPEN_PHASES: readonly Phase[] = ['sending', 'sent', 'executing'];
 
-export function reduce(ledger: Ledger, action: Action): Ledger {
+/** The ledger after `action` at the moment `now`, on whatever clock the caller keeps to. */
+export function reduce(ledger: Ledger, action: Action, now: number): Ledger {
   switch (action.type) {
     case 'begin': {
-      const { key, label, detail, at } = action;
-      const entries = action.vehicles.map((vehicle): Entry => ({ vehicle, phase: 'sending', id: null, detail: '' }));
-      return { ...ledger, batches: [{ key, label, detail, at, entries }, ...ledger.batches].slice(0, KEPT_BATCHES) };
+      const { key, label, detail } = action;
+      const entries = action.vehicles.map((vehicle): Entry => ({ vehicle, phase: 'sending', id: null, detail: '', since: now }));
+      return { ...ledger, batches: [{ key, label, detail, at: now, entries }, ...ledger.batches].slice(0, KEPT_BATCHES) };
     }
     case 'receipts':
-      return takeReceipts(ledger, action.key, action.receipts);
+      return takeReceipts(ledger, action.key, action.receipts, now);
     case 'failed':
       return mapBatch(ledger, action.key, (entry) =>
-        entry.phase === 'sending' ? { ...entry, phase: action.certain ? 'refused' : 'unknown', detail: action.message } : entry,
+        entry.phase === 'sending' ? enter(entry, action.certain ? 'refused' : 'unknown', action.message, now) : entry,
       );
     case 'progress':
-      return takeProgress(ledger, action);
+      return takeProgress(ledger, action, now);
     case 'connection_lost':
       // Nothing is known of what is under way until events come again; a late "done" still settles it.
-      return mapAll(ledger, (e) => (OPEN_PHASES.includes(e.phase) ? { ...e, phase: 'unknown', detail: 'connection lost' } : e));
+      return mapAll(ledger, (e) => (OPEN_PHASES.includes(e.phase) ? enter(e, 'unknown', 'connection lost', now) : e));
     case 'server_restarted':
       // Ids begin anew: no later event may be taken for one of these.
       return {
         early: [],
         batches: mapAll(ledger, (e) => {
           const open = OPEN_PHASES.includes(e.phase) || e.phase === 'unknown';
-          return { ...e, id: null, ...(open ? { phase: 'unknown' as const, detail: 'the server restarted' } : {}) };
+          return { ...(open ? enter(e, 'unknown', 'the server restarted', now) : e), id: null };
         }).batches,
       };
   }
 }
 
-function takeReceipts(ledger: Ledger, key: number, receipts: readonly CommandReceipt[]): Ledger {
+function enter(entry: Entry, phase: Phase, detail: string, now: number): Entry {
+  return { ...entry, phase, detail, since: now };
+}
+
+function takeReceipts(ledger: Ledger, key: number, receipts: readonly CommandReceipt[], now: number): Ledger {
   const claimed = new Set<EarlyProgress>();
   const batches = ledger.batches.map((batch) => {
     if (batch.key !== key) return batch;
     const byVehicle = new Map(batch.entries.map((entry) => [entry.vehicle, entry]));
     for (const receipt of receipts) {
-      let entry: Entry = { vehicle: receipt.vehicle, phase: 'sent', id: receipt.id, detail: '' };
-      if (receipt.refusal) entry = refused(entry, receipt.refusal);
+      let entry: Entry = { vehicle: receipt.vehicle, phase: 'sent', id: receipt.id, detail: '', since: now };
+      if (receipt.refusal) entry = refused(entry, receipt.refusal, now);
       for (const early of ledger.early) {
         if (early.id !== receipt.id || early.vehicle !== receipt.vehicle) continue;
         claimed.add(early);
-        entry = advance(entry, early.progress);
+        entry = advance(entry, early.progress, now);
       }
       byVehicle.set(receipt.vehicle, entry);
     }
     const entries = [...byVehicle.values()].map((entry) =>
-      entry.phase === 'sending' ? { ...entry, phase: 'unknown' as const, detail: 'no receipt' } : entry,
+      entry.phase === 'sending' ? enter(entry, 'unknown', 'no receipt', now) : entry,
     );
     return { ...batch, entries };
   });
   return { batches, early: ledger.early.filter((early) => !claimed.has(early)) };
 }
 
-function takeProgress(ledger: Ledger, action: EarlyProgress): Ledger {
+function takeProgress(ledger: Ledger, action: EarlyProgress, now: number): Ledger {
   let found = false;
   const batches = ledger.batches.map((batch) => {
     if (!batch.entries.some((e) => e.id === action.id && e.vehicle === action.vehicle)) return batch;
     found = true;
     const entries = batch.entries.map((e) =>
-      e.id === action.id && e.vehicle === action.vehicle ? advance(e, action.progress) : e,
+      e.id === action.id && e.vehicle === action.vehicle ? advance(e, action.progress, now) : e,
     );
     return { ...batch, entries };
   });
@@ -118,22 +125,22 @@ function takeProgress(ledger: Ledger, action: EarlyProgress): Ledger {
   return { ...ledger, early: [...ledger.early, early].slice(-KEPT_EARLY) };
 }
 
-function advance(entry: Entry, progress: CommandProgress): Entry {
+function advance(entry: Entry, progress: CommandProgress, now: number): Entry {
   // A settled command stays settled: "executing" that comes late changes nothing.
   if (entry.phase === 'done' || entry.phase === 'refused' || entry.phase === 'replaced') return entry;
   switch (progress.progress) {
     case 'executing':
-      return { ...entry, phase: 'executing', detail: '' };
+      return enter(entry, 'executing', '', now);
     case 'done':
-      return { ...entry, phase: 'done', detail: '' };
+      return enter(entry, 'done', '', now);
     case 'refused':
-      return refused(entry, progress.refusal);
+      return refused(entry, progress.refusal, now);
   }
 }
 
-function refused(entry: Entry, refusal: Refusal): Entry {
+function refused(entry: Entry, refusal: Refusal, now: number): Entry {
   const phase = refusal.reason === 'superseded' ? 'replaced' : 'refused';
-  return { ...entry, phase, detail: refusalText(refusal) };
+  return enter(entry, phase, refusalText(refusal), now);
 }
 
 function mapBatch(ledger: Ledger, key: number, change: (entry: Entry) => Entry): Ledger {

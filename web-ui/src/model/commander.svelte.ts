@@ -20,13 +20,13 @@ export class Commander {
   #nextKey = 1;
 
   dispatch(action: Action): void {
-    this.ledger = reduce(this.ledger, action);
+    this.ledger = reduce(this.ledger, action, performance.now());
   }
 
   /** Sends `command` to `targets`; `vehicles` are the ids it is for, `label` and `detail` the words on the button. */
   async run(command: VehicleCommand, targets: Targets, vehicles: readonly number[], label: string, detail = ''): Promise<void> {
     const key = this.#nextKey++;
-    this.dispatch({ type: 'begin', key, label, detail, vehicles, at: performance.now() });
+    this.dispatch({ type: 'begin', key, label, detail, vehicles });
     try {
       this.dispatch({ type: 'receipts', key, receipts: await sendCommand(targets, command) });
     } catch (error) {

@@ -117,7 +117,8 @@ export class Session {
       this.#historyLoaded = false;
       this.#historyRequested = false;
       this.#waiting = [];
-      void this.#measure();
+      // Not at once: the first moments are busy and would be measured instead of the link.
+      setTimeout(() => void this.#measure(), 1500);
     }
     if (state.name === 'lost' && this.lostAt === null) {
       this.lostAt = performance.now();

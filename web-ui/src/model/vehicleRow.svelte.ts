@@ -55,7 +55,7 @@ export class VehicleRow {
     const i = this.index;
     const ageMs = fleet.ageMs(i, now);
     this.present = fleet.present[i] === 1;
-    this.staleness = classify(ageMs, fleet.has(i, FLAG.linkConnected));
+    this.staleness = classify(ageMs, fleet.has(i, FLAG.connected));
     this.age = ageText(ageMs);
     this.flightState = FLIGHT_STATES[fleet.flightState[i] ?? 0] ?? 'idle';
     this.mode = FLIGHT_MODES[fleet.mode[i] ?? 0] ?? 'unknown';
@@ -65,7 +65,7 @@ export class VehicleRow {
     // Not known counts as in the air while the motors may turn.
     this.airborne = landed === 'unknown' ? this.armed : landed !== 'on_ground';
     this.leader = fleet.has(i, FLAG.leader);
-    this.readyToArm = fleet.has(i, FLAG.readyToArm);
+    this.readyToArm = fleet.has(i, FLAG.ready);
     const battery = fleet.batteryPercent[i] ?? NaN;
     this.battery = Number.isNaN(battery) ? null : battery;
     const volts = fleet.batteryV[i] ?? 0;
@@ -87,7 +87,7 @@ export class VehicleRow {
 
   #refreshMotion(fleet: Fleet, info: VehicleInfo | undefined): void {
     const i = this.index;
-    if (!fleet.has(i, FLAG.hasPosition)) {
+    if (!fleet.has(i, FLAG.position)) {
       this.height = this.speed = this.trackingError = UNKNOWN;
       return;
     }
@@ -109,9 +109,9 @@ export class VehicleRow {
       batteryPercent: fleet.batteryPercent[i] ?? NaN,
       lossPercent: this.loss,
       fix: fleet.fix[i] ?? 0,
-      hasPosition: fleet.has(i, FLAG.hasPosition),
+      hasPosition: fleet.has(i, FLAG.position),
       trackingErrorM: fleet.trackingErrorM[i] ?? NaN,
-      pilotControl: fleet.has(i, FLAG.pilotControl),
+      pilotControl: fleet.has(i, FLAG.pilot),
       faulted: fleet.has(i, FLAG.faulted),
       actor: info?.actor.status ?? 'running',
       model: info?.model.status ?? 'running',

@@ -1,6 +1,9 @@
 // The REST side: one function per call, typed bodies, one error type. Must never retry: a command sent twice is two commands.
 
-import type { CommandReceipt, ErrorBody, EventList, FormationReceipt, FormationRequest, Route, Targets, VehicleCommand } from './types';
+import type {
+  CommandBody, CommandReceipt, CommandReceipts, ErrorBody, EventList, FormationReceipt, FormationRequest, Route, RouteBody,
+  Targets, VehicleCommand,
+} from './types';
 
 /** A call that was answered with an error, or not at all (`status` 0). */
 export class ApiError extends Error {
@@ -43,8 +46,8 @@ async function errorOf(response: Response): Promise<ApiError> {
 }
 
 export async function sendCommand(targets: Targets, command: VehicleCommand): Promise<CommandReceipt[]> {
-  const response = await call('POST', 'commands', { targets, command });
-  return ((await response.json()) as { receipts: CommandReceipt[] }).receipts;
+  const body: CommandBody = { targets, command };
+  return ((await (await call('POST', 'commands', body)).json()) as CommandReceipts).receipts;
 }
 
 export async function putFormation(request: FormationRequest): Promise<FormationReceipt> {
@@ -56,7 +59,8 @@ export async function endFormation(): Promise<void> {
 }
 
 export async function putRoute(route: Route): Promise<void> {
-  await call('PUT', 'formation/route', { route });
+  const body: RouteBody = { route };
+  await call('PUT', 'formation/route', body);
 }
 
 /** Events after a sequence number, oldest first, as far back as the server keeps them. */

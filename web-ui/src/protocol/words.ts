@@ -1,22 +1,9 @@
-// Code numbers of the binary frame and the words an operator reads for them, and for refusals.
-// Must never guess: an unknown code stays "unknown".
+// The words an operator reads for what the protocol says in codes, snake_case words and typed refusals.
+// Must never guess: what is not known here is shown as it came.
 
-import type { FlightMode, FlightState, GnssFix, LandedState, Refusal } from './types';
+import type { Refusal } from './types';
 
-/** Position in the list = code in the binary frame. */
-export const FLIGHT_MODES: readonly FlightMode[] = [
-  'unknown', 'manual', 'altitude', 'position', 'acro', 'stabilized', 'offboard', 'ready', 'take_off', 'hold', 'mission',
-  'return', 'land', 'descend', 'termination',
-];
-
-export const LANDED_STATES: readonly LandedState[] = ['unknown', 'on_ground', 'in_air', 'taking_off', 'landing'];
-
-export const GNSS_FIXES: readonly GnssFix[] = ['unknown', 'none', 'two_d', 'three_d', 'dgps', 'rtk_float', 'rtk_fixed'];
-
-export const FLIGHT_STATES: readonly FlightState[] = [
-  'idle', 'arming', 'taking_off', 'holding', 'going_to', 'following', 'leading', 'returning', 'landing', 'pilot_control',
-  'faulted',
-];
+export { FLIGHT_MODES, FLIGHT_STATES, GNSS_FIXES, LANDED_STATES } from './generated/frame';
 
 const SPECIAL: Record<string, string> = {
   two_d: '2D fix',

@@ -1,7 +1,7 @@
 // The live fleet as a struct of arrays: binary frames go in, the map and the 4 Hz list read it. No framework, no objects per
 // message. A vehicle keeps its index as long as the page lives; `present` says whether the last frame still had it.
 
-import { FLAG, HEADER_BYTES, OFFSET, RECORD_BYTES, UNKNOWN_U16, UNKNOWN_U8, readHeader } from '../protocol/frame';
+import { FLAG, HEADER_BYTES, RECORD, RECORD_BYTES, UNKNOWN_U16, UNKNOWN_PERCENT, readHeader } from '../protocol/frame';
 import type { FrameHeader } from '../protocol/frame';
 import type { Geodetic } from '../protocol/types';
 import { SwarmProjection } from './geodesy';
@@ -113,49 +113,49 @@ export class Fleet {
   }
 
   #takeRecord(v: DataView, at: number, now: number): void {
-    const i = this.#indexFor(v.getUint16(at + OFFSET.id, true));
-    const flags = v.getUint8(at + OFFSET.flags);
+    const i = this.#indexFor(v.getUint16(at + RECORD.id, true));
+    const flags = v.getUint8(at + RECORD.flags);
     this.present[i] = 1;
     this.flags[i] = flags;
-    this.mode[i] = v.getUint8(at + OFFSET.mode);
-    this.flightState[i] = v.getUint8(at + OFFSET.flightState);
-    this.landed[i] = v.getUint8(at + OFFSET.landed);
-    this.velocityNorth[i] = v.getInt16(at + OFFSET.velocityNorth, true) / 100;
-    this.velocityEast[i] = v.getInt16(at + OFFSET.velocityEast, true) / 100;
-    this.velocityDown[i] = v.getInt16(at + OFFSET.velocityDown, true) / 100;
-    this.rollRad[i] = centidegrees(v.getInt16(at + OFFSET.roll, true));
-    this.pitchRad[i] = centidegrees(v.getInt16(at + OFFSET.pitch, true));
-    this.yawRad[i] = centidegrees(v.getUint16(at + OFFSET.yaw, true));
-    const battery = v.getUint8(at + OFFSET.battery);
-    this.batteryPercent[i] = battery === UNKNOWN_U8 ? NaN : battery;
-    this.batteryV[i] = v.getUint16(at + OFFSET.batteryVoltage, true) / 100;
-    this.lossPercent[i] = v.getUint8(at + OFFSET.loss);
-    this.satellites[i] = v.getUint8(at + OFFSET.satellites);
-    this.fix[i] = v.getUint8(at + OFFSET.fix);
-    const age = v.getUint16(at + OFFSET.age, true);
+    this.mode[i] = v.getUint8(at + RECORD.mode);
+    this.flightState[i] = v.getUint8(at + RECORD.flight_state);
+    this.landed[i] = v.getUint8(at + RECORD.landed);
+    this.velocityNorth[i] = v.getInt16(at + RECORD.velocity_north_cm_s, true) / 100;
+    this.velocityEast[i] = v.getInt16(at + RECORD.velocity_east_cm_s, true) / 100;
+    this.velocityDown[i] = v.getInt16(at + RECORD.velocity_down_cm_s, true) / 100;
+    this.rollRad[i] = centidegrees(v.getInt16(at + RECORD.roll_cdeg, true));
+    this.pitchRad[i] = centidegrees(v.getInt16(at + RECORD.pitch_cdeg, true));
+    this.yawRad[i] = centidegrees(v.getUint16(at + RECORD.yaw_cdeg, true));
+    const battery = v.getUint8(at + RECORD.battery_percent);
+    this.batteryPercent[i] = battery === UNKNOWN_PERCENT ? NaN : battery;
+    this.batteryV[i] = v.getUint16(at + RECORD.battery_10_mv, true) / 100;
+    this.lossPercent[i] = v.getUint8(at + RECORD.loss_percent);
+    this.satellites[i] = v.getUint8(at + RECORD.satellites);
+    this.fix[i] = v.getUint8(at + RECORD.fix);
+    const age = v.getUint16(at + RECORD.age_ms, true);
     // A saturated age says only "at least": what was worked out before is the better figure.
-    if (age < UNKNOWN_U16 || (this.heardAt[i] ?? 0) === 0) this.heardAt[i] = now - age;
-    this.trackingErrorM[i] = orNaN(v.getUint16(at + OFFSET.trackingError, true), 100);
-    this.roundTripMs[i] = orNaN(v.getUint16(at + OFFSET.roundTrip, true), 10);
-    this.setpointHz[i] = v.getUint16(at + OFFSET.setpointRate, true) / 10;
-    this.actorIncarnation[i] = v.getUint16(at + OFFSET.actorIncarnation, true);
-    this.modelIncarnation[i] = v.getUint16(at + OFFSET.modelIncarnation, true);
-    if (flags & FLAG.hasPosition) this.#takePosition(v, at, i);
-    if (flags & FLAG.hasSlot && this.projection) {
+    if (age < UNKNOWN_U16 || Number.isNaN(this.heardAt[i])) this.heardAt[i] = now - age;
+    this.trackingErrorM[i] = orNaN(v.getUint16(at + RECORD.tracking_error_cm, true), 100);
+    this.roundTripMs[i] = orNaN(v.getUint16(at + RECORD.round_trip_100_us, true), 10);
+    this.setpointHz[i] = v.getUint16(at + RECORD.setpoint_rate_dhz, true) / 10;
+    this.actorIncarnation[i] = v.getUint16(at + RECORD.actor_incarnation, true);
+    this.modelIncarnation[i] = v.getUint16(at + RECORD.model_incarnation, true);
+    if (flags & FLAG.position) this.#takePosition(v, at, i);
+    if (flags & FLAG.slot && this.projection) {
       const p = this.projection.project(
-        v.getInt32(at + OFFSET.slotLatitude, true) / 1e7,
-        v.getInt32(at + OFFSET.slotLongitude, true) / 1e7,
+        v.getInt32(at + RECORD.slot_latitude_e7, true) / 1e7,
+        v.getInt32(at + RECORD.slot_longitude_e7, true) / 1e7,
       );
       this.slotNorthM[i] = p.north;
       this.slotEastM[i] = p.east;
-      this.slotAltitudeM[i] = v.getInt32(at + OFFSET.slotAltitude, true) / 1000;
+      this.slotAltitudeM[i] = v.getInt32(at + RECORD.slot_altitude_amsl_mm, true) / 1000;
     }
   }
 
   #takePosition(v: DataView, at: number, i: number): void {
-    const latitude = v.getInt32(at + OFFSET.latitude, true) / 1e7;
-    const longitude = v.getInt32(at + OFFSET.longitude, true) / 1e7;
-    const altitude = v.getInt32(at + OFFSET.altitude, true) / 1000;
+    const latitude = v.getInt32(at + RECORD.latitude_e7, true) / 1e7;
+    const longitude = v.getInt32(at + RECORD.longitude_e7, true) / 1e7;
+    const altitude = v.getInt32(at + RECORD.altitude_amsl_mm, true) / 1000;
     this.latitudeDeg[i] = latitude;
     this.longitudeDeg[i] = longitude;
     this.altitudeM[i] = altitude;
@@ -178,7 +178,7 @@ export class Fleet {
     this.projection = new SwarmProjection(origin);
     this.trails.clear();
     for (let i = 0; i < this.size; i++) {
-      if (!this.has(i, FLAG.hasPosition)) continue;
+      if (!this.has(i, FLAG.position)) continue;
       const p = this.projection.project(this.latitudeDeg[i] ?? 0, this.longitudeDeg[i] ?? 0);
       this.northM[i] = p.north;
       this.eastM[i] = p.east;
@@ -192,7 +192,7 @@ export class Fleet {
     const index = this.size++;
     this.#indexById.set(id, index);
     this.ids[index] = id;
-    this.heardAt[index] = 0;
+    this.heardAt[index] = NaN;
     this.trails.clearOne(index);
     return index;
   }

@@ -1,8 +1,11 @@
 // The one WebSocket: opens it, checks the server's greeting, hands on messages, notices silence, comes back with back-off.
 // Must never keep vehicle state: who listens decides what a message means.
 
-import type { FleetInfo, EventRecord, Hello, ServerMessage } from '../../protocol/types';
+import type { EventRecord, FleetInfo, ServerMessage } from '../../protocol/types';
 import { waitMs } from './backoff';
+
+/** The server's greeting. */
+export type Hello = Extract<ServerMessage, { type: 'hello' }>;
 
 /** The protocol version this page speaks. */
 export const PROTOCOL = 1;

@@ -46,7 +46,7 @@ export class FormationDraft {
   /** Who would take part as far as this page can tell: the targets that are in the air and in the swarm's hands. */
   members = $derived.by<VehicleRow[]>(() => {
     const wanted = new Set(this.#targets.ids);
-    return this.#session.rows.filter((row) => wanted.has(row.id) && AVAILABLE.has(row.flightState));
+    return this.#session.rows.filter((row) => wanted.has(row.id) && AVAILABLE.has(row.flightState) && row.staleness !== 'lost');
   });
 
   leaderId = $derived.by<number | null>(() => {
@@ -74,7 +74,7 @@ export class FormationDraft {
   previewSlots(): { north: number; east: number }[] {
     const fleet = this.#session.fleet;
     const index = this.leaderId === null ? -1 : fleet.indexOf(this.leaderId);
-    if (!this.preview || index < 0 || !fleet.has(index, FLAG.hasPosition)) return [];
+    if (!this.preview || index < 0 || !fleet.has(index, FLAG.position)) return [];
     const heading = this.heading === 'fixed' ? (this.headingDeg * Math.PI) / 180 : (fleet.yawRad[index] ?? 0);
     const north = fleet.northM[index] ?? 0;
     const east = fleet.eastM[index] ?? 0;

@@ -48,7 +48,7 @@ export function installHook(app: Console, painter: Painter): () => void {
     positions: () => {
       const plotted: Plotted[] = [];
       for (let i = 0; i < fleet.size; i++) {
-        if (fleet.present[i] !== 1 || !fleet.has(i, FLAG.hasPosition)) continue;
+        if (fleet.present[i] !== 1 || !fleet.has(i, FLAG.position)) continue;
         const [northM, eastM] = [fleet.northM[i] ?? 0, fleet.eastM[i] ?? 0];
         plotted.push({
           id: fleet.ids[i] ?? 0,
@@ -59,7 +59,7 @@ export function installHook(app: Console, painter: Painter): () => void {
           northM,
           eastM,
           altitudeM: fleet.altitudeM[i] ?? 0,
-          slot: fleet.has(i, FLAG.hasSlot) ? { northM: fleet.slotNorthM[i] ?? 0, eastM: fleet.slotEastM[i] ?? 0 } : null,
+          slot: fleet.has(i, FLAG.slot) ? { northM: fleet.slotNorthM[i] ?? 0, eastM: fleet.slotEastM[i] ?? 0 } : null,
         });
       }
       return plotted;

@@ -22,13 +22,14 @@ export type FleetScene = {
 };
 
 const GLYPH_PX = 12;
+const SLOT_PX = 10;
 const FADE_STEPS = 4;
 /** Above so many vehicles labels say the id only. */
 const SHORT_LABELS_FROM = 40;
 
 /** Runs over the vehicles of the last frame whose place is known. A place that is not known is never drawn. */
 function eachPlaced(fleet: Fleet, visit: (index: number) => void): void {
-  for (let i = 0; i < fleet.size; i++) if (fleet.present[i] === 1 && fleet.has(i, FLAG.hasPosition)) visit(i);
+  for (let i = 0; i < fleet.size; i++) if (fleet.present[i] === 1 && fleet.has(i, FLAG.position)) visit(i);
 }
 
 export function paintTrails(ctx: CanvasRenderingContext2D, view: View, palette: Palette, fleet: Fleet): void {
@@ -72,17 +73,17 @@ export function paintSlots(ctx: CanvasRenderingContext2D, view: View, palette: P
   ctx.lineWidth = 1.2;
   ctx.beginPath();
   eachPlaced(fleet, (i) => {
-    if (!fleet.has(i, FLAG.hasSlot) || fleet.has(i, FLAG.leader)) return;
+    if (!fleet.has(i, FLAG.slot) || fleet.has(i, FLAG.leader)) return;
     const x = view.x(fleet.slotEastM[i] ?? 0);
     const y = view.y(fleet.slotNorthM[i] ?? 0);
-    ctx.moveTo(x + 7, y);
-    ctx.arc(x, y, 7, 0, Math.PI * 2);
+    ctx.moveTo(x + SLOT_PX, y);
+    ctx.arc(x, y, SLOT_PX, 0, Math.PI * 2);
   });
   ctx.stroke();
   ctx.setLineDash([3, 4]);
   ctx.beginPath();
   eachPlaced(fleet, (i) => {
-    if (!fleet.has(i, FLAG.hasSlot) || fleet.has(i, FLAG.leader)) return;
+    if (!fleet.has(i, FLAG.slot) || fleet.has(i, FLAG.leader)) return;
     ctx.moveTo(view.x(fleet.eastM[i] ?? 0), view.y(fleet.northM[i] ?? 0));
     ctx.lineTo(view.x(fleet.slotEastM[i] ?? 0), view.y(fleet.slotNorthM[i] ?? 0));
   });
@@ -96,7 +97,7 @@ export function paintVehicles(ctx: CanvasRenderingContext2D, view: View, palette
     const x = view.x(fleet.eastM[i] ?? 0);
     const y = view.y(fleet.northM[i] ?? 0);
     if (x < -30 || y < -30 || x > view.width + 30 || y > view.height + 30) return;
-    const staleness = classify(fleet.ageMs(i, now), fleet.has(i, FLAG.linkConnected));
+    const staleness = classify(fleet.ageMs(i, now), fleet.has(i, FLAG.connected));
     ctx.save();
     ctx.translate(x, y);
     if (scene.selected.has(fleet.ids[i] ?? 0)) brackets(ctx, palette);
@@ -195,6 +196,12 @@ export function paintLabels(ctx: CanvasRenderingContext2D, view: View, palette: 
   const { fleet } = scene;
   const taken: Box[] = [];
   const short = fleet.presentCount > SHORT_LABELS_FROM;
+  // No label over a neighbour's sign, as long as the neighbours can be counted quickly.
+  if (!short) {
+    eachPlaced(fleet, (i) => {
+      taken.push({ x: view.x(fleet.eastM[i] ?? 0) - 11, y: view.y(fleet.northM[i] ?? 0) - 11, w: 22, h: 22 });
+    });
+  }
   ctx.save();
   ctx.textBaseline = 'middle';
   ctx.textAlign = 'left';
@@ -214,7 +221,8 @@ export function paintLabels(ctx: CanvasRenderingContext2D, view: View, palette: 
     ctx.font = FONT;
     const restWidth = rest ? ctx.measureText(rest).width + 6 : 0;
     const important = level >= 2 || scene.selected.has(id);
-    const box = place(x, y, headWidth + restWidth, taken, important);
+    const reach = fleet.has(i, FLAG.leader) || scene.selected.has(id) ? 26 : 17;
+    const box = place(x, y, headWidth + restWidth, reach, taken, important);
     if (!box) return;
     taken.push(box);
     write(ctx, head, box.x, box.y + 8, `600 12px ${FONT.slice(FONT.indexOf(' ') + 1)}`, palette.text);
@@ -230,12 +238,12 @@ function write(ctx: CanvasRenderingContext2D, text: string, x: number, y: number
   ctx.fillText(text, x, y);
 }
 
-function place(x: number, y: number, width: number, taken: readonly Box[], important: boolean): Box | null {
+function place(x: number, y: number, width: number, reach: number, taken: readonly Box[], important: boolean): Box | null {
   const candidates: Box[] = [
-    { x: x + 18, y: y - 8, w: width, h: 16 },
-    { x: x - width - 18, y: y - 8, w: width, h: 16 },
-    { x: x - width / 2, y: y - 34, w: width, h: 16 },
-    { x: x - width / 2, y: y + 20, w: width, h: 16 },
+    { x: x + reach, y: y - 8, w: width, h: 16 },
+    { x: x - width - reach, y: y - 8, w: width, h: 16 },
+    { x: x - width / 2, y: y - reach - 16, w: width, h: 16 },
+    { x: x - width / 2, y: y + reach, w: width, h: 16 },
   ];
   const free = candidates.find((c) => !taken.some((t) => c.x < t.x + t.w && t.x < c.x + c.w && c.y < t.y + t.h && t.y < c.y + c.h));
   return free ?? (important ? (candidates[0] ?? null) : null);

@@ -12,6 +12,8 @@ import { include, isEmpty, noBounds } from './view';
 import type { Bounds } from './view';
 
 const FIT_PADDING_PX = 96;
+/** ... but on a small map no more than this share of it. */
+const FIT_PADDING_SHARE = 0.17;
 /** The camera that keeps all in view moves when one comes closer to the edge than this. */
 const EDGE_PX = 28;
 const CALM: Marking = { level: 0, problem: '', height: '' };
@@ -70,7 +72,7 @@ export class Painter {
   /** Brings all vehicles and plans into view. */
   fit(): void {
     const bounds = this.#everything();
-    if (!isEmpty(bounds)) this.console.map.view.fit(bounds, FIT_PADDING_PX);
+    if (!isEmpty(bounds)) this.console.map.view.fit(bounds, this.#padding());
     this.wake();
   }
 
@@ -114,7 +116,7 @@ export class Painter {
     const { fleet, info } = this.console.session;
     const leader = info.formation?.leader ?? this.console.formation.leaderId;
     const index = leader === null ? -1 : fleet.indexOf(leader);
-    if (index < 0 || !fleet.has(index, FLAG.hasPosition)) return null;
+    if (index < 0 || !fleet.has(index, FLAG.position)) return null;
     return { north: fleet.northM[index] ?? 0, east: fleet.eastM[index] ?? 0 };
   }
 
@@ -132,8 +134,13 @@ export class Painter {
     if (isEmpty(bounds)) return;
     if (!this.#placedOnce || !map.view.contains(bounds, EDGE_PX)) {
       this.#placedOnce = true;
-      map.view.fit(bounds, FIT_PADDING_PX);
+      map.view.fit(bounds, this.#padding());
     }
+  }
+
+  #padding(): number {
+    const { width, height } = this.console.map.view;
+    return Math.min(FIT_PADDING_PX, FIT_PADDING_SHARE * Math.min(width, height));
   }
 
   /** What the following camera looks at: the selected vehicles, or the leader, or all. */
@@ -144,7 +151,7 @@ export class Painter {
     const ids = targets.selected.size > 0 ? [...targets.selected] : info.formation ? [info.formation.leader] : targets.ids;
     for (const id of ids) {
       const index = fleet.indexOf(id);
-      if (index >= 0 && fleet.has(index, FLAG.hasPosition)) include(bounds, fleet.northM[index] ?? 0, fleet.eastM[index] ?? 0);
+      if (index >= 0 && fleet.has(index, FLAG.position)) include(bounds, fleet.northM[index] ?? 0, fleet.eastM[index] ?? 0);
     }
     return bounds;
   }
@@ -154,9 +161,9 @@ export class Painter {
     const { fleet, info } = session;
     const bounds = noBounds();
     for (let i = 0; i < fleet.size; i++) {
-      if (fleet.present[i] !== 1 || !fleet.has(i, FLAG.hasPosition)) continue;
+      if (fleet.present[i] !== 1 || !fleet.has(i, FLAG.position)) continue;
       include(bounds, fleet.northM[i] ?? 0, fleet.eastM[i] ?? 0);
-      if (fleet.has(i, FLAG.hasSlot)) include(bounds, fleet.slotNorthM[i] ?? 0, fleet.slotEastM[i] ?? 0);
+      if (fleet.has(i, FLAG.slot)) include(bounds, fleet.slotNorthM[i] ?? 0, fleet.slotEastM[i] ?? 0);
     }
     if (info.formation && !info.formation.route_finished) {
       for (const w of info.formation.route?.waypoints ?? []) include(bounds, w.north_m, w.east_m);

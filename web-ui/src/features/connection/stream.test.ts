@@ -1,0 +1,160 @@
+// The connection's own life: greeting, wrong version, loss, silence, coming back. The browser's WebSocket is stood in for, time is
+// the test's.
+
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { WAITS_MS, waitMs } from './backoff';
+import { Stream, streamUrl } from './stream';
+import type { StreamState } from './stream';
+
+class Socket {
+  static all: Socket[] = [];
+  static readonly OPEN = 1;
+  binaryType = '';
+  readyState = 1;
+  sent: string[] = [];
+  onmessage: ((message: { data: unknown }) => void) | null = null;
+  onclose: (() => void) | null = null;
+  constructor(readonly url: string) {
+    Socket.all.push(this);
+  }
+  send(text: string): void {
+    this.sent.push(text);
+  }
+  close(): void {
+    this.readyState = 3;
+  }
+  say(message: unknown): void {
+    this.onmessage?.({ data: typeof message === 'object' && !(message instanceof ArrayBuffer) ? JSON.stringify(message) : message });
+  }
+}
+
+const HELLO = { type: 'hello', protocol: 1, version: '0.1.0', node: 'test' };
+const newest = (): Socket => Socket.all.at(-1)!;
+
+function started() {
+  const states: StreamState[] = [];
+  const heard = { frames: 0, fleets: 0, events: 0, gaps: 0, unreadable: [] as string[] };
+  const stream = new Stream('ws://test/api/v1/stream', {
+    state: (state) => states.push(state),
+    frame: () => heard.frames++,
+    fleet: () => heard.fleets++,
+    event: () => heard.events++,
+    gap: (missed) => (heard.gaps += missed),
+    unreadable: (why) => heard.unreadable.push(why),
+  });
+  stream.start();
+  return { stream, states, heard, last: () => states.at(-1)! };
+}
+
+beforeEach(() => {
+  Socket.all = [];
+  vi.stubGlobal('WebSocket', Socket);
+  vi.useFakeTimers({ toFake: ['setTimeout', 'clearTimeout', 'setInterval', 'clearInterval', 'performance'] });
+});
+
+afterEach(() => {
+  vi.useRealTimers();
+  vi.unstubAllGlobals();
+});
+
+describe('Stream', () => {
+  it('is live after the greeting and then hands on messages', () => {
+    const { heard, last } = started();
+    newest().say(new ArrayBuffer(16));
+    expect(heard.frames).toBe(0);
+    newest().say(HELLO);
+    expect(last()).toMatchObject({ name: 'live', hello: { node: 'test' } });
+    newest().say(new ArrayBuffer(16));
+    newest().say({ type: 'fleet' });
+    newest().say({ type: 'event' });
+    newest().say({ type: 'gap', missed: 4 });
+    newest().say({ type: 'something new' });
+    expect(heard).toMatchObject({ frames: 1, fleets: 1, events: 1, gaps: 4, unreadable: [] });
+  });
+
+  it('asks for its rate as soon as it may, and again after a reconnection', () => {
+    const { stream } = started();
+    stream.setRate(20);
+    expect(newest().sent).toEqual([]);
+    newest().say(HELLO);
+    expect(newest().sent).toEqual(['{"type":"rate","rate_hz":20}']);
+    newest().onclose?.();
+    vi.advanceTimersByTime(1000);
+    newest().say(HELLO);
+    expect(Socket.all).toHaveLength(2);
+    expect(newest().sent).toEqual(['{"type":"rate","rate_hz":20}']);
+  });
+
+  it('does not go on with a server of another version, nor try again', () => {
+    const { last } = started();
+    newest().say({ ...HELLO, protocol: 2 });
+    expect(last().name).toBe('incompatible');
+    vi.advanceTimersByTime(60_000);
+    expect(Socket.all).toHaveLength(1);
+  });
+
+  it('comes back after a loss, and a good connection forgets the failures', () => {
+    const { last, states } = started();
+    newest().say(HELLO);
+    newest().onclose?.();
+    expect(last().name).toBe('lost');
+    vi.advanceTimersByTime(300);
+    expect(last().name).toBe('connecting');
+    newest().say(HELLO);
+    newest().onclose?.();
+    vi.advanceTimersByTime(300);
+    expect(states.map((s) => s.name)).toEqual(['connecting', 'live', 'lost', 'connecting', 'live', 'lost', 'connecting']);
+  });
+
+  it('takes silence for a loss, but only once data has flowed', () => {
+    const { last } = started();
+    newest().say(HELLO);
+    vi.advanceTimersByTime(60_000);
+    expect(last().name).toBe('live');
+    newest().say(new ArrayBuffer(16));
+    vi.advanceTimersByTime(2500);
+    expect(last().name).toBe('live');
+    vi.advanceTimersByTime(1000);
+    expect(last()).toMatchObject({ name: 'lost', reason: 'the server has gone silent' });
+  });
+
+  it('gives up a connection that never greets', () => {
+    const { last } = started();
+    vi.advanceTimersByTime(4300);
+    expect(last()).toMatchObject({ name: 'lost', reason: 'the server does not answer' });
+  });
+
+  it('hears nothing more from a socket it has left', () => {
+    const { heard } = started();
+    const old = newest();
+    old.say(HELLO);
+    old.onclose?.();
+    old.say(new ArrayBuffer(16));
+    expect(heard.frames).toBe(0);
+  });
+
+  it('says what it could not read and goes on', () => {
+    const { heard } = started();
+    newest().say(HELLO);
+    newest().say('{');
+    newest().say({ type: 'error', error: { code: 'bad_message', message: 'rate_hz is out of range', detail: null } });
+    newest().say({ type: 'event' });
+    expect(heard.unreadable).toEqual(['a text message is not JSON', 'the server did not understand this page: rate_hz is out of range']);
+    expect(heard.events).toBe(1);
+  });
+});
+
+describe('waitMs', () => {
+  it('grows to a limit and is spread by a tenth to each side', () => {
+    expect([0, 1, 2, 3, 4, 5, 99].map((n) => waitMs(n, 0.5))).toEqual([...WAITS_MS, 4000, 4000]);
+    expect(waitMs(2, 0)).toBe(900);
+    expect(waitMs(2, 1)).toBe(1100);
+  });
+});
+
+describe('streamUrl', () => {
+  it('stands beside the page, with its own scheme', () => {
+    expect(streamUrl('http://127.0.0.1:8080/')).toBe('ws://127.0.0.1:8080/api/v1/stream');
+    expect(streamUrl('https://gcs.local/skein/')).toBe('wss://gcs.local/skein/api/v1/stream');
+  });
+});

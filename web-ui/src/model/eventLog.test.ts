@@ -1,0 +1,61 @@
+import { describe, expect, it } from 'vitest';
+import { EMPTY_LOG, KEPT_ENTRIES, REPEAT_WITHIN_MS, acknowledge, acknowledgeAll, add, outstanding } from './eventLog';
+import type { EventLog, Happening } from './eventLog';
+import type { Severity } from '../protocol/types';
+
+let next = 0;
+function event(text: string, severity: Severity, at: number, vehicle: number | null = 1): Happening {
+  return { key: `k${next++}`, vehicle, severity, kind: 'status_text', text, at };
+}
+
+function log(...events: Happening[]): EventLog {
+  return events.reduce((l, e) => add(l, e), EMPTY_LOG);
+}
+
+describe('repeats', () => {
+  it('are counted, and move to the top', () => {
+    const l = log(event('low battery', 'warning', 0), event('other', 'info', 10), event('low battery', 'warning', 20));
+    expect(l.entries.map((e) => [e.text, e.count])).toEqual([['low battery', 2], ['other', 1]]);
+    expect(l.entries[0]).toMatchObject({ firstAt: 0, lastAt: 20 });
+  });
+
+  it('of another vehicle, another severity, or long after are no repeats', () => {
+    const l = log(
+      event('x', 'warning', 0),
+      event('x', 'warning', 1, 2),
+      event('x', 'critical', 2),
+      event('x', 'warning', 2 + REPEAT_WITHIN_MS),
+    );
+    expect(l.entries).toHaveLength(4);
+  });
+
+  it('of something acknowledged want a new look', () => {
+    const first = log(event('x', 'warning', 0));
+    const l = add(acknowledgeAll(first), event('x', 'warning', 5));
+    expect(outstanding(l)).toHaveLength(1);
+  });
+});
+
+describe('acknowledging', () => {
+  it('only warnings and worse wait for it, worst first', () => {
+    const l = log(event('a', 'info', 0), event('b', 'warning', 1), event('c', 'advisory', 2), event('d', 'critical', 3), event('e', 'warning', 4));
+    expect(outstanding(l).map((e) => e.text)).toEqual(['d', 'e', 'b']);
+    const one = acknowledge(l, outstanding(l)[0]!.key);
+    expect(outstanding(one).map((e) => e.text)).toEqual(['e', 'b']);
+    expect(outstanding(acknowledgeAll(l))).toEqual([]);
+  });
+});
+
+describe('the log', () => {
+  it('is bounded, and what waits to be acknowledged goes last', () => {
+    let l = log(event('keep me', 'critical', 0));
+    for (let k = 0; k < KEPT_ENTRIES * 2; k++) l = add(l, event(`n${k}`, 'info', k + 1));
+    expect(l.entries).toHaveLength(KEPT_ENTRIES);
+    expect(outstanding(l).map((e) => e.text)).toEqual(['keep me']);
+  });
+
+  it('knows the greatest sequence number it took', () => {
+    const l = add(add(EMPTY_LOG, event('a', 'info', 0), 7), event('b', 'info', 0), 5);
+    expect(l.lastSeq).toBe(7);
+  });
+});
