@@ -30,7 +30,7 @@ pub enum FenceError {
         /// Its place in the list, from 0.
         index: usize,
     },
-    /// Two edges cross, touch or lie on each other.
+    /// Two edges cross, touch or lie on each other; twice the same edge is one without length.
     #[error("the fence crosses or touches itself: edges {first} and {second}")]
     SelfIntersecting {
         /// The edge that begins at the corner of this number, from 0.
@@ -258,10 +258,10 @@ impl Fence {
 fn first_self_contact(vertices: &[[f64; 2]]) -> Option<(usize, usize)> {
     let count = vertices.len();
     let all: Vec<_> = edges(vertices).collect();
+    if let Some(empty) = all.iter().position(|e| e[0] == e[1]) {
+        return Some((empty, empty));
+    }
     for (first, e) in all.iter().enumerate() {
-        if e[0] == e[1] {
-            return Some((first, first));
-        }
         for (second, f) in all.iter().enumerate().skip(first + 1) {
             let contact = if second == first + 1 {
                 plane::folds_back(*e, *f)
@@ -279,4 +279,4 @@ fn first_self_contact(vertices: &[[f64; 2]]) -> Option<(usize, usize)> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
