@@ -1,0 +1,88 @@
+//! One request to the autopilot, made again while there is hope.
+
+use crate::model::GenericUav;
+use minicbor::{Decode, Encode};
+use skein_domain::{AutopilotCommand, Refusal, RequestId};
+use skein_plugin_sdk::Effects;
+
+/// A request and how often it was made.
+#[derive(Debug, Clone, PartialEq, Default, Encode, Decode)]
+pub(crate) struct Asking {
+    /// How often it was made.
+    #[n(0)]
+    attempts: u32,
+    /// The one whose answer is awaited, and when it was made, in heard seconds.
+    #[n(1)]
+    outstanding: Option<(RequestId, f64)>,
+    /// Not to be made again before, in heard seconds.
+    #[n(2)]
+    not_before_s: f64,
+    /// The last answer, if it was a refusal.
+    #[n(3)]
+    refusal: Option<Refusal>,
+}
+
+impl Asking {
+    /// The request whose answer is awaited, and when it was made, in heard seconds.
+    pub(crate) fn outstanding(&self) -> Option<(RequestId, f64)> {
+        self.outstanding
+    }
+
+    /// Why it was refused so far.
+    pub(crate) fn refusal(&self) -> Option<&Refusal> {
+        self.refusal.as_ref()
+    }
+}
+
+/// Whether the autopilot may well say yes to the same request a little later.
+fn may_change(refusal: &Refusal) -> bool {
+    match refusal {
+        Refusal::Autopilot { result, .. } => result == "temporarily_rejected",
+        Refusal::NotReadyToArm { .. } | Refusal::TimedOut { .. } | Refusal::LinkLost { .. } => true,
+        _ => false,
+    }
+}
+
+impl GenericUav {
+    /// Makes a request, at most `attempts` times, and looks for its answer. `None` while it is open.
+    pub(crate) fn ask(
+        &mut self,
+        asking: &mut Asking,
+        command: AutopilotCommand,
+        attempts: u32,
+        out: &mut Effects,
+    ) -> Option<Result<(), Refusal>> {
+        let now_s = self.flight.heard_s;
+        if let Some((request, made_s)) = asking.outstanding {
+            let refusal = match self.result_of(request) {
+                Some(None) => {
+                    *asking = Asking::default();
+                    return Some(Ok(()));
+                }
+                Some(Some(refusal)) => refusal,
+                None if now_s - made_s > self.settings.request_timeout_s => {
+                    let what = format!("{command:?}");
+                    Refusal::TimedOut {
+                        what,
+                        after_s: self.settings.request_timeout_s,
+                    }
+                }
+                None => return None,
+            };
+            asking.outstanding = None;
+            asking.not_before_s = now_s + self.settings.retry_pause_s;
+            asking.refusal = Some(refusal.clone());
+            if asking.attempts >= attempts || !may_change(&refusal) {
+                return Some(Err(refusal));
+            }
+        }
+        if now_s >= asking.not_before_s {
+            let request = RequestId(self.flight.next_request);
+            self.flight.next_request = self.flight.next_request.wrapping_add(1);
+            asking.attempts += 1;
+            asking.outstanding = Some((request, now_s));
+            out.autopilot(request, command);
+        }
+        None
+    }
+}

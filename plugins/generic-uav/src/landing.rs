@@ -1,0 +1,146 @@
+//! The autopilot's own landing and return: asked for, watched, and over when the vehicle stands disarmed on the ground.
+//!
+//! Must never do: end the setpoint stream before the autopilot has taken the landing up. Its OFFBOARD-loss failsafe would be faster.
+
+use crate::asking::Asking;
+use crate::blend::Stop;
+use crate::flight::{Flying, Landing, Phase, Plan, Purpose};
+use crate::model::GenericUav;
+use skein_domain::exchange::{OwnState, Severity};
+use skein_domain::{AutopilotCommand, FlightMode, LandedState, Refusal};
+use skein_plugin_sdk::Effects;
+
+/// Disarmed in the air for this long is a fault, in seconds. The landed detector comes some tenths of a second after the disarming.
+const LANDED_LAG_S: f64 = 3.0;
+
+impl GenericUav {
+    /// Hands over to the autopilot's landing, or to its return and landing.
+    pub(crate) fn begin_landing(&mut self, returning: bool, detail: &str, out: &mut Effects) {
+        let streaming = matches!(&self.flight.phase, Phase::Flying(_))
+            || matches!(&self.flight.phase, Phase::Landing(l) if l.stop.is_some());
+        let stop = if streaming { self.present_motion() } else { None };
+        let stop = stop.map(|motion| {
+            (
+                Stop {
+                    from: motion.position,
+                    velocity: motion.velocity,
+                },
+                0.0,
+            )
+        });
+        let landing = Landing {
+            returning,
+            asking: Asking::default(),
+            accepted: false,
+            since_s: self.flight.heard_s,
+            stop,
+            disarmed_since_s: None,
+            overdue: false,
+        };
+        if streaming && stop.is_none() {
+            self.stop_stream(out);
+        }
+        self.enter(Phase::Landing(landing), detail);
+    }
+
+    pub(crate) fn step_landing(&mut self, mut landing: Landing, own: &OwnState, dt_s: f64, out: &mut Effects) {
+        if !own.armed {
+            self.step_disarmed(landing, own, out);
+            return;
+        }
+        landing.disarmed_since_s = None;
+        let wanted: &[FlightMode] = if landing.returning {
+            &[FlightMode::Return, FlightMode::Land]
+        } else {
+            &[FlightMode::Land]
+        };
+        if !landing.accepted && wanted.contains(&own.mode) {
+            landing.accepted = true;
+            if landing.stop.take().is_some() {
+                self.stop_stream(out);
+            }
+        }
+        if !landing.accepted {
+            if let Some((stop, elapsed_s)) = &mut landing.stop {
+                *elapsed_s += dt_s;
+                let motion = stop.sample(*elapsed_s, self.settings.acceleration_m_s2);
+                let yaw_rad = self.flight.reference.and_then(|reference| reference.yaw_rad);
+                self.stream(&motion, yaw_rad, None, out);
+            }
+            let command = if landing.returning {
+                AutopilotCommand::ReturnToLaunch
+            } else {
+                AutopilotCommand::Land
+            };
+            // That it was accepted shows in the mode.
+            if let Some(Err(refusal)) = self.ask(&mut landing.asking, command, self.settings.attempts, out) {
+                self.landing_refused(&landing, refusal, own, out);
+                return;
+            }
+        }
+        let waited_s = self.flight.heard_s - landing.since_s;
+        if waited_s > self.settings.landing_timeout_s && !landing.overdue {
+            landing.overdue = true;
+            out.notice(
+                Severity::Warning,
+                format!("still not on the ground after {waited_s:.0} s of landing"),
+            );
+            self.command_refused(
+                Refusal::TimedOut {
+                    what: "landing".to_owned(),
+                    after_s: waited_s,
+                },
+                out,
+            );
+        }
+        self.flight.phase = Phase::Landing(landing);
+    }
+
+    /// Disarmed: on the ground, or about to be found there, or something is badly wrong.
+    fn step_disarmed(&mut self, mut landing: Landing, own: &OwnState, out: &mut Effects) {
+        if landing.stop.take().is_some() {
+            self.stop_stream(out);
+        }
+        if matches!(own.landed, LandedState::OnGround) {
+            self.enter(Phase::Idle, "landed");
+            self.command_done(out);
+            return;
+        }
+        let since_s = *landing.disarmed_since_s.get_or_insert(self.flight.heard_s);
+        if self.flight.heard_s - since_s < LANDED_LAG_S {
+            self.flight.phase = Phase::Landing(landing);
+        } else if own.landed == LandedState::Unknown {
+            self.enter(Phase::Idle, "disarmed");
+            self.command_done(out);
+        } else {
+            out.notice(Severity::Critical, "disarmed in the air");
+            self.enter(Phase::Faulted, "disarmed in the air");
+            self.command_refused(
+                Refusal::Autopilot {
+                    result: "disarmed".to_owned(),
+                    text: "in the air".to_owned(),
+                },
+                out,
+            );
+        }
+    }
+
+    fn landing_refused(&mut self, landing: &Landing, refusal: Refusal, own: &OwnState, out: &mut Effects) {
+        out.notice(Severity::Critical, format!("the autopilot does not land: {refusal}"));
+        if landing.stop.is_none() || own.mode != FlightMode::Offboard {
+            self.lose_control(format!("landing refused: {refusal}"), out);
+            return;
+        }
+        self.command_refused(refusal, out);
+        let flying = Flying {
+            purpose: Purpose::Hold { at: None },
+            engaging: None,
+            plan: Plan::Slot,
+            elapsed_s: 0.0,
+            blend: None,
+            yaw_rad: None,
+            after: None,
+        };
+        self.lay_out(flying, "the autopilot does not land", out);
+    }
+}

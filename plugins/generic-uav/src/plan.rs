@@ -1,0 +1,203 @@
+//! From a purpose to a way through space, and along that way over time.
+
+use crate::asking::Asking;
+use crate::blend::{Blend, Motion, Stop};
+use crate::flight::{Flying, Lead, Phase, Plan, Purpose};
+use crate::model::GenericUav;
+use skein_domain::exchange::Severity;
+use skein_domain::{NodeTime, PositionNed};
+use skein_flight::{GoTo, RouteTrajectory, follow};
+use skein_plugin_sdk::Effects;
+
+/// A plan's way, built once.
+pub(crate) enum Track {
+    Straight(GoTo),
+    Route(RouteTrajectory),
+    /// There is none to build, or it cannot be built.
+    None,
+}
+
+/// Where a plan wants the vehicle at one moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Sample {
+    pub motion: Motion,
+    /// Yaw and its rate, where the plan has its own.
+    pub yaw: Option<(f64, f64)>,
+    /// Course over ground, on a route.
+    pub course_rad: Option<f64>,
+    /// The end of the plan is reached.
+    pub finished: bool,
+}
+
+impl GenericUav {
+    /// Flies for another purpose from now on: in OFFBOARD already, or after the autopilot has entered it.
+    pub(crate) fn fly(&mut self, purpose: Purpose, yaw_rad: Option<f64>, detail: &str, out: &mut Effects) {
+        let yaw_now = self.flight.reference.and_then(|r| r.yaw_rad);
+        let (engaging, after) = match &self.flight.phase {
+            Phase::Flying(flying) => (flying.engaging.clone(), flying.after),
+            Phase::Landing(landing) => (Some(Asking::default()), landing.asking.outstanding()),
+            Phase::TakingOff(taking_off) => (Some(Asking::default()), taking_off.asking.outstanding()),
+            _ => (Some(Asking::default()), None),
+        };
+        let yaw_rad = yaw_rad
+            .or(yaw_now)
+            .or(self.own.and_then(|own| own.kinematics).map(|k| k.yaw_rad));
+        let flying = Flying {
+            purpose,
+            engaging,
+            plan: Plan::Slot,
+            elapsed_s: 0.0,
+            blend: None,
+            yaw_rad,
+            after,
+        };
+        self.lay_out(flying, detail, out);
+    }
+
+    /// Lays the way out for the purpose, from where the vehicle is, and enters it.
+    pub(crate) fn lay_out(&mut self, mut flying: Flying, detail: &str, out: &mut Effects) {
+        self.plan_from_here(&mut flying, out);
+        self.enter(Phase::Flying(flying), detail);
+    }
+
+    /// The way for the purpose, from where the vehicle is.
+    pub(crate) fn plan_from_here(&mut self, flying: &mut Flying, out: &mut Effects) {
+        let Some(have) = self.present_motion() else { return };
+        let here = have.position;
+        let above = |place: &PositionNed| PositionNed {
+            down_m: here.down_m,
+            ..*place
+        };
+        let cruise = self.settings.cruise_speed_m_s;
+        let straight = |to: PositionNed, speed_m_s: f64| Plan::Straight {
+            from: here,
+            to,
+            speed_m_s,
+        };
+        let stop = Plan::Stop(Stop {
+            from: here,
+            velocity: have.velocity,
+        });
+        flying.plan = match &flying.purpose {
+            Purpose::TakeOff { hold } => Plan::Stop(Stop::at(*hold)),
+            Purpose::Hold { at } => at.map_or(stop, |place| Plan::Stop(Stop::at(place))),
+            Purpose::GoTo { to, speed_m_s } => straight(*to, *speed_m_s),
+            Purpose::LandAt { spot } => straight(above(spot), cruise),
+            Purpose::Home { home } => straight(above(home), cruise),
+            Purpose::Lead(Lead { route: Some(route), .. }) => Plan::Route {
+                start: here,
+                route: route.clone(),
+            },
+            Purpose::Lead(_) => stop,
+            Purpose::Follow(_) if self.usable_anchor(flying).is_some() => Plan::Slot,
+            Purpose::Follow(_) => stop,
+        };
+        flying.elapsed_s = 0.0;
+        self.track = None;
+        if let Err(why) = self.build_track(&flying.plan) {
+            out.notice(Severity::Warning, format!("the way cannot be flown: {why}"));
+            flying.plan = Plan::Stop(Stop {
+                from: here,
+                velocity: have.velocity,
+            });
+            self.track = None;
+        }
+        self.blend_in(flying, &have);
+    }
+
+    /// Lets the difference between a motion and the plan's present one fade out.
+    pub(crate) fn blend_in(&mut self, flying: &mut Flying, have: &Motion) {
+        let begin = self.sample(flying, self.now).motion;
+        flying.blend = Blend::between(have, &begin, &self.settings);
+    }
+
+    fn build_track(&mut self, plan: &Plan) -> Result<(), skein_flight::RouteError> {
+        let limits = self.settings.path_limits();
+        self.track = Some(match plan {
+            Plan::Stop(_) | Plan::Slot => Track::None,
+            Plan::Straight { from, to, speed_m_s } => Track::Straight(GoTo::within(*from, *to, *speed_m_s, &limits)?),
+            Plan::Route { start, route } => Track::Route(RouteTrajectory::within(*start, route, &limits)?),
+        });
+        Ok(())
+    }
+
+    /// Where the plan, without any blend, wants the vehicle.
+    pub(crate) fn sample(&mut self, flying: &Flying, now: NodeTime) -> Sample {
+        if self.track.is_none() && self.build_track(&flying.plan).is_err() {
+            self.track = Some(Track::None);
+        }
+        let acceleration = self.settings.acceleration_m_s2;
+        match (&flying.plan, &self.track) {
+            (Plan::Straight { .. }, Some(Track::Straight(way))) => {
+                let (position, velocity, acceleration, finished) = way.sample(flying.elapsed_s);
+                let motion = Motion {
+                    position,
+                    velocity,
+                    acceleration,
+                };
+                Sample {
+                    motion,
+                    yaw: None,
+                    course_rad: None,
+                    finished,
+                }
+            }
+            (Plan::Route { .. }, Some(Track::Route(way))) => {
+                let at = way.sample(flying.elapsed_s);
+                let motion = Motion {
+                    position: at.position,
+                    velocity: at.velocity,
+                    acceleration: at.acceleration,
+                };
+                Sample {
+                    motion,
+                    yaw: None,
+                    course_rad: Some(at.course_rad),
+                    finished: at.finished,
+                }
+            }
+            (Plan::Slot, _) => self.slot_sample(flying, now),
+            (Plan::Stop(stop), _) => {
+                let motion = stop.sample(flying.elapsed_s, acceleration);
+                standing(motion, flying.elapsed_s >= stop.duration_s(acceleration))
+            }
+            // A plan whose way cannot be built (it was checked when it was made): stand where it began.
+            (Plan::Straight { from: place, .. } | Plan::Route { start: place, .. }, _) => {
+                standing(Stop::at(*place).sample(0.0, acceleration), true)
+            }
+        }
+    }
+
+    fn slot_sample(&self, flying: &Flying, now: NodeTime) -> Sample {
+        let (Purpose::Follow(follow), Some(anchor)) = (&flying.purpose, self.usable_anchor(flying)) else {
+            let reference = self
+                .flight
+                .reference
+                .map(|r| r.position)
+                .or(self.measured().map(|m| m.position));
+            return standing(Stop::at(reference.unwrap_or_default()).sample(0.0, 1.0), false);
+        };
+        let slot = follow.previous.as_ref().unwrap_or(&follow.slot);
+        let setpoint = follow::setpoint(&anchor, slot, now);
+        let motion = Motion {
+            position: setpoint.position.unwrap_or_default(),
+            velocity: setpoint.velocity.unwrap_or_default(),
+            acceleration: setpoint.acceleration.unwrap_or_default(),
+        };
+        Sample {
+            motion,
+            yaw: setpoint.yaw_rad.zip(setpoint.yaw_rate_rad_s),
+            course_rad: None,
+            finished: false,
+        }
+    }
+}
+
+fn standing(motion: Motion, finished: bool) -> Sample {
+    Sample {
+        motion,
+        yaw: None,
+        course_rad: None,
+        finished,
+    }
+}

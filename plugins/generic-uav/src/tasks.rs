@@ -1,0 +1,191 @@
+//! The task in the intent: which one counts, when it is taken up, and the anchor of the formation.
+
+use crate::flight::{Flying, Follow, Lead, Phase, Purpose};
+use crate::model::GenericUav;
+use skein_domain::{
+    AnchorReference, FormationHeading, NodeTime, Refusal, Route, SlotMove, Task, VehicleId, VehicleTask,
+};
+use skein_flight::HeadingFollower;
+use skein_plugin_sdk::Effects;
+
+/// Leader and follower learn of a change in the same control period, but not in the same microsecond: an anchor this much older than the
+/// follower's change still tells of the time after it, in seconds. Half a period.
+const SAME_PERIOD_S: f64 = 0.01;
+/// For so long after its last anchor a new leader takes over the formation's heading instead of its own yaw, in seconds.
+const HEADING_HANDOVER_S: f64 = 5.0;
+
+impl GenericUav {
+    /// A task came in: kept if it is newer than any seen.
+    pub(crate) fn take_task(&mut self, task: &VehicleTask) {
+        let seen = self
+            .flight
+            .task
+            .as_ref()
+            .map_or(self.flight.settled_version, |t| t.version);
+        if task.version > seen.max(self.flight.settled_version) {
+            self.flight.task = Some(task.clone());
+        }
+    }
+
+    /// Takes the newest task up if the vehicle is in a state to do so and no command outranks it.
+    pub(crate) fn take_up_task(&mut self, out: &mut Effects) {
+        let Some(VehicleTask { version, task }) = self.flight.task.clone() else {
+            return;
+        };
+        if version <= self.flight.settled_version {
+            return;
+        }
+        let Phase::Flying(flying) = &self.flight.phase else {
+            return;
+        };
+        let available = flying.engaging.is_none() && self.flight.phase.state().is_available_in_air();
+        if !available {
+            return;
+        }
+        self.flight.settled_version = version;
+        let flying = flying.clone();
+        if task == Task::Hold && matches!(flying.purpose, Purpose::Hold { .. }) {
+            return; // That is what it does, perhaps by an operator's command.
+        }
+        self.command_refused(Refusal::Superseded, out);
+        match task {
+            Task::Hold => self.fly(Purpose::Hold { at: None }, None, "left the formation", out),
+            Task::Lead { route, heading } => self.lead(flying, route, heading, out),
+            Task::Follow { leader, slot } => self.follow(flying, leader, slot, out),
+        }
+    }
+
+    fn lead(&mut self, mut flying: Flying, route: Option<Route>, heading: FormationHeading, out: &mut Effects) {
+        let (follower, same_route, finished) = match &flying.purpose {
+            Purpose::Lead(before) => {
+                let follower = HeadingFollower::resume(
+                    before.mode_towards(heading, &self.settings),
+                    before.heading_rad,
+                    before.heading_rate_rad_s,
+                );
+                (follower, before.route == route, before.finished)
+            }
+            _ => (HeadingFollower::new(heading, self.initial_heading_rad()), false, false),
+        };
+        let lead = Lead {
+            route,
+            heading,
+            heading_rad: follower.heading_rad(),
+            heading_rate_rad_s: follower.rate_rad_s(),
+            finished: same_route && finished,
+        };
+        flying.purpose = Purpose::Lead(lead);
+        if same_route {
+            // Only the heading is another: the way goes on.
+            self.enter(Phase::Flying(flying), "");
+        } else {
+            self.lay_out(flying, "", out);
+        }
+    }
+
+    /// The heading a formation has when this vehicle begins to lead it: the one it followed in until now, or its own yaw.
+    fn initial_heading_rad(&self) -> f64 {
+        let own_yaw = || self.own.and_then(|own| own.kinematics).map_or(0.0, |k| k.yaw_rad);
+        let followed = match &self.flight.phase {
+            Phase::Flying(Flying {
+                purpose: Purpose::Follow(_),
+                ..
+            }) => self.flight.anchor,
+            _ => None,
+        };
+        let age_s = |anchor: &AnchorReference| self.now.seconds_since(anchor.time).max(0.0);
+        match followed.filter(|anchor| age_s(anchor) < HEADING_HANDOVER_S) {
+            Some(anchor) => {
+                let turned_s = age_s(&anchor).min(skein_flight::follow::MAX_EXTRAPOLATION_S);
+                anchor.heading_rad + anchor.heading_rate_rad_s * turned_s
+            }
+            None => own_yaw(),
+        }
+    }
+
+    fn follow(&mut self, mut flying: Flying, leader: VehicleId, slot: SlotMove, out: &mut Effects) {
+        let previous = match &flying.purpose {
+            Purpose::Follow(before) => Some(before.previous.unwrap_or(before.slot)),
+            _ => None,
+        };
+        let continuing = previous.is_some();
+        let follow = Follow {
+            leader,
+            slot,
+            previous,
+            awaiting_since: Some(self.now),
+        };
+        flying.purpose = Purpose::Follow(follow);
+        if continuing {
+            // The slot's own time law makes the change smooth.
+            self.enter(Phase::Flying(flying), "");
+        } else {
+            self.lay_out(flying, "waiting for the leader", out);
+        }
+    }
+
+    /// The leader's anchor came in.
+    pub(crate) fn take_anchor(&mut self, anchor: &AnchorReference) {
+        let finite = anchor.position.is_finite() && anchor.velocity.is_finite() && anchor.acceleration.is_finite();
+        if !(finite && anchor.heading_rad.is_finite() && anchor.heading_rate_rad_s.is_finite()) {
+            return;
+        }
+        if let Phase::Flying(Flying {
+            purpose: Purpose::Follow(follow),
+            ..
+        }) = &mut self.flight.phase
+            && let Some(since) = follow.awaiting_since
+        {
+            if anchor.time.seconds_since(since) < -SAME_PERIOD_S {
+                return; // Of the time before the change, perhaps of another leader: it does not go with the new slot.
+            }
+            follow.awaiting_since = None;
+            follow.previous = None;
+            self.flight.anchor = Some(*anchor);
+        } else if self.flight.anchor.is_none_or(|known| anchor.time >= known.time) {
+            self.flight.anchor = Some(*anchor);
+        }
+    }
+
+    /// The anchor that goes with the slot being flown, if it is young enough.
+    pub(crate) fn usable_anchor(&self, flying: &Flying) -> Option<AnchorReference> {
+        let Purpose::Follow(follow) = &flying.purpose else {
+            return None;
+        };
+        // Without a former slot there is nothing to fly until the first anchor after the change.
+        if follow.awaiting_since.is_some() && follow.previous.is_none() {
+            return None;
+        }
+        let young = |anchor: &AnchorReference| age_s(anchor, self.now) <= self.settings.anchor_max_age_s;
+        self.flight.anchor.filter(young)
+    }
+}
+
+/// How old an anchor is, in seconds.
+pub(crate) fn age_s(anchor: &AnchorReference, now: NodeTime) -> f64 {
+    now.seconds_since(anchor.time)
+}
+
+impl Lead {
+    /// How the heading goes on when it is to be chosen in another way: always turning with a limit, also to a fixed one, since the
+    /// formation's vehicles hang on it.
+    fn mode_towards(&self, heading: FormationHeading, settings: &crate::Settings) -> FormationHeading {
+        let max_rate_rad_s = match (heading, self.heading) {
+            (FormationHeading::Course { .. }, _) => return heading,
+            (_, FormationHeading::Course { max_rate_rad_s }) => max_rate_rad_s.min(settings.heading_rate_rad_s),
+            _ => settings.heading_rate_rad_s,
+        };
+        FormationHeading::Course { max_rate_rad_s }
+    }
+
+    /// Turns the formation for one period, along the course of the route if it has one.
+    pub(crate) fn turn(&mut self, course_rad: Option<f64>, dt_s: f64, settings: &crate::Settings) {
+        let towards = match self.heading {
+            FormationHeading::Fixed { heading_rad } => heading_rad,
+            FormationHeading::Course { .. } => course_rad.unwrap_or(self.heading_rad),
+        };
+        let mode = self.mode_towards(self.heading, settings);
+        let mut follower = HeadingFollower::resume(mode, self.heading_rad, self.heading_rate_rad_s);
+        (self.heading_rad, self.heading_rate_rad_s) = follower.step(towards, dt_s);
+    }
+}
