@@ -77,6 +77,7 @@ function form(request) {
   const able = vehicles.filter((v) => ['holding', 'following', 'leading', 'going_to'].includes(v.state));
   const members = request.members ? able.filter((v) => request.members.includes(v.id)) : able;
   if (members.length < 2) return { code: 'not_enough_vehicles', message: `${members.length} vehicles are available, 2 are needed` };
+  if (request.spacing_m < 2.8) return { code: 'too_close', message: `${request.spacing_m} m from vehicle 2, under the limit of 2.8 m` };
   const leader = members.find((v) => v.id === request.leader) ?? members[0];
   const ordered = [leader, ...members.filter((v) => v !== leader)];
   if (request.heading.kind === 'fixed') heading = (request.heading.heading_deg * Math.PI) / 180;

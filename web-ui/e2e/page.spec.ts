@@ -1,0 +1,133 @@
+// The page itself: its headers, its accessibility in both themes and on a tablet, the keyboard, the targets.
+
+import axe from 'axe-core';
+import type { AxeResults } from 'axe-core';
+import type { Page } from '@playwright/test';
+import { button, card, expect, open, plotted, summary, test } from './console';
+import { Program } from './program';
+
+const VEHICLES = 3;
+
+let program: Program;
+test.beforeAll(async () => {
+  program = await Program.start(VEHICLES);
+});
+test.afterAll(() => program.stop());
+
+test.beforeEach(async ({ page }) => {
+  await open(page, program.url, VEHICLES);
+});
+
+/** Serious and critical findings, each with the element. */
+async function findings(page: Page): Promise<string[]> {
+  await page.evaluate(axe.source);
+  const results = await page.evaluate(
+    () => (window as unknown as { axe: { run(): Promise<AxeResults> } }).axe.run() as Promise<AxeResults>,
+  );
+  return results.violations
+    .filter((v) => v.impact === 'serious' || v.impact === 'critical')
+    .flatMap((v) => v.nodes.map((node) => `${v.id}: ${node.target.join(' ')}: ${node.failureSummary ?? ''}`));
+}
+
+test('nothing but its own files may be loaded', async ({ page }) => {
+  const response = await page.request.get(program.url);
+  expect(response.headers()['content-security-policy']).toContain("default-src 'self'");
+  const html = await response.text();
+  expect(html).not.toMatch(/<script(?![^>]*\bsrc=)/);
+  expect(html).not.toMatch(/(src|href)="(https?:)?\/\//);
+});
+
+test('no serious accessibility faults, dark and light', async ({ page }) => {
+  expect(await findings(page)).toEqual([]);
+  for (const tab of ['Route', 'Commands']) await page.getByRole('tab', { name: tab }).click();
+  await button(page, /^Target 1,/).click();
+  expect(await findings(page)).toEqual([]);
+  await button(page, 'Change to the light theme').click();
+  await expect(page.locator('html')).toHaveAttribute('data-theme', 'light');
+  expect(await findings(page)).toEqual([]);
+  await page.reload();
+  await expect(page.locator('html')).toHaveAttribute('data-theme', 'light');
+});
+
+for (const [width, height] of [[1024, 768], [768, 1024]] as const) {
+  test(`on a tablet of ${width} by ${height} nothing is out of reach`, async ({ page }) => {
+    await page.setViewportSize({ width, height });
+    await expect(page.getByRole('tab', { name: 'Fleet' })).toBeVisible();
+    expect(await findings(page)).toEqual([]);
+    expect(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth)).toBe(true);
+    for (const name of [/^HOLD ALL/, /^Arm/, /^Take off/, /^Hold \d/, /^Land/, /^Return/]) {
+      const box = (await button(page, name).boundingBox())!;
+      expect(box.x).toBeGreaterThanOrEqual(0);
+      expect(box.x + box.width).toBeLessThanOrEqual(width);
+      expect(box.y + box.height).toBeLessThanOrEqual(height);
+      expect(Math.min(box.width, box.height)).toBeGreaterThanOrEqual(44);
+    }
+    await page.getByRole('tab', { name: 'Formation' }).click();
+    await expect(button(page, /^Form wedge/)).toBeVisible();
+  });
+}
+
+test('targets: by number, by click on the map, by box, and said in words', async ({ page }) => {
+  const targets = page.getByTestId('targets');
+  await expect(targets).toContainText(`All ${VEHICLES}`);
+  await page.keyboard.press('/');
+  await page.keyboard.type('1-2');
+  await expect(page.locator('[data-vehicle]')).toHaveCount(2);
+  await page.keyboard.press('Enter');
+  await expect(targets).toContainText('2 selected');
+  await expect(button(page, 'Land 2')).toBeVisible();
+  await page.keyboard.press('Escape');
+  await expect(page.locator('[data-vehicle]')).toHaveCount(VEHICLES);
+
+  const third = (await plotted(page)).find((v) => v.id === 3)!;
+  await page.locator('canvas').click({ position: { x: third.x, y: third.y } });
+  await expect(targets).toContainText('3 selected');
+  await expect(button(page, /^Target 3,/)).toHaveAttribute('aria-pressed', 'true');
+  await button(page, 'Clear').click();
+  await expect(targets).toContainText('nothing selected');
+
+  const all = await plotted(page);
+  const box = (await page.locator('canvas').boundingBox())!;
+  await button(page, 'Select with a box').click();
+  await page.mouse.move(box.x + Math.min(...all.map((v) => v.x)) - 25, box.y + Math.min(...all.map((v) => v.y)) - 25);
+  await page.mouse.down();
+  await page.mouse.move(box.x + Math.max(...all.map((v) => v.x)) + 25, box.y + Math.max(...all.map((v) => v.y)) + 25, { steps: 4 });
+  await page.mouse.up();
+  await expect(targets).toContainText(`${VEHICLES} selected`);
+});
+
+test('the keyboard alone arms a vehicle and disarms it', async ({ page }) => {
+  await button(page, /^Target 1,/).focus();
+  await page.keyboard.press('Space');
+  await expect(page.getByTestId('targets')).toContainText('1 selected');
+  for (const [name, key, state] of [['Arm 1', 'Space', 'armed'], ['Disarm 1', 'Enter', 'disarmed']] as const) {
+    await page.getByRole('button', { name, exact: true }).focus();
+    const sent = page.waitForRequest((request) => request.method() === 'POST');
+    await page.keyboard.down(key);
+    await sent;
+    await page.keyboard.up(key);
+    await expect(card(page, 1).getByTestId('armed')).toHaveText(state === 'armed' ? 'armed' : /^disarmed/);
+    await expect(summary(page)).toContainText('1 of 1 done');
+  }
+});
+
+test('the map pans, zooms and fits', async ({ page }) => {
+  const before = (await plotted(page))[0]!;
+  await page.getByRole('application').focus();
+  await page.keyboard.press('ArrowRight');
+  await expect.poll(async () => (await plotted(page))[0]!.x).toBeCloseTo(before.x - 60, 0);
+  await button(page, 'Zoom in').click();
+  await button(page, 'Zoom in').click();
+  const spread = async (): Promise<number> => {
+    const [a, b] = await plotted(page);
+    return Math.hypot(a!.x - b!.x, a!.y - b!.y);
+  };
+  const near = await spread();
+  await button(page, 'Keep all vehicles in view').click();
+  await expect.poll(spread).toBeLessThan(near);
+  const frame = (await page.locator('canvas').boundingBox())!;
+  for (const v of await plotted(page)) {
+    expect(v.x).toBeGreaterThan(0);
+    expect(v.x).toBeLessThan(frame.width);
+  }
+});

@@ -1,0 +1,34 @@
+// The page in a real Chromium against the real program. Nothing here stands in for either.
+import { defineConfig } from '@playwright/test';
+
+const SLOW_MACHINE_MS = 15_000;
+
+export default defineConfig({
+  testDir: '.',
+  outputDir: '../../test-results/ui',
+  // Every file starts a program with its own simulated vehicles; two at a time would starve each other on two cores.
+  workers: 1,
+  timeout: 240_000,
+  expect: { timeout: SLOW_MACHINE_MS },
+  forbidOnly: !!process.env.CI,
+  reporter: [['list']],
+  use: {
+    viewport: { width: 1440, height: 900 },
+    colorScheme: 'dark',
+    actionTimeout: SLOW_MACHINE_MS,
+    trace: 'retain-on-failure',
+    screenshot: 'only-on-failure',
+    launchOptions: {
+      executablePath: process.env.SKEIN_CHROMIUM ?? '/usr/bin/chromium',
+      args: [
+        '--no-sandbox',
+        '--disable-gpu',
+        '--disable-quic',
+        '--no-first-run',
+        '--disable-background-networking',
+        '--disable-component-update',
+        '--disable-sync',
+      ],
+    },
+  },
+});

@@ -1,0 +1,52 @@
+// Starts and ends the real program: simulated vehicles, a node that flies them, the dashboard it serves.
+
+import { spawn } from 'node:child_process';
+import type { ChildProcess } from 'node:child_process';
+import { once } from 'node:events';
+import { dirname, join, resolve } from 'node:path';
+import { createInterface } from 'node:readline';
+
+const WEB_UI = resolve(import.meta.dirname, '..');
+const BINARY = resolve(WEB_UI, process.env.SKEIN_BINARY ?? '../target/debug/skein');
+const PLUGINS = resolve(WEB_UI, process.env.SKEIN_PLUGINS ?? join(dirname(BINARY), 'plugins'));
+const START_MS = 60_000;
+
+export class Program {
+  private constructor(
+    private readonly process: ChildProcess,
+    readonly url: string,
+  ) {}
+
+  /** Starts it with vehicles on the ground; port 0 lets the system choose one. */
+  static async start(vehicles: number, port = 0): Promise<Program> {
+    const args = ['demo', '--manual', '--vehicles', `${vehicles}`, '--port', `${port}`, '--plugins', PLUGINS];
+    const child = spawn(BINARY, args, { stdio: ['ignore', 'pipe', 'pipe'] });
+    const said: string[] = [];
+    child.stderr.on('data', (text: Buffer) => said.push(text.toString()));
+    const url = await new Promise<string>((found, failed) => {
+      const timer = setTimeout(() => failed(new Error(`no dashboard after ${START_MS} ms\n${said.join('')}`)), START_MS);
+      child.once('error', (error) => failed(new Error(`${BINARY} cannot be started: ${error.message}`)));
+      child.once('exit', (code) => failed(new Error(`${BINARY} ended with code ${code}\n${said.join('')}`)));
+      createInterface({ input: child.stdout }).on('line', (line) => {
+        said.push(`${line}\n`);
+        const address = /^Dashboard: (http:\/\/\S+)/.exec(line)?.[1];
+        if (!address) return;
+        clearTimeout(timer);
+        found(address);
+      });
+    });
+    return new Program(child, url);
+  }
+
+  get port(): number {
+    return Number(new URL(this.url).port);
+  }
+
+  /** Ends it as an operator would, or at once. */
+  async stop(signal: 'SIGINT' | 'SIGKILL' = 'SIGKILL'): Promise<void> {
+    if (this.process.exitCode !== null || this.process.signalCode !== null) return;
+    const ended = once(this.process, 'exit');
+    this.process.kill(signal);
+    await ended;
+  }
+}
