@@ -18,8 +18,8 @@ use std::sync::Arc;
 
 /// Ticks are at least this far apart, in seconds.
 const TICK_MIN_S: f64 = 0.01;
-/// Ticks are at most this far apart, in seconds.
-const TICK_MAX_S: f64 = 0.5;
+/// Ticks are at most this far apart, in seconds: a stream that starts between two ticks is guarded from the next on.
+const TICK_MAX_S: f64 = 0.1;
 /// While nobody is known, a heartbeat is sent this often over a line that leads to one place, in seconds.
 const HELLO_S: f64 = 1.0;
 

@@ -71,6 +71,7 @@ impl Port {
     pub async fn run(self, mut hub: Hub) -> EndpointError {
         let mut buffer = vec![0_u8; MAX_DATAGRAM_BYTES];
         let mut rate = ReceiveRate::default();
+        let mut timer_due = hub.now();
         let timer = sleep_until(Instant::now());
         tokio::pin!(timer);
         loop {
@@ -91,8 +92,12 @@ impl Port {
                 hub.hello(now);
             }
             let due = hub.tick(now);
-            let wait_s = due.seconds_since(now).max(0.0);
-            timer.as_mut().reset(Instant::now() + Duration::from_secs_f64(wait_s));
+            if due != timer_due {
+                timer_due = due;
+                timer
+                    .as_mut()
+                    .reset(Instant::now() + Duration::from_secs_f64(due.seconds_since(now).max(0.0)));
+            }
             rate.add(now.as_seconds(), received);
             if received >= BATCH_MAX {
                 tokio::task::yield_now().await;

@@ -15,7 +15,7 @@ use skein_domain::{LandedState, NodeTime, Refusal, RequestId};
 /// How much longer an `IN_PROGRESS` lets us wait, in seconds.
 const PROGRESS_STEP_S: f64 = 3.0;
 /// After the first text beside a refusal, how long a second one is awaited, in seconds.
-const MORE_TEXT_S: f64 = 0.06;
+const MORE_TEXT_S: f64 = 0.03;
 /// After a command that was sent more than once, its number rests: a late second answer must not be taken for the next's.
 const REST_S: f64 = 0.15;
 /// How long a landing waits for the take-off it breaks off to begin, in seconds.
@@ -299,10 +299,15 @@ impl Commands {
                 return true;
             }
             if task.origin != Origin::Nobody {
-                around.ended.push(Ended {
-                    origin: task.origin,
-                    outcome: Err(Refusal::Superseded),
-                });
+                let refusal = match &task.phase {
+                    // It has its answer; only more of the words beside it were awaited.
+                    Phase::Refused { first, result, latest, .. } => Refusal::Autopilot {
+                        result: result.clone(),
+                        text: around.texts.between(*first, *latest),
+                    },
+                    _ => Refusal::Superseded,
+                };
+                around.ended.push(Ended { origin: task.origin, outcome: Err(refusal) });
             }
             task.origin = Origin::Nobody;
             match &mut task.phase {

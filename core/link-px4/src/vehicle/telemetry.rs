@@ -36,9 +36,9 @@ pub struct Estimate {
 #[must_use]
 pub fn place(latitude: i32, longitude: i32, altitude_mm: i32) -> Geodetic {
     Geodetic {
-        latitude_deg: f64::from(latitude) * 1e-7,
-        longitude_deg: f64::from(longitude) * 1e-7,
-        altitude_amsl_m: f64::from(altitude_mm) * 1e-3,
+        latitude_deg: f64::from(latitude) / 1e7,
+        longitude_deg: f64::from(longitude) / 1e7,
+        altitude_amsl_m: f64::from(altitude_mm) / 1e3,
     }
 }
 
