@@ -204,7 +204,7 @@ export class Session {
         this.#rowByIndex[index] = row;
         added = true;
       }
-      row.refresh(fleet, this.#infoById.get(id), now);
+      row.refresh(fleet, this.#infoById.get(id), now, this.lostAt === null);
     }
     const changed = added || this.rows.length !== fleet.presentCount || this.rows.some((row) => !row.present);
     if (changed) this.rows = [...this.#rowById.values()].filter((r) => r.present).sort((a, b) => a.id - b.id);

@@ -50,8 +50,9 @@ export class VehicleRow {
     this.name = `vehicle ${id}`;
   }
 
-  /** Brings every field up to date. */
-  refresh(fleet: Fleet, info: VehicleInfo | undefined, now: number): void {
+  /** Brings every field up to date. While the server is not heard (`heard` false) no new problem is found: the page has one, not
+      every vehicle. */
+  refresh(fleet: Fleet, info: VehicleInfo | undefined, now: number, heard: boolean): void {
     const i = this.index;
     const ageMs = fleet.ageMs(i, now);
     this.present = fleet.present[i] === 1;
@@ -82,7 +83,7 @@ export class VehicleRow {
       this.plugin = `${info.plugin} ${info.plugin_version}`;
       this.stateDetail = info.state_detail;
     }
-    this.#assess(fleet, info);
+    if (heard) this.#assess(fleet, info);
   }
 
   #refreshMotion(fleet: Fleet, info: VehicleInfo | undefined): void {

@@ -22,6 +22,8 @@ export type FleetScene = {
 };
 
 const GLYPH_PX = 12;
+/** Signs shrink to this in a crowd. */
+const CROWD_SCALE = 0.78;
 const SLOT_PX = 10;
 const FADE_STEPS = 4;
 /** Above so many vehicles labels say the id only. */
@@ -100,6 +102,7 @@ export function paintVehicles(ctx: CanvasRenderingContext2D, view: View, palette
     const staleness = classify(fleet.ageMs(i, now), fleet.has(i, FLAG.connected));
     ctx.save();
     ctx.translate(x, y);
+    if (fleet.presentCount > SHORT_LABELS_FROM) ctx.scale(CROWD_SCALE, CROWD_SCALE);
     if (scene.selected.has(fleet.ids[i] ?? 0)) brackets(ctx, palette);
     if (fleet.has(i, FLAG.leader)) leaderRing(ctx, palette);
     const level = scene.marking(i).level;

@@ -120,13 +120,9 @@ export function paintFurniture(ctx: CanvasRenderingContext2D, view: View, palett
   ctx.fillText('N', 28, 56);
 }
 
-/** Hatching over everything: what is below is not the present. */
+/** Hatching over the ground: what is drawn on it is not the present. */
 export function paintHatching(ctx: CanvasRenderingContext2D, view: View, palette: Palette): void {
   ctx.save();
-  ctx.globalAlpha = 0.5;
-  ctx.fillStyle = palette.bg;
-  ctx.fillRect(0, 0, view.width, view.height);
-  ctx.globalAlpha = 1;
   ctx.strokeStyle = palette.hatch;
   ctx.lineWidth = 6;
   ctx.beginPath();
@@ -134,7 +130,6 @@ export function paintHatching(ctx: CanvasRenderingContext2D, view: View, palette
     ctx.moveTo(x, view.height);
     ctx.lineTo(x + view.height, 0);
   }
-  ctx.globalAlpha = 0.75;
   ctx.stroke();
   ctx.restore();
 }

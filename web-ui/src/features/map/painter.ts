@@ -94,6 +94,8 @@ export class Painter {
       const points = route.waypoints.map((w) => ({ north: w.north_m, east: w.east_m }));
       paintRoute(ctx, view, palette, points, info.formation?.route_finished ?? false);
     }
+    // Under the vehicles: where they were last is what an operator needs most then.
+    if (session.everLive && !session.canCommand) paintHatching(ctx, view, palette);
     if (map.trails) paintTrails(ctx, view, palette, fleet);
     paintSlots(ctx, view, palette, fleet);
     paintPreview(ctx, view, palette, formation.previewSlots());
@@ -101,7 +103,6 @@ export class Painter {
     paintVehicles(ctx, view, palette, scene);
     paintLabels(ctx, view, palette, scene);
     paintDraftRoute(ctx, view, palette, formation.waypoints, this.#leaderPlace());
-    if (session.everLive && !session.canCommand) paintHatching(ctx, view, palette);
     if (this.box) paintBox(ctx, palette, this.box.x0, this.box.y0, this.box.x1, this.box.y1);
     paintFurniture(ctx, view, palette);
     this.frames++;
