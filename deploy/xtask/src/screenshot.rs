@@ -45,7 +45,7 @@ impl Flight {
         ui::install(workspace)?;
         let mut command = Command::new(workspace.target.join("release/skein"));
         command
-            .args(["demo", "--vehicles", &vehicles.to_string()])
+            .args(["demo", "--port", "0", "--vehicles", &vehicles.to_string()])
             .stdin(Stdio::null())
             .stdout(Stdio::piped());
         Ok(Self(command.spawn().context("cannot start the demo")?))

@@ -126,7 +126,7 @@ fn static_checks(workspace: &Workspace, report: &mut Report) {
     report.step("clippy", "mend what clippy names above", Step::new(lints));
     if long_runs::is_installed("cargo-deny") {
         let mut deny = workspace.cargo();
-        deny.args(["deny", "--all-features", "check"]);
+        deny.args(["deny", "--all-features", "check", "bans", "licenses", "sources"]);
         report.step(
             "cargo-deny",
             "see deny.toml: an exception needs a reason",

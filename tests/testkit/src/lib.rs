@@ -7,6 +7,7 @@
 //! | waiting for something without sleeping | [`eventually`] with [`patience`] |
 //! | a port that nobody uses | [`free_udp_port`], [`free_tcp_port`] |
 //! | a child process that cannot outlive its test | [`Process`] |
+//! | a whole node with simulated vehicles in the test's own process | `Swarm`, with the feature `swarm` |
 //!
 //! Must never do: stand in for our own code. What runs in a test is what ships; vehicles are `skein-sim`'s, over real sockets.
 //! Everything here panics when it cannot do its work: a test that cannot be set up has failed.
@@ -16,8 +17,12 @@ mod artefacts;
 mod patience;
 mod ports;
 mod process;
+#[cfg(feature = "swarm")]
+mod swarm;
 
 pub use artefacts::{library, plugins_dir, repository, skein_binary};
 pub use patience::{eventually, patience};
 pub use ports::{free_tcp_port, free_udp_port};
 pub use process::Process;
+#[cfg(feature = "swarm")]
+pub use swarm::Swarm;
