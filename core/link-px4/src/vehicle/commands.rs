@@ -301,13 +301,18 @@ impl Commands {
             if task.origin != Origin::Nobody {
                 let refusal = match &task.phase {
                     // It has its answer; only more of the words beside it were awaited.
-                    Phase::Refused { first, result, latest, .. } => Refusal::Autopilot {
+                    Phase::Refused {
+                        first, result, latest, ..
+                    } => Refusal::Autopilot {
                         result: result.clone(),
                         text: around.texts.between(*first, *latest),
                     },
                     _ => Refusal::Superseded,
                 };
-                around.ended.push(Ended { origin: task.origin, outcome: Err(refusal) });
+                around.ended.push(Ended {
+                    origin: task.origin,
+                    outcome: Err(refusal),
+                });
             }
             task.origin = Origin::Nobody;
             match &mut task.phase {
