@@ -40,11 +40,9 @@ impl App {
 pub struct Closing(pub watch::Receiver<bool>);
 
 impl Closing {
-    /// Waits until the server is to end.
+    /// Waits until the server is to end, or is gone.
     pub async fn wait(&mut self) {
-        if self.0.wait_for(|closing| *closing).await.is_err() {
-            // Whoever could say so is gone without saying it: the streams go on as long as their sockets do.
-            std::future::pending::<()>().await;
-        }
+        // An error says that the sender is gone, and the server with it: then nobody is left to answer to either.
+        let _ = self.0.wait_for(|closing| *closing).await;
     }
 }

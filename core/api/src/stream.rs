@@ -22,8 +22,8 @@ use serde::Deserialize;
 use skein_runtime::EventRecord;
 use std::sync::Arc;
 use std::time::Duration;
+use tokio::sync::broadcast;
 use tokio::sync::broadcast::error::RecvError;
-use tokio::sync::{broadcast, watch};
 use tokio::time::{Instant, Interval, MissedTickBehavior, interval, timeout};
 
 /// Frames per second until the client asks for another rate.
@@ -71,7 +71,7 @@ pub async fn open(
         limit: crate::app::MAX_STREAMS,
     };
     let permit = app.streams.clone().try_acquire_owned().map_err(too_many)?;
-    let closing = closing.map_or_else(|| Closing(watch::channel(false).1), |Extension(closing)| closing);
+    let closing = closing.map(|Extension(closing)| closing);
     let upgrade = upgrade
         .max_message_size(MAX_MESSAGE_BYTES)
         .max_frame_size(MAX_MESSAGE_BYTES);
@@ -149,8 +149,8 @@ impl Client {
         }
     }
 
-    async fn run(mut self, mut closing: Closing) -> End {
-        let end = match self.serve(&mut closing).await {
+    async fn run(mut self, mut closing: Option<Closing>) -> End {
+        let end = match self.serve(closing.as_mut()).await {
             Ok(never) => match never {},
             Err(end) => end,
         };
@@ -168,7 +168,7 @@ impl Client {
         end
     }
 
-    async fn serve(&mut self, closing: &mut Closing) -> Result<std::convert::Infallible, End> {
+    async fn serve(&mut self, closing: Option<&mut Closing>) -> Result<std::convert::Infallible, End> {
         let hello = ServerMessage::Hello {
             protocol: PROTOCOL_VERSION,
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -177,11 +177,12 @@ impl Client {
         self.say(&hello).await?;
         self.send_fleet().await?;
         self.send_events().await?;
+        let mut closed = std::pin::pin!(closed(closing));
         let (mut fleet, mut look) = (ticks(FLEET_EVERY), ticks(LOOK_EVERY));
         loop {
             let may_send = self.may_send();
             tokio::select! {
-                () = closing.wait() => return Err(End::Closing),
+                () = &mut closed => return Err(End::Closing),
                 received = self.socket.recv() => self.received(received).await?,
                 event = self.events.recv() => match event {
                     // Only a wake-up: what is sent comes from the log, so that falling behind loses nothing it still keeps.
@@ -299,6 +300,14 @@ impl Client {
             Ok(Err(_)) => Err(End::Gone),
             Err(_) => Err(End::TooSlow),
         }
+    }
+}
+
+/// Waits until the server is to end; for ever if nobody will say so.
+async fn closed(closing: Option<&mut Closing>) {
+    match closing {
+        Some(closing) => closing.wait().await,
+        None => std::future::pending().await,
     }
 }
 

@@ -40,5 +40,8 @@ fn committed_typescript_is_up_to_date() {
 
 #[test]
 fn committed_openapi_document_is_up_to_date() {
-    check(&repository().join("core/api/openapi.json"), &skein_api::openapi::document());
+    check(
+        &repository().join("core/api/openapi.json"),
+        &skein_api::openapi::document(),
+    );
 }

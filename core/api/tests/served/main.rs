@@ -1,0 +1,7 @@
+//! A real node without vehicles, served on a real loopback socket: what the API answers when all it has is itself.
+//! Flights are tested in `tests/integration`.
+
+mod http;
+mod node;
+mod raw;
+mod stream;
