@@ -20,6 +20,9 @@ pub(crate) struct Asking {
     /// The last answer, if it was a refusal.
     #[n(3)]
     refusal: Option<Refusal>,
+    /// When it was accepted, in heard seconds. The state that should follow may take a little longer to be seen.
+    #[n(4)]
+    accepted_s: Option<f64>,
 }
 
 impl Asking {
@@ -44,7 +47,8 @@ fn may_change(refusal: &Refusal) -> bool {
 }
 
 impl GenericUav {
-    /// Makes a request, at most `attempts` times, and looks for its answer. `None` while it is open.
+    /// Makes a request, at most `attempts` times, and looks for its answer. `None` while it is open. Once accepted it stays so for the
+    /// time an answer may take: whoever asks ends the asking by seeing the state that should follow.
     pub(crate) fn ask(
         &mut self,
         asking: &mut Asking,
@@ -53,23 +57,24 @@ impl GenericUav {
         out: &mut Effects,
     ) -> Option<Result<(), Refusal>> {
         let now_s = self.flight.heard_s;
-        if let Some((request, made_s)) = asking.outstanding {
-            let refusal = match self.result_of(request) {
+        let refusal = match (asking.accepted_s, asking.outstanding) {
+            (Some(accepted_s), _) if !self.is_late(accepted_s) => return Some(Ok(())),
+            (Some(_), _) => Some(self.no_answer(command)),
+            (None, Some((request, made_s))) => match self.result_of(request) {
                 Some(None) => {
-                    *asking = Asking::default();
+                    asking.outstanding = None;
+                    asking.accepted_s = Some(now_s);
                     return Some(Ok(()));
                 }
-                Some(Some(refusal)) => refusal,
-                None if now_s - made_s > self.settings.request_timeout_s => {
-                    let what = format!("{command:?}");
-                    Refusal::TimedOut {
-                        what,
-                        after_s: self.settings.request_timeout_s,
-                    }
-                }
+                Some(refusal) => refusal,
+                None if self.is_late(made_s) => Some(self.no_answer(command)),
                 None => return None,
-            };
+            },
+            (None, None) => None,
+        };
+        if let Some(refusal) = refusal {
             asking.outstanding = None;
+            asking.accepted_s = None;
             asking.not_before_s = now_s + self.settings.retry_pause_s;
             asking.refusal = Some(refusal.clone());
             if asking.attempts >= attempts || !may_change(&refusal) {
@@ -79,10 +84,22 @@ impl GenericUav {
         if now_s >= asking.not_before_s {
             let request = RequestId(self.flight.next_request);
             self.flight.next_request = self.flight.next_request.wrapping_add(1);
-            asking.attempts += 1;
+            asking.attempts = asking.attempts.saturating_add(1);
             asking.outstanding = Some((request, now_s));
             out.autopilot(request, command);
         }
         None
+    }
+
+    /// Whether what was to come since then should be there by now.
+    fn is_late(&self, since_s: f64) -> bool {
+        self.flight.heard_s - since_s > self.settings.request_timeout_s
+    }
+
+    fn no_answer(&self, command: AutopilotCommand) -> Refusal {
+        Refusal::TimedOut {
+            what: format!("{command:?}"),
+            after_s: self.settings.request_timeout_s,
+        }
     }
 }

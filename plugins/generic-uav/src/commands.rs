@@ -120,7 +120,7 @@ impl GenericUav {
 
     fn begin_return(&mut self, out: &mut Effects) {
         let home = self.own.and_then(|own| own.home).filter(PositionNed::is_finite);
-        match (home, self.present_motion()) {
+        match (home, self.measured()) {
             (Some(home), Some(_)) => self.fly(Purpose::Home { home }, None, "", out),
             _ => self.begin_landing(true, "by the autopilot: no home or no position here", out),
         }
@@ -210,7 +210,7 @@ impl GenericUav {
             command,
             VehicleCommand::Hold | VehicleCommand::GoTo { .. } | VehicleCommand::LandAt { .. }
         );
-        if needs_position && self.present_motion().is_none() {
+        if needs_position && self.measured().is_none() {
             return Err(Refusal::NoPosition);
         }
         Ok(())

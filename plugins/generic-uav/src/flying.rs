@@ -56,6 +56,17 @@ impl GenericUav {
             self.not_engaged(&flying, Refusal::NoPosition, out);
             return;
         };
+        let mut request = Effects::default();
+        if let Some(asking) = &mut flying.engaging
+            && flying.after.is_none()
+            && !self.flight.link_lost
+        {
+            let offboard = AutopilotCommand::EnterOffboard;
+            if let Some(Err(refusal)) = self.ask(asking, offboard, self.settings.attempts, &mut request) {
+                self.not_engaged(&flying, refusal, out);
+                return;
+            }
+        }
         let yaw_rad = own.kinematics.map(|k| k.yaw_rad).or(flying.yaw_rad);
         self.stream(
             &Motion {
@@ -67,16 +78,10 @@ impl GenericUav {
             out,
         );
         if let (Some(here), Some(goal)) = (measured, flying.purpose.goal()) {
-            out.tracking_error(here.distance_m(&goal));
+            self.tell_distance(here.distance_m(&goal), out);
         }
-        if let Some(asking) = &mut flying.engaging
-            && flying.after.is_none()
-            && !self.flight.link_lost
-            && let Some(Err(refusal)) = self.ask(asking, AutopilotCommand::EnterOffboard, self.settings.attempts, out)
-        {
-            self.not_engaged(&flying, refusal, out);
-            return;
-        }
+        // After the first setpoint: no mode change may come before the stream.
+        out.extend(request.take());
         self.flight.phase = Phase::Flying(flying);
     }
 
@@ -138,20 +143,11 @@ impl GenericUav {
 
     /// Moves on along the plan, unless the gate refused the last setpoint; mends the reference after a pause.
     fn advance(&mut self, flying: &mut Flying, dt_s: f64, out: &mut Effects) {
-        let refused_for_s = self.flight.refused_for_s;
-        if self.flight.gate_refusal.is_some() {
+        let held_back = self.flight.gate_refusal.is_some();
+        if held_back {
             self.flight.refused_for_s += dt_s;
-        } else {
-            self.flight.refused_for_s = 0.0;
-            if refused_for_s > LONGEST_STEP_S {
-                self.flight.reference = None; // The vehicle was held elsewhere.
-            }
-            flying.elapsed_s += dt_s;
-            if let Some(blend) = &mut flying.blend
-                && !blend.advance(dt_s)
-            {
-                flying.blend = None;
-            }
+        } else if std::mem::take(&mut self.flight.refused_for_s) > LONGEST_STEP_S {
+            self.flight.reference = None; // The vehicle was held elsewhere.
         }
         let anchored = matches!(flying.plan, Plan::Slot);
         if matches!(flying.purpose, Purpose::Follow(_)) && anchored != self.usable_anchor(flying).is_some() {
@@ -159,7 +155,11 @@ impl GenericUav {
         } else if self.fresh_reference().is_none()
             && let Some(have) = self.measured()
         {
-            self.blend_in(flying, &have);
+            self.blend_in(flying, &have, self.now);
+        }
+        if !held_back {
+            flying.elapsed_s += dt_s;
+            flying.blend.take_if(|blend| !blend.advance(dt_s));
         }
     }
 
@@ -187,7 +187,7 @@ impl GenericUav {
             Purpose::LandAt { .. } | Purpose::Home { .. } => here.position.horizontal_distance_m(&goal),
             _ => here.position.distance_m(&goal),
         };
-        out.tracking_error(distance_m);
+        self.tell_distance(distance_m, out);
         // Followers must see that a leader which is not heard is not heard.
         if let Purpose::Lead(lead) = &flying.purpose
             && !self.flight.link_lost
@@ -205,6 +205,13 @@ impl GenericUav {
                 heading_rate_rad_s: lead.heading_rate_rad_s,
                 time: self.now,
             });
+        }
+    }
+
+    /// A goal may be farther than numbers go.
+    fn tell_distance(&self, distance_m: f64, out: &mut Effects) {
+        if distance_m.is_finite() {
+            out.tracking_error(distance_m);
         }
     }
 

@@ -19,7 +19,7 @@ impl GenericUav {
         let streaming = matches!(&self.flight.phase, Phase::Flying(_))
             || matches!(&self.flight.phase, Phase::Landing(l) if l.stop.is_some());
         let stop = if streaming { self.present_motion() } else { None };
-        let stop = stop.map(|motion| {
+        let stop = stop.map(|(motion, _)| {
             (
                 Stop {
                     from: motion.position,
@@ -56,27 +56,30 @@ impl GenericUav {
         };
         if !landing.accepted && wanted.contains(&own.mode) {
             landing.accepted = true;
+            landing.asking = Asking::default();
             if landing.stop.take().is_some() {
                 self.stop_stream(out);
             }
         }
         if !landing.accepted {
+            let command = if landing.returning {
+                AutopilotCommand::ReturnToLaunch
+            } else {
+                AutopilotCommand::Land
+            };
+            let mut request = Effects::default();
+            // That it was accepted shows in the mode.
+            if let Some(Err(refusal)) = self.ask(&mut landing.asking, command, self.settings.attempts, &mut request) {
+                self.landing_refused(&landing, refusal, own, dt_s, out);
+                return;
+            }
             if let Some((stop, elapsed_s)) = &mut landing.stop {
                 *elapsed_s += dt_s;
                 let motion = stop.sample(*elapsed_s, self.settings.acceleration_m_s2);
                 let yaw_rad = self.flight.reference.and_then(|reference| reference.yaw_rad);
                 self.stream(&motion, yaw_rad, None, out);
             }
-            let command = if landing.returning {
-                AutopilotCommand::ReturnToLaunch
-            } else {
-                AutopilotCommand::Land
-            };
-            // That it was accepted shows in the mode.
-            if let Some(Err(refusal)) = self.ask(&mut landing.asking, command, self.settings.attempts, out) {
-                self.landing_refused(&landing, refusal, own, out);
-                return;
-            }
+            out.extend(request.take());
         }
         let waited_s = self.flight.heard_s - landing.since_s;
         if waited_s > self.settings.landing_timeout_s && !landing.overdue {
@@ -125,22 +128,25 @@ impl GenericUav {
         }
     }
 
-    fn landing_refused(&mut self, landing: &Landing, refusal: Refusal, own: &OwnState, out: &mut Effects) {
+    fn landing_refused(&mut self, landing: &Landing, refusal: Refusal, own: &OwnState, dt_s: f64, out: &mut Effects) {
         out.notice(Severity::Critical, format!("the autopilot does not land: {refusal}"));
         if landing.stop.is_none() || own.mode != FlightMode::Offboard {
             self.lose_control(format!("landing refused: {refusal}"), out);
             return;
         }
         self.command_refused(refusal, out);
-        let flying = Flying {
+        let mut flying = Flying {
             purpose: Purpose::Hold { at: None },
             engaging: None,
             plan: Plan::Slot,
             elapsed_s: 0.0,
             blend: None,
-            yaw_rad: None,
+            yaw_rad: self.flight.reference.and_then(|reference| reference.yaw_rad),
             after: None,
         };
-        self.lay_out(flying, "the autopilot does not land", out);
+        self.plan_from_here(&mut flying, out);
+        self.flight.detail = "the autopilot does not land".to_owned();
+        // In this very period, so that the stream has no gap.
+        self.step_flying(flying, own, dt_s, out);
     }
 }

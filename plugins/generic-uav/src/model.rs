@@ -255,15 +255,23 @@ impl GenericUav {
         ((0.0..=LONGEST_STEP_S).contains(&age_s) && near).then_some(reference)
     }
 
-    /// The motion from which a new plan goes on: the reference if the vehicle follows one, else what is measured.
-    pub(crate) fn present_motion(&self) -> Option<Motion> {
+    /// The motion from which a new plan goes on, and its time: the reference if the vehicle follows one, else what is measured.
+    pub(crate) fn present_motion(&self) -> Option<(Motion, NodeTime)> {
         match self.fresh_reference() {
-            Some(Reference { position, velocity, .. }) => Some(Motion {
+            Some(Reference {
                 position,
                 velocity,
-                ..Motion::default()
-            }),
-            None => self.measured(),
+                time,
+                ..
+            }) => Some((
+                Motion {
+                    position,
+                    velocity,
+                    ..Motion::default()
+                },
+                time,
+            )),
+            None => self.measured().map(|motion| (motion, self.now)),
         }
     }
 

@@ -62,7 +62,9 @@ impl GenericUav {
 
     /// The way for the purpose, from where the vehicle is.
     pub(crate) fn plan_from_here(&mut self, flying: &mut Flying, out: &mut Effects) {
-        let Some(have) = self.present_motion() else { return };
+        let Some((have, at)) = self.present_motion() else {
+            return;
+        };
         let here = have.position;
         let above = |place: &PositionNed| PositionNed {
             down_m: here.down_m,
@@ -102,12 +104,12 @@ impl GenericUav {
             });
             self.track = None;
         }
-        self.blend_in(flying, &have);
+        self.blend_in(flying, &have, at);
     }
 
-    /// Lets the difference between a motion and the plan's present one fade out.
-    pub(crate) fn blend_in(&mut self, flying: &mut Flying, have: &Motion) {
-        let begin = self.sample(flying, self.now).motion;
+    /// Lets the difference between the motion that the vehicle has `at` a time and the plan's at that time fade out.
+    pub(crate) fn blend_in(&mut self, flying: &mut Flying, have: &Motion, at: NodeTime) {
+        let begin = self.sample(flying, at).motion;
         flying.blend = Blend::between(have, &begin, &self.settings);
     }
 

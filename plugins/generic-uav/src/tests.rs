@@ -1,1 +1,11 @@
-//! Tests of the model.
+//! The model against a tiny autopilot in simulated time.
+
+mod autopilot;
+mod commands;
+mod flights;
+mod pilot;
+mod properties;
+mod rig;
+mod snapshots;
+mod take_off;
+mod tasks;
