@@ -192,7 +192,8 @@ fn unit(workspace: &Workspace, report: &mut Report) {
 fn crate_tier(workspace: &Workspace, report: &mut Report, tier: Tier, built: &Built) {
     let Some(package) = tier.package() else { return };
     let mut tests = workspace.cargo();
-    tests.args(["test", "-p", package, "--no-fail-fast"]);
+    // one flight at a time: they run in real time, and two would take each other's
+    tests.args(["test", "-p", package, "--no-fail-fast", "--", "--test-threads", "1"]);
     built.tell(&mut tests);
     let advice = format!("{SEE_TESTS} `cargo xtask test {}`", tier.name());
     report.step(tier.name(), &advice, Step::tests(tests, Runner::CargoTest));
