@@ -1,8 +1,8 @@
 // The page itself: its headers, its accessibility in both themes and on a tablet, the keyboard, the targets.
 
+import type { Page } from '@playwright/test';
 import axe from 'axe-core';
 import type { AxeResults } from 'axe-core';
-import type { Page } from '@playwright/test';
 import { button, card, expect, open, plotted, summary, test } from './console';
 import { Program } from './program';
 

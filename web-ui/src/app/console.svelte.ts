@@ -1,9 +1,9 @@
 // Everything the features share, put together once. Components get it through Svelte's context.
 
 import { createContext } from 'svelte';
-import { FormationDraft } from '../features/formation/formationDraft.svelte';
 import { MapState } from '../features/map/mapState.svelte';
 import { Commander } from '../model/commander.svelte';
+import { FormationDraft } from '../model/formationDraft.svelte';
 import { Journal } from '../model/journal.svelte';
 import { Session } from '../model/session.svelte';
 import { Targets } from '../model/targets.svelte';

@@ -1,9 +1,9 @@
 // The life cycle of commands, in the order and out of the order in which news of it can come.
 
 import { describe, expect, it } from 'vitest';
+import type { CommandProgress } from '../protocol/types';
 import { EMPTY, KEPT_BATCHES, latestOf, reduce, tally } from './commandLedger';
 import type { Action, Ledger } from './commandLedger';
-import type { CommandProgress } from '../protocol/types';
 
 const EXECUTING: CommandProgress = { progress: 'executing' };
 const DONE: CommandProgress = { progress: 'done' };

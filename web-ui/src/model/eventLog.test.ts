@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
+import type { Severity } from '../protocol/types';
 import { EMPTY_LOG, KEPT_ENTRIES, REPEAT_WITHIN_MS, acknowledge, acknowledgeAll, add, outstanding } from './eventLog';
 import type { EventLog, Happening } from './eventLog';
-import type { Severity } from '../protocol/types';
 
 let next = 0;
 function event(text: string, severity: Severity, at: number, vehicle: number | null = 1): Happening {

@@ -1,9 +1,9 @@
 // The page's side of the connection: puts what the stream says where it belongs and beats the tick the list lives on.
 // Must never send a command.
 
-import { Stream, streamUrl } from '../features/connection/stream';
-import type { StreamState } from '../features/connection/stream';
 import { getEvents, measureLatencyMs } from '../protocol/rest';
+import { Stream, streamUrl } from '../protocol/stream';
+import type { StreamState } from '../protocol/stream';
 import type { EventRecord, FleetInfo, VehicleInfo } from '../protocol/types';
 import { Fleet } from '../telemetry/fleet';
 import type { Commander } from './commander.svelte';

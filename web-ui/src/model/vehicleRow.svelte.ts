@@ -3,8 +3,8 @@
 
 import { FLAG } from '../protocol/frame';
 import type { VehicleInfo } from '../protocol/types';
-import { FLIGHT_MODES, FLIGHT_STATES, GNSS_FIXES, LANDED_STATES } from '../protocol/words';
 import type { FlightMode, FlightState, GnssFix } from '../protocol/types';
+import { FLIGHT_MODES, FLIGHT_STATES, GNSS_FIXES, LANDED_STATES } from '../protocol/words';
 import type { Fleet } from '../telemetry/fleet';
 import { ageText, classify } from '../telemetry/staleness';
 import type { Staleness } from '../telemetry/staleness';

@@ -1,8 +1,8 @@
 // The binary decoder against bytes written by hand from the layout, and against the frames the server's own encoder made.
 
 import { describe, expect, it } from 'vitest';
-import golden from '../protocol/generated/frame.golden.json';
 import { FLAG, FrameError, UNKNOWN_U16 } from '../protocol/frame';
+import golden from '../protocol/generated/frame.golden.json';
 import { Fleet } from './fleet';
 
 const ORIGIN = { latitude_deg: 47.397742, longitude_deg: 8.545594, altitude_amsl_m: 488 };

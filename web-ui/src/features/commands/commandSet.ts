@@ -1,10 +1,8 @@
 // The commands the bar offers and how each is guarded. The guard follows from the consequence: what starts motors or moves the
 // whole fleet wants to be held; holding position never does. Pure.
 
+import { HOLD_MS } from '../../components/hold';
 import type { VehicleCommand } from '../../protocol/types';
-
-/** How long a guarded button must be held. */
-export const HOLD_MS = 800;
 
 export type Verb = 'arm' | 'disarm' | 'take_off' | 'hold' | 'land' | 'return';
 

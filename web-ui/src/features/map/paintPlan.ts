@@ -1,6 +1,6 @@
 // Plans on the canvas: the route being flown, the route being drawn, and the slots a formation would have.
 
-import type { Waypoint } from '../formation/formationDraft.svelte';
+import type { Waypoint } from '../../model/formationDraft.svelte';
 import { FONT } from './paintGround';
 import type { Palette } from './palette';
 import type { View } from './view';

@@ -2,9 +2,9 @@
 
 import type { Console } from '../../app/console.svelte';
 import { FLAG } from '../../protocol/frame';
-import { paintFence, paintFurniture, paintGrid, paintHatching } from './paintGround';
 import { paintLabels, paintSlots, paintTrails, paintVehicles } from './paintFleet';
 import type { Marking } from './paintFleet';
+import { paintFence, paintFurniture, paintGrid, paintHatching } from './paintGround';
 import { paintBox, paintDraftRoute, paintPreview, paintRoute } from './paintPlan';
 import { readPalette } from './palette';
 import type { Palette } from './palette';

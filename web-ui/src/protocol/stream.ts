@@ -1,8 +1,8 @@
 // The one WebSocket: opens it, checks the server's greeting, hands on messages, notices silence, comes back with back-off.
 // Must never keep vehicle state: who listens decides what a message means.
 
-import type { EventRecord, FleetInfo, ServerMessage } from '../../protocol/types';
 import { waitMs } from './backoff';
+import type { EventRecord, FleetInfo, ServerMessage } from './types';
 
 /** The server's greeting. */
 export type Hello = Extract<ServerMessage, { type: 'hello' }>;

@@ -1,15 +1,15 @@
 // The formation and the route an operator is putting together, and what the server said to the last one sent.
 // Must never decide feasibility: the server's answer is shown as it came.
 
-import type { Journal } from '../../model/journal.svelte';
-import type { Session } from '../../model/session.svelte';
-import type { Targets } from '../../model/targets.svelte';
-import type { VehicleRow } from '../../model/vehicleRow.svelte';
-import { ApiError, endFormation, putFormation, putRoute } from '../../protocol/rest';
-import type { FormationRequest, HeadingRequest, Route, Shape } from '../../protocol/types';
-import { FLAG } from '../../protocol/frame';
-import { label } from '../../protocol/words';
+import { FLAG } from '../protocol/frame';
+import { ApiError, endFormation, putFormation, putRoute } from '../protocol/rest';
+import type { FormationRequest, HeadingRequest, Route, Shape } from '../protocol/types';
+import { label } from '../protocol/words';
+import type { Journal } from './journal.svelte';
+import type { Session } from './session.svelte';
 import { slotOffsets, turned } from './slotPreview';
+import type { Targets } from './targets.svelte';
+import type { VehicleRow } from './vehicleRow.svelte';
 
 export type Outcome = { tone: 'pending' | 'accepted' | 'refused'; text: string } | null;
 export type Waypoint = { north: number; east: number };

@@ -1,7 +1,7 @@
 // Where the slots of a formation would be, for pictures only: the same outlines as the server lays out, leader first.
 // What is flown, who gets which slot and whether it is safe is the server's to say. Pure.
 
-import type { Shape } from '../../protocol/types';
+import type { Shape } from '../protocol/types';
 
 /** Metres forward, right and up of the leader. */
 export type SlotOffset = { forward: number; right: number; up: number };
