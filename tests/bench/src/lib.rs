@@ -1,1 +1,22 @@
-//! Placeholder.
+//! Measures the whole program from outside: its own process against a load generator in another, beside a bare loop that receives,
+//! parses and sends without any logic, in the same run on the same machine.
+//!
+//! Must never do: reach into the program measured. What counts is what leaves its sockets and what the system charges it.
+#![forbid(unsafe_code)]
+
+mod bare;
+mod error;
+mod fleet;
+mod flyer;
+mod gaps;
+mod generator;
+mod process;
+mod program;
+mod report;
+mod wire;
+
+pub use bare::{BareLoopSettings, run_bare_loop};
+pub use error::BenchError;
+pub use fleet::{FleetBenchArgs, run_fleet_bench};
+pub use generator::{LoadGeneratorSettings, run_load_generator};
+pub use report::{FleetBenchReport, Gaps, LoadFigures, SideFigures, Spread, WindowFigures};
