@@ -38,7 +38,7 @@ const VERTICAL_ACCELERATION_M_S2: f64 = 3.5;
 /// A take-off counts as done this far below its height, in metres.
 const TAKE_OFF_DONE_M: f64 = 0.73;
 /// Below this height a distance sensor sees the ground and the landing crawls, in metres.
-const CRAWL_BELOW_M: f64 = 0.55;
+const CRAWL_BELOW_M: f64 = 1.05;
 
 /// Where the guidance wants to be.
 #[derive(Debug, Clone, Copy, PartialEq)]

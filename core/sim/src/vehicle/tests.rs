@@ -1,1 +1,8 @@
-//! One vehicle in simulated time.
+//! One vehicle in simulated time: it must do what was measured of a real PX4.
+
+mod commands;
+mod flight;
+mod offboard;
+mod properties;
+mod protocol;
+mod rig;
