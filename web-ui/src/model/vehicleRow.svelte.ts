@@ -40,6 +40,8 @@ export class VehicleRow {
   height = $state(UNKNOWN);
   speed = $state(UNKNOWN);
   trackingError = $state(UNKNOWN);
+  /** Height above the launch place for the map; NaN if not known. Not reactive: the map draws when it is woken. */
+  heightM = NaN;
   actorRestarts = $state(0);
   modelRestarts = $state(0);
 
@@ -90,10 +92,12 @@ export class VehicleRow {
     const i = this.index;
     if (!fleet.has(i, FLAG.position)) {
       this.height = this.speed = this.trackingError = UNKNOWN;
+      this.heightM = NaN;
       return;
     }
     const ground = info?.home?.altitude_amsl_m;
-    this.height = ground === undefined ? UNKNOWN : `${noMinusZero((fleet.altitudeM[i] ?? 0) - ground)} m`;
+    this.heightM = ground === undefined ? NaN : (fleet.altitudeM[i] ?? 0) - ground;
+    this.height = ground === undefined ? UNKNOWN : `${noMinusZero(this.heightM)} m`;
     const speed = Math.hypot(fleet.velocityNorth[i] ?? 0, fleet.velocityEast[i] ?? 0, fleet.velocityDown[i] ?? 0);
     this.speed = `${speed.toFixed(1)} m/s`;
     const error = fleet.trackingErrorM[i] ?? NaN;

@@ -5,6 +5,8 @@ import { FLAG } from '../../protocol/frame';
 import { paintLabels, paintSlots, paintTrails, paintVehicles } from './paintFleet';
 import type { Marking } from './paintFleet';
 import { paintFence, paintFurniture, paintGrid, paintHatching } from './paintGround';
+import { paintLadder } from './paintLadder';
+import type { Rung } from './paintLadder';
 import { paintBox, paintDraftRoute, paintPreview, paintRoute } from './paintPlan';
 import { readPalette } from './palette';
 import type { Palette } from './palette';
@@ -105,6 +107,7 @@ export class Painter {
     paintDraftRoute(ctx, view, palette, formation.waypoints, this.#leaderPlace());
     if (this.box) paintBox(ctx, palette, this.box.x0, this.box.y0, this.box.x1, this.box.y1);
     paintFurniture(ctx, view, palette);
+    paintLadder(ctx, view, palette, this.#rungs());
     this.frames++;
   };
 
@@ -112,6 +115,13 @@ export class Painter {
     const row = this.console.session.rowAt(index);
     return row ? { level: row.level, problem: row.problems.split(' · ', 1)[0] ?? '', height: row.height } : CALM;
   };
+
+  #rungs(): Rung[] {
+    const { session, targets } = this.console;
+    return session.rows
+      .filter((row) => !Number.isNaN(row.heightM))
+      .map((row) => ({ heightM: row.heightM, level: row.level, leader: row.leader, selected: targets.selected.has(row.id) }));
+  }
 
   #leaderPlace(): { north: number; east: number } | null {
     const { fleet, info } = this.console.session;
