@@ -159,6 +159,10 @@ impl Commands {
                 until: now.plus_seconds(LIFT_OFF_S),
             },
         };
+        if let (Phase::Waiting { until, .. }, Some(mode)) = (&phase, plan.steps.first().and_then(|s| s.goal.mode())) {
+            // Out of a failsafe, the stream that is waited for brings OFFBOARD back before it is asked for: that is meant.
+            around.modes.expect(mode, *until);
+        }
         let Plan {
             name,
             class,

@@ -1,0 +1,9 @@
+//! The link against simulated PX4 vehicles: in simulated time without sockets, and over real sockets and lines.
+
+mod endpoints;
+mod flying;
+mod line_quality;
+mod lines;
+mod net;
+mod puppet;
+mod rig;
