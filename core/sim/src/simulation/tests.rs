@@ -164,7 +164,7 @@ fn a_referee_is_called_fifty_times_a_second() {
     simulation
         .observe(Box::new(move |frame| {
             let _ = send.send((frame.sequence, frame.time_s));
-        })))
+        }))
         .expect("observes");
     let seen: Vec<_> = calls.iter().take(50).collect();
     simulation.stop();
