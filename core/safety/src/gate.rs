@@ -126,6 +126,32 @@ impl Gate {
         Ok(*setpoint)
     }
 
+    /// The same setpoint with its velocity brought within the speed limits, each axis group on its own and without turning it: what
+    /// may be tried instead of one that was refused as too fast. It has to pass the gate like any other.
+    #[must_use]
+    pub fn slowed(&self, setpoint: &Setpoint) -> Setpoint {
+        let Some(velocity) = setpoint.velocity else {
+            return *setpoint;
+        };
+        let horizontal_m_s = velocity.north_m_s.hypot(velocity.east_m_s);
+        let share = if horizontal_m_s > self.limits.max_speed_m_s {
+            self.limits.max_speed_m_s / horizontal_m_s
+        } else {
+            1.0
+        };
+        let velocity = VelocityNed {
+            north_m_s: velocity.north_m_s * share,
+            east_m_s: velocity.east_m_s * share,
+            down_m_s: velocity
+                .down_m_s
+                .clamp(-self.limits.max_climb_m_s, self.limits.max_descent_m_s),
+        };
+        Setpoint {
+            velocity: Some(velocity),
+            ..*setpoint
+        }
+    }
+
     /// Whether a place may be flown to.
     ///
     /// # Errors
