@@ -6,8 +6,8 @@
 use crate::board::PeerSnapshot;
 use skein_config::CoordinatorSettings;
 use skein_domain::{
-    FormationHeading, FormationRequest, HeadingRequest, Intent, NodeTime, OffsetFrd, PositionNed, Refusal, Route,
-    SlotMove, Task, VehicleId, VehicleTask,
+    AnchorReference, FormationHeading, FormationRequest, HeadingRequest, Intent, NodeTime, OffsetFrd, PositionNed,
+    Refusal, Route, SlotMove, Task, VehicleId, VehicleTask,
 };
 use skein_flight::transition::{self, MotionLimits};
 use skein_flight::{formation, limits};
@@ -18,6 +18,9 @@ const SLOWEST_USEFUL_TURN_RAD_S: f64 = 0.15;
 
 /// Leader's speed assumed when a formation's turning rate is chosen, in metres per second, until a route says otherwise.
 const NOMINAL_SPEED_M_S: f64 = 5.0;
+
+/// A change of shape is flown at this speed at least, in metres per second; the gate slows whoever becomes too fast by it.
+const SLOWEST_CHANGE_M_S: f64 = 1.5;
 
 /// Acceleration of the outermost vehicle in a turn of the formation, in metres per second squared: beyond it tracking suffers.
 const TURN_ACCELERATION_M_S2: f64 = 3.0;
@@ -123,7 +126,7 @@ pub struct PlanInput {
     pub request: FormationRequest,
     /// The formation flown until now, if any.
     pub before: Option<Formation>,
-    /// Speed of the leader's route in metres per second, if one is flown.
+    /// Speed of the leader's route in metres per second, while one is flown.
     pub route_speed_m_s: Option<f64>,
     /// Limits.
     pub limits: PlanLimits,
@@ -168,7 +171,14 @@ pub fn plan(input: &PlanInput, peers: &PeerSnapshot) -> Result<Formation, Refusa
     let heading_now = heading_now(&input.request, leader, peers);
     let heading = choose_heading(input, &slots, heading_now);
     let from = present_offsets(input, &members, heading_now, peers)?;
-    let planned = transition::plan(&from, &slots, &input.limits.transition, input.start)
+    let limits = motion_limits(
+        input,
+        &from,
+        &slots,
+        &heading,
+        peers.entry(leader).and_then(|e| e.anchor).as_ref(),
+    );
+    let planned = transition::plan(&from, &slots, &limits, input.start)
         .map_err(|e| Refusal::InvalidValue { detail: e.to_string() })?;
     Ok(Formation {
         request: FormationRequest {
@@ -236,6 +246,35 @@ fn choose_heading(input: &PlanInput, slots: &[OffsetFrd], heading_now: f64) -> F
             heading_rad: heading_now,
         },
         HeadingRequest::Auto | HeadingRequest::Course => FormationHeading::Course { max_rate_rad_s },
+    }
+}
+
+/// The limits within the formation, beside what the formation as a whole does: its leader's speed and its turning take their share of
+/// what a vehicle can fly.
+fn motion_limits(
+    input: &PlanInput,
+    from: &[OffsetFrd],
+    slots: &[OffsetFrd],
+    heading: &FormationHeading,
+    anchor: Option<&AnchorReference>,
+) -> MotionLimits {
+    let limits = input.limits.transition;
+    let turns = anchor.is_some_and(|a| a.heading_rate_rad_s.abs() > 1e-3);
+    let under_way = input.route_speed_m_s.is_some();
+    let rate_rad_s = match heading {
+        FormationHeading::Course { max_rate_rad_s } if under_way || turns => *max_rate_rad_s,
+        _ => anchor.map_or(0.0, |a| a.heading_rate_rad_s.abs()),
+    };
+    let farthest_m = from
+        .iter()
+        .chain(slots)
+        .map(|o| o.forward_m.hypot(o.right_m))
+        .fold(0.0, f64::max);
+    let taken_m_s = input.route_speed_m_s.unwrap_or(0.0) + rate_rad_s * farthest_m;
+    let spare_m_s = input.limits.max_speed_m_s * limits::TURN_SPEED_SHARE - taken_m_s;
+    MotionLimits {
+        speed_m_s: limits.speed_m_s.min(spare_m_s.max(SLOWEST_CHANGE_M_S)),
+        ..limits
     }
 }
 

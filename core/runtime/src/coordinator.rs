@@ -119,7 +119,11 @@ impl CoordinatorState {
         let config = &self.board.config;
         let input = PlanInput {
             request,
-            route_speed_m_s: coordination.route.as_ref().map(|r| r.route.speed_m_s),
+            route_speed_m_s: coordination
+                .route
+                .as_ref()
+                .filter(|r| !r.finished)
+                .map(|r| r.route.speed_m_s),
             before: coordination.formation,
             limits: PlanLimits::new(&config.coordinator, config.safety.max_speed_m_s),
             start: self.board.now().plus_seconds(LEAD_TIME_S),

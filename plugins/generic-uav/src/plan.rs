@@ -154,7 +154,8 @@ impl GenericUav {
                 Sample {
                     motion,
                     yaw: None,
-                    course_rad: Some(at.course_rad),
+                    // A leader that stands has no course: its formation stays as it is turned, instead of sweeping round a fixed point.
+                    course_rad: (!at.finished).then_some(at.course_rad),
                     finished: at.finished,
                 }
             }

@@ -95,7 +95,14 @@ impl VehicleState {
 
     fn setpoint(&mut self, setpoint: &Setpoint) {
         let now = self.board.now();
-        match self.checked(setpoint, now) {
+        let mut checked = self.checked(setpoint, now);
+        if let Err(refusal @ Refusal::TooFast { .. }) = &checked {
+            // Too fast is mended by flying slower on the same way; stopping in the midst of others would be worse.
+            let refusal = refusal.clone();
+            self.tell_refusal(now, &refusal);
+            checked = self.checked(&self.board.gate.slowed(setpoint), now);
+        }
+        match checked {
             Ok((local, passed)) => {
                 let valid_s = self.board.config.link.setpoint_valid_s;
                 self.refused_at = None;

@@ -16,18 +16,18 @@ pub const CORNER_RADIUS_M: f64 = 12.0;
 /// Speed limit within the formation while it changes, in metres per second.
 pub const TRANSITION_SPEED_M_S: f64 = 8.0;
 /// Rest after each change, in seconds: the vehicles settle, and the referee looks whether each is in its slot.
-pub const SETTLE_S: f64 = 2.0;
+pub const SETTLE_S: f64 = 1.5;
 
 /// Shortest leg that shows anything of straight flight, in metres.
 const SHORTEST_LEG_M: f64 = 36.0;
 /// Longest leg: beyond it nothing new is seen.
 const LONGEST_LEG_M: f64 = 80.0;
 /// Start of the estimator, arming, climb, entering OFFBOARD, in seconds.
-const UP_S: f64 = 18.0;
+const UP_S: f64 = 16.0;
 /// Descent, touch-down, disarming, in seconds.
 const DOWN_S: f64 = 16.0;
 /// What a route costs beyond its length: speeding up, slowing down, corners, settling, in seconds.
-const ROUTE_OVERHEAD_S: f64 = 6.0;
+const ROUTE_OVERHEAD_S: f64 = 4.5;
 
 /// The plan.
 pub struct Layout {
@@ -46,7 +46,7 @@ pub struct Layout {
 impl Layout {
     /// Fits the flight of so many vehicles into the time asked for, as far as it can be.
     pub fn plan(vehicles: usize, asked_s: Option<f64>) -> Self {
-        let take_off_stagger_s = (10.0 / vehicles as f64).min(0.5);
+        let take_off_stagger_s = (8.0 / vehicles as f64).min(0.5);
         let changes_s = changes_s(vehicles);
         let fixed_s = UP_S + take_off_stagger_s * vehicles as f64 + changes_s + DOWN_S + 2.0 * ROUTE_OVERHEAD_S;
         let leg_m = match asked_s {
