@@ -33,7 +33,7 @@ export const test = base.extend<{ watch: Watch }>({
 
 export { expect };
 
-export const button = (page: Page, name: string | RegExp): Locator => page.getByRole('button', { name });
+export const button = (page: Page, name: string | RegExp): Locator => page.getByRole('button', { name, exact: true });
 export const card = (page: Page, id: number): Locator => page.locator(`[data-vehicle="${id}"]`);
 export const summary = (page: Page): Locator => page.getByTestId('command-summary');
 

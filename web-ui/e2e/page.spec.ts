@@ -101,7 +101,7 @@ test('the keyboard alone arms a vehicle and disarms it', async ({ page }) => {
   await page.keyboard.press('Space');
   await expect(page.getByTestId('targets')).toContainText('1 selected');
   for (const [name, key, state] of [['Arm 1', 'Space', 'armed'], ['Disarm 1', 'Enter', 'disarmed']] as const) {
-    await page.getByRole('button', { name, exact: true }).focus();
+    await button(page, name).focus();
     const sent = page.waitForRequest((request) => request.method() === 'POST');
     await page.keyboard.down(key);
     await sent;

@@ -34,6 +34,10 @@ describe('repeats', () => {
     const l = add(acknowledgeAll(first), event('x', 'warning', 5));
     expect(outstanding(l)).toHaveLength(1);
   });
+
+  it('of what needs no acknowledgement need none either', () => {
+    expect(outstanding(log(event('x', 'info', 0), event('x', 'info', 1)))).toEqual([]);
+  });
 });
 
 describe('acknowledging', () => {

@@ -52,14 +52,14 @@ export function happening(record: EventRecord, at: number): Happening {
 export function add(log: EventLog, h: Happening, seq = 0): EventLog {
   const lastSeq = Math.max(log.lastSeq, seq);
   const signature = `${h.vehicle ?? ''}|${h.kind}|${h.severity}|${h.text}`;
+  const acknowledged = SEVERITY_RANK[h.severity] < SEVERITY_RANK.warning;
   const at = log.entries.findIndex((e) => e.signature === signature);
   const former = at >= 0 ? log.entries[at] : undefined;
   if (former && h.at - former.lastAt <= REPEAT_WITHIN_MS) {
-    // It happened again after it was acknowledged: that wants a new look.
-    const again: LogEntry = { ...former, count: former.count + 1, lastAt: Math.max(former.lastAt, h.at), acknowledged: false };
+    // A warning that comes again after it was acknowledged wants a new look.
+    const again: LogEntry = { ...former, count: former.count + 1, lastAt: Math.max(former.lastAt, h.at), acknowledged };
     return { lastSeq, entries: [again, ...log.entries.slice(0, at), ...log.entries.slice(at + 1)] };
   }
-  const acknowledged = SEVERITY_RANK[h.severity] < SEVERITY_RANK.warning;
   const entry: LogEntry = {
     key: h.key, signature, vehicle: h.vehicle, severity: h.severity, kind: h.kind, text: h.text,
     count: 1, firstAt: h.at, lastAt: h.at, acknowledged,

@@ -3,7 +3,6 @@
 import { FONT } from './paintGround';
 import { levelColour } from './palette';
 import type { Palette } from './palette';
-import { roundStep } from './view';
 import type { View } from './view';
 
 /** One vehicle on the ladder. */
@@ -34,7 +33,7 @@ export function paintLadder(ctx: CanvasRenderingContext2D, view: View, palette: 
   ctx.lineWidth = 3;
   ctx.strokeStyle = palette.bg;
   ctx.fillStyle = palette.label;
-  const step = roundStep(top / 2);
+  const step = top / 5;
   for (let height = 0; height <= top; height += step) {
     const text = height === top ? `${height} m high` : `${height}`;
     ctx.strokeText(text, x - 18, y(height));
