@@ -73,7 +73,7 @@ impl Vehicle {
     }
 
     fn measured(&mut self, now: NodeTime, step: u32, noise: &mut Noise) -> VehicleKinematics {
-        if step % 25 == 0 {
+        if step.is_multiple_of(25) {
             self.error_to = noise.vector(POSITION_NOISE_M);
         }
         self.error += (self.error_to - self.error) * 0.1;

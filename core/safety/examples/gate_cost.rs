@@ -25,22 +25,7 @@ fn main() {
     let fence = Fence::new(corners, -20.0, 120.0).ok();
     let now = NodeTime::from_seconds(100.0);
     let velocity = VelocityNed::new(8.0, 1.0, 0.1);
-    let peers: Vec<Peer> = (0..100_u16)
-        .map(|i| {
-            let position = PositionNed::new(f64::from(i / 10) * 5.0, f64::from(i % 10) * 5.0, -30.0);
-            let kinematics = VehicleKinematics {
-                position,
-                velocity,
-                yaw_rad: 0.0,
-                measured: now.plus_seconds(-0.03),
-            };
-            Peer {
-                id: VehicleId(i),
-                kinematics,
-                airborne: true,
-            }
-        })
-        .collect();
+    let peers = formation(&velocity, now);
     for (name, gate) in [
         ("without a fence", Gate::new(limits, None)),
         ("with 12 corners", Gate::new(limits, fence)),
@@ -73,4 +58,19 @@ fn main() {
             per_round_s * RATE_HZ * 100.0
         );
     }
+}
+
+/// A hundred vehicles on a grid with five metres between them, all at one velocity.
+fn formation(velocity: &VelocityNed, now: NodeTime) -> Vec<Peer> {
+    let peer = |i: u16| Peer {
+        id: VehicleId(i),
+        kinematics: VehicleKinematics {
+            position: PositionNed::new(f64::from(i / 10) * 5.0, f64::from(i % 10) * 5.0, -30.0),
+            velocity: *velocity,
+            yaw_rad: 0.0,
+            measured: now.plus_seconds(-0.03),
+        },
+        airborne: true,
+    };
+    (0..100).map(peer).collect()
 }
