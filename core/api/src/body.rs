@@ -9,13 +9,17 @@ use axum::extract::rejection::JsonRejection;
 use axum::extract::{FromRequest, Request};
 use axum::http::{HeaderMap, header};
 use serde::Serialize;
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, IgnoredAny};
 use serde_json::Value;
 use skein_domain::{FormationRequest, HeadingRequest, PositionNed, Route, VehicleCommand, VehicleId};
 use skein_runtime::{Fault, Targets};
+use std::time::Duration;
+use tokio::time::timeout;
 
 /// Largest body that is read, in bytes.
 pub const MAX_BODY_BYTES: usize = 1024 * 1024;
+/// A body has to be there within this time.
+const BODY_WITHIN: Duration = Duration::from_secs(10);
 
 /// More vehicles than this are not named in one request. A MAVLink network has at most 255.
 const MAX_VEHICLES: usize = 1024;
@@ -45,9 +49,10 @@ where
         if !says_json(request.headers()) {
             return Err(ApiError::NotJson);
         }
-        let bytes = Bytes::from_request(request, state).await.map_err(JsonRejection::from)?;
-        let Json(value) = Json::<T>::from_bytes(&bytes)?;
-        reject_unknown_fields(&bytes, &value)?;
+        let received = timeout(BODY_WITHIN, Bytes::from_request(request, state)).await;
+        let bytes = received.map_err(|_| ApiError::TooSlow)?.map_err(JsonRejection::from)?;
+        let Json(value) = Json::<T>::from_bytes(&bytes).map_err(|rejection| not_understood(rejection, &bytes))?;
+        reject_what_was_overlooked(&bytes, &value)?;
         value.check(&Place::root())?;
         Ok(Self(value))
     }
@@ -64,32 +69,41 @@ fn says_json(headers: &HeaderMap) -> bool {
         .is_some_and(|kind| kind.trim().eq_ignore_ascii_case("application/json"))
 }
 
-/// Serde overlooks unknown fields beside a tag that needs no others (`{"command":"arm","when":1}`). What was understood is
-/// written out again; a key that is then missing was not understood.
-fn reject_unknown_fields<T: Serialize>(bytes: &[u8], understood: &T) -> Result<(), ApiError> {
-    let (Ok(given), Ok(understood)) = (serde_json::from_slice::<Value>(bytes), serde_json::to_value(understood)) else {
-        return Ok(());
-    };
-    match unknown_field(&given, &understood, &Place::root()) {
-        Some(field) => Err(ApiError::UnknownField { field }),
-        None => Ok(()),
+/// Some mistakes of type are reported as if the text were no JSON (a number where a word is due).
+fn not_understood(rejection: JsonRejection, bytes: &[u8]) -> ApiError {
+    let is_json = || serde_json::from_slice::<IgnoredAny>(bytes).is_ok();
+    match rejection {
+        JsonRejection::JsonSyntaxError(error) if is_json() => ApiError::Shape { problem: error.body_text() },
+        rejection => rejection.into(),
     }
 }
 
-fn unknown_field(given: &Value, understood: &Value, place: &Place<'_>) -> Option<String> {
+/// Serde overlooks unknown fields beside a tag that needs no others (`{"command":"arm","when":1}`), and takes a list for an
+/// object. What was understood is written out again: what is then missing was overlooked.
+fn reject_what_was_overlooked<T: Serialize>(bytes: &[u8], understood: &T) -> Result<(), ApiError> {
+    let (Ok(given), Ok(understood)) = (serde_json::from_slice::<Value>(bytes), serde_json::to_value(understood)) else {
+        return Ok(());
+    };
+    overlooked(&given, &understood, &Place::root()).map_or(Ok(()), Err)
+}
+
+fn overlooked(given: &Value, understood: &Value, place: &Place<'_>) -> Option<ApiError> {
     match (given, understood) {
         (Value::Object(given), Value::Object(understood)) => given.iter().find_map(|(key, value)| {
             let place = place.field(key);
             match understood.get(key) {
-                Some(understood) => unknown_field(value, understood, &place),
-                None => Some(place.to_string()),
+                Some(understood) => overlooked(value, understood, &place),
+                None => Some(ApiError::UnknownField { field: place.to_string() }),
             }
         }),
         (Value::Array(given), Value::Array(understood)) => given
             .iter()
             .zip(understood)
             .enumerate()
-            .find_map(|(index, (given, understood))| unknown_field(given, understood, &place.item(index))),
+            .find_map(|(index, (given, understood))| overlooked(given, understood, &place.item(index))),
+        (Value::Array(_), Value::Object(_)) => {
+            Some(ApiError::Shape { problem: format!("{place}: a list stands where an object belongs") })
+        }
         _ => None,
     }
 }
@@ -172,7 +186,7 @@ impl<'a> Place<'a> {
 impl std::fmt::Display for Place<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Root => Ok(()),
+            Self::Root => f.write_str("body"),
             Self::Field(Self::Root, name) => f.write_str(name),
             Self::Field(outer, name) => write!(f, "{outer}.{name}"),
             Self::Item(outer, index) => write!(f, "{outer}[{index}]"),

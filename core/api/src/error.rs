@@ -27,6 +27,15 @@ pub enum ApiError {
     /// The body does not say that it is JSON.
     #[error("the body has to be JSON, with the header `content-type: application/json`")]
     NotJson,
+    /// The body did not arrive in time.
+    #[error("the body did not arrive in time")]
+    TooSlow,
+    /// The body is JSON, but not of the published shape.
+    #[error("{problem}")]
+    Shape {
+        /// What is wrong, and where.
+        problem: String,
+    },
     /// The body has a field that means nothing here.
     #[error("unknown field `{field}`")]
     UnknownField {
@@ -106,8 +115,9 @@ impl ApiError {
             Self::Refused(refusal) => refusal_status(refusal),
             Self::NoneKnown(_) | Self::NotFound { .. } => StatusCode::NOT_FOUND,
             Self::Body(rejection) => rejection.status(),
+            Self::TooSlow => StatusCode::REQUEST_TIMEOUT,
             Self::NotJson => StatusCode::UNSUPPORTED_MEDIA_TYPE,
-            Self::UnknownField { .. } | Self::OutOfRange { .. } => StatusCode::UNPROCESSABLE_ENTITY,
+            Self::Shape { .. } | Self::UnknownField { .. } | Self::OutOfRange { .. } => StatusCode::UNPROCESSABLE_ENTITY,
             Self::Query(_) | Self::Path(_) | Self::NoHost => StatusCode::BAD_REQUEST,
             Self::MethodNotAllowed { .. } => StatusCode::METHOD_NOT_ALLOWED,
             Self::ForeignHost { .. } | Self::ForeignOrigin { .. } => StatusCode::FORBIDDEN,
@@ -123,7 +133,9 @@ impl ApiError {
             Self::Refused(refusal) => refusal.code(),
             Self::NoneKnown(_) => "unknown_vehicle",
             Self::Body(rejection) => body_code(rejection),
+            Self::TooSlow => "too_slow",
             Self::NotJson => "not_json",
+            Self::Shape { .. } => "invalid_body",
             Self::UnknownField { .. } => "unknown_field",
             Self::OutOfRange { .. } => "invalid_value",
             Self::Query(_) => "invalid_query",

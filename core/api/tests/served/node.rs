@@ -38,7 +38,14 @@ impl Served {
         let server = tokio::spawn(skein_api::serve(listener, router, async move {
             let _ = stopped.await;
         }));
-        Self { node, address, stop, server, _plugins: plugins, http: reqwest::Client::new() }
+        Self {
+            node,
+            address,
+            stop,
+            server,
+            _plugins: plugins,
+            http: reqwest::Client::new(),
+        }
     }
 
     pub fn handle(&self) -> NodeHandle {

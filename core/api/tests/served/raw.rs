@@ -33,7 +33,10 @@ impl RawStream {
     pub async fn next(&mut self) -> Option<(u8, Vec<u8>)> {
         let first = self.0.read_u8().await.ok()?;
         let second = self.0.read_u8().await.ok()?;
-        assert!(first & 0x80 != 0 && second & 0x80 == 0, "whole and unmasked, as a server sends it");
+        assert!(
+            first & 0x80 != 0 && second & 0x80 == 0,
+            "whole and unmasked, as a server sends it"
+        );
         let length = match second {
             126 => u64::from(self.0.read_u16().await.ok()?),
             127 => self.0.read_u64().await.ok()?,

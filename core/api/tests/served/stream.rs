@@ -37,7 +37,11 @@ async fn next<T>(client: &mut Client, wanted: impl Fn(&Message) -> Option<T>) ->
 }
 
 fn said(message: &Message) -> Option<Value> {
-    message.to_text().ok().filter(|_| message.is_text()).map(|text| serde_json::from_str(text).unwrap())
+    message
+        .to_text()
+        .ok()
+        .filter(|_| message.is_text())
+        .map(|text| serde_json::from_str(text).unwrap())
 }
 
 async fn next_of(client: &mut Client, kind: &str) -> Value {
@@ -59,7 +63,11 @@ fn u32_at(frame: &[u8], at: usize) -> u32 {
 /// Makes so many events happen.
 async fn events(served: &Served, count: usize) {
     for _ in 0..count {
-        served.handle().inject_fault(Fault::PluginPanic { vehicle: VehicleId(9) }).await.unwrap_err();
+        served
+            .handle()
+            .inject_fault(Fault::PluginPanic { vehicle: VehicleId(9) })
+            .await
+            .unwrap_err();
     }
 }
 
@@ -73,17 +81,33 @@ async fn it_says_hello_then_the_fleet_then_sends_frames() {
     let mut client = open(&served, "").await;
     let first = timeout(PATIENCE, client.next()).await.unwrap().unwrap().unwrap();
     let hello = said(&first).unwrap();
-    assert_eq!(hello, json!({ "type": "hello", "protocol": 1, "version": env!("CARGO_PKG_VERSION"), "node": "skein" }));
+    assert_eq!(
+        hello,
+        json!({ "type": "hello", "protocol": 1, "version": env!("CARGO_PKG_VERSION"), "node": "skein" })
+    );
     let second = timeout(PATIENCE, client.next()).await.unwrap().unwrap().unwrap();
     let fleet = said(&second).unwrap();
-    assert_eq!((&fleet["type"], &fleet["vehicles"], &fleet["fence"]), (&json!("fleet"), &json!([]), &Value::Null));
-    assert!(fleet["actors"].as_array().unwrap().iter().any(|actor| actor["name"] == "coordinator"), "{fleet}");
+    assert_eq!(
+        (&fleet["type"], &fleet["vehicles"], &fleet["fence"]),
+        (&json!("fleet"), &json!([]), &Value::Null)
+    );
+    assert!(
+        fleet["actors"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .any(|actor| actor["name"] == "coordinator"),
+        "{fleet}"
+    );
     let (earlier, later) = (next_frame(&mut client).await, next_frame(&mut client).await);
     for frame in [&earlier, &later] {
         assert_eq!(&frame[..4], b"SKN1");
         assert_eq!((frame.len(), u32_at(frame, 8)), (16, 0));
     }
-    assert!(u32_at(&later, 4) > u32_at(&earlier, 4), "each frame is of a newer snapshot");
+    assert!(
+        u32_at(&later, 4) > u32_at(&earlier, 4),
+        "each frame is of a newer snapshot"
+    );
     assert!(u32_at(&later, 12) > u32_at(&earlier, 12));
     served.stop().await;
 }
@@ -106,7 +130,11 @@ async fn events_come_in_order_and_from_where_one_left_off() {
     let mut resumed = open(&served, &format!("?after={first}")).await;
     assert_eq!(next_of(&mut resumed, "event").await["seq"], first + 1);
     let mut of_another_run = open(&served, "?after=123456789").await;
-    assert_eq!(next_of(&mut of_another_run, "event").await["seq"], 1, "numbers began anew: all of this run is news");
+    assert_eq!(
+        next_of(&mut of_another_run, "event").await["seq"],
+        1,
+        "numbers began anew: all of this run is news"
+    );
     served.stop().await;
 }
 
@@ -117,7 +145,10 @@ async fn who_was_away_too_long_is_told_how_much_was_missed() {
     let oldest = served.handle().events_after(0).first().unwrap().seq;
     assert!(oldest > 100);
     let mut client = open(&served, "?after=100").await;
-    let gap = next(&mut client, |message| said(message).filter(|value| value["type"] == "gap" || value["type"] == "event")).await;
+    let gap = next(&mut client, |message| {
+        said(message).filter(|value| value["type"] == "gap" || value["type"] == "event")
+    })
+    .await;
     assert_eq!(gap, json!({ "type": "gap", "missed": oldest - 101 }));
     assert_eq!(next_of(&mut client, "event").await["seq"], oldest);
     served.stop().await;
@@ -127,7 +158,10 @@ async fn who_was_away_too_long_is_told_how_much_was_missed() {
 async fn a_client_chooses_its_rate_and_is_told_when_it_is_not_understood() {
     let served = Served::start().await;
     let mut client = open(&served, "").await;
-    client.send(Message::text(r#"{"type":"rate","rate_hz":50}"#)).await.unwrap();
+    client
+        .send(Message::text(r#"{"type":"rate","rate_hz":50}"#))
+        .await
+        .unwrap();
     assert_eq!(next_of(&mut client, "rate").await["rate_hz"], 50.0);
     for (text, expected) in [
         (r#"{"type":"rate","rate_hz":0.5}"#, "invalid_value"),
@@ -196,18 +230,26 @@ async fn frames_are_never_queued_for_a_client_that_does_not_answer() {
             break payload;
         }
     };
-    assert!(u32_at(&next, 4) >= u32_at(&newest, 4), "a frame was kept for a client that had not answered");
+    assert!(
+        u32_at(&next, 4) >= u32_at(&newest, 4),
+        "a frame was kept for a client that had not answered"
+    );
     assert!(u32_at(&next, 4) > u32_at(frames.last().unwrap(), 4) + 5);
     // An answer to something that was never sent opens nothing: the stream ends, since the client owes the right one.
     silent.send(PONG, &1_000_000u32.to_be_bytes()).await;
     let mut more = 0;
     let ended = async {
         while let Some((kind, _)) = silent.next().await {
-            assert_ne!(kind, CLOSE, "it is not heard of any more, so that there is nobody to say farewell to");
+            assert_ne!(
+                kind, CLOSE,
+                "it is not heard of any more, so that there is nobody to say farewell to"
+            );
             more += usize::from(kind == BINARY);
         }
     };
-    timeout(PATIENCE, ended).await.expect("who does not answer is closed after a time");
+    timeout(PATIENCE, ended)
+        .await
+        .expect("who does not answer is closed after a time");
     assert!(more <= 5, "{more} frames for a client that did not answer");
     served.stop().await;
 }
@@ -220,15 +262,22 @@ async fn only_so_many_streams_are_served_at_once() {
         open_streams.push(open(&served, "").await);
     }
     let url = format!("ws://{}/api/v1/stream", served.address());
-    let Err(Error::Http(answer)) = tokio_tungstenite::connect_async(url).await else { panic!("one too many was let in") };
+    let Err(Error::Http(answer)) = tokio_tungstenite::connect_async(url).await else {
+        panic!("one too many was let in")
+    };
     assert_eq!(answer.status(), 503);
     open_streams.pop().unwrap().close(None).await.unwrap();
     let again = async {
-        while tokio_tungstenite::connect_async(format!("ws://{}/api/v1/stream", served.address())).await.is_err() {
+        while tokio_tungstenite::connect_async(format!("ws://{}/api/v1/stream", served.address()))
+            .await
+            .is_err()
+        {
             tokio::task::yield_now().await;
         }
     };
-    timeout(PATIENCE, again).await.expect("the place of one that left is free again");
+    timeout(PATIENCE, again)
+        .await
+        .expect("the place of one that left is free again");
     served.stop().await;
 }
 
@@ -241,7 +290,9 @@ async fn foreign_pages_can_open_no_stream_and_the_own_one_can() {
         request.headers_mut().insert("origin", origin.parse().unwrap());
         tokio_tungstenite::connect_async(request)
     };
-    let Err(Error::Http(answer)) = from("http://evil.example").await else { panic!("a foreign page was let in") };
+    let Err(Error::Http(answer)) = from("http://evil.example").await else {
+        panic!("a foreign page was let in")
+    };
     assert_eq!(answer.status(), 403);
     from(&format!("http://{}", served.address())).await.unwrap();
     let (status, body) = served.ask("GET", "/api/v1/stream", None).await;
