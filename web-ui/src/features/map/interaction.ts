@@ -65,6 +65,8 @@ export class Interaction {
     if (this.#mode === 'box' && finger.moved) {
       targets.add(within(map.view, session.fleet, finger.startX, finger.startY, finger.x, finger.y));
     } else if (!finger.moved && map.tool === 'route') {
+      // A map that moved by itself now would take the next point somewhere else.
+      map.camera = 'free';
       if (this.#mode !== 'waypoint') formation.addWaypoint(this.#ground(finger.x, finger.y));
     } else if (!finger.moved) {
       const index = hitTest(map.view, session.fleet, finger.x, finger.y, this.#reach(event));

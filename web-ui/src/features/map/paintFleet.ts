@@ -56,7 +56,7 @@ function trailPart(ctx: CanvasRenderingContext2D, view: View, fleet: Fleet, inde
   let lastX = NaN;
   let lastY = NaN;
   fleet.trails.forEach(index, (north, east, k) => {
-    if (k < from - 1 || k > to) return;
+    if (k < from || k > to) return;
     const x = view.x(east);
     const y = view.y(north);
     if (Number.isNaN(lastX)) ctx.moveTo(x, y);
