@@ -26,7 +26,7 @@ pub struct Limits {
 
 /// A limit that is not usable.
 #[derive(Debug, Clone, PartialEq, Error)]
-#[error("{limit} = {value}: it must be a finite number above zero")]
+#[error("{limit} = {value}: it must be a finite number, and not below zero; speeds must be above it")]
 pub struct LimitsError {
     /// Which one.
     pub limit: &'static str,
@@ -35,19 +35,21 @@ pub struct LimitsError {
 }
 
 impl Limits {
-    /// Whether every limit is a finite number above zero.
+    /// Whether every limit is a finite number above zero; separation and horizon may be zero, which turns the check of distances
+    /// off.
     ///
     /// # Errors
     /// [`LimitsError`] with the first that is not. A gate made with such limits lets nothing pass that they should bound.
     pub fn check(&self) -> Result<(), LimitsError> {
-        for (limit, value) in [
-            ("max_speed_m_s", self.max_speed_m_s),
-            ("max_climb_m_s", self.max_climb_m_s),
-            ("max_descent_m_s", self.max_descent_m_s),
-            ("min_separation_m", self.min_separation_m),
-            ("separation_horizon_s", self.separation_horizon_s),
+        for (limit, value, may_be_zero) in [
+            ("max_speed_m_s", self.max_speed_m_s, false),
+            ("max_climb_m_s", self.max_climb_m_s, false),
+            ("max_descent_m_s", self.max_descent_m_s, false),
+            ("min_separation_m", self.min_separation_m, true),
+            ("separation_horizon_s", self.separation_horizon_s, true),
         ] {
-            if !(value > 0.0 && value.is_finite()) {
+            let usable = value.is_finite() && (value > 0.0 || may_be_zero && value == 0.0);
+            if !usable {
                 return Err(LimitsError { limit, value });
             }
         }

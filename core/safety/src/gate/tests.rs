@@ -447,12 +447,13 @@ fn limits_that_are_no_limits_are_found_and_let_nothing_pass() {
     };
     let verdict = Gate::new(odd, None).setpoint(OWN, &standing(at(0.0, 0.0, 10.0)), true, &setpoint, &[], NOW);
     assert!(matches!(verdict, Err(Refusal::TooFast { .. })));
-    assert!(
+    let with = |min_separation_m| {
         Limits {
-            min_separation_m: 0.0,
+            min_separation_m,
             ..LIMITS
         }
         .check()
-        .is_err()
-    );
+    };
+    assert!(with(-1.0).is_err() && with(f64::NAN).is_err());
+    assert_eq!(with(0.0), Ok(()));
 }
