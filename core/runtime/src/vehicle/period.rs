@@ -23,14 +23,21 @@ impl VehicleState {
     /// Everything that happened since the last batch, and the vehicle's own state.
     pub(super) fn gather(&mut self, peers: &PeerSnapshot) -> Vec<Event> {
         let mut events = std::mem::take(&mut self.waiting);
-        let link = self.cell.link.load_full();
-        for event in link.0.take_events() {
-            self.take_link_event(event, &mut events);
-        }
         let Some(entry) = peers.entry(self.cell.id) else {
             return events;
         };
-        events.push(Event::Own(own_state(entry)));
+        let mut own = own_state(entry);
+        let link = self.cell.link.load_full();
+        for event in link.0.take_events() {
+            // The peers were read before these events came: the model must not see a mode beside an older armed state.
+            match event {
+                LinkEvent::ArmedChanged { armed } => own.armed = armed,
+                LinkEvent::ModeChanged { to, .. } => own.mode = to,
+                _ => {}
+            }
+            self.take_link_event(event, &mut events);
+        }
+        events.push(Event::Own(own));
         let intent = self.board.intent.load();
         if let Some(task) = intent.tasks.get(&self.cell.id) {
             if task.version > self.task_version {
