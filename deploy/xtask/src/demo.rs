@@ -3,8 +3,6 @@
 //! Must never do: fly something else than what `skein demo` flies.
 
 use crate::plugins::{self, Profile};
-use crate::step::Step;
-use crate::tally::Tally;
 use crate::ui;
 use crate::workspace::Workspace;
 use anyhow::{Context, Result};
@@ -20,16 +18,11 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Result<ExitCode> {
     Err(error).with_context(|| format!("cannot start {}", binary.display()))
 }
 
-/// Dashboard, plugins and program, optimised. The dashboard first: the program embeds it.
+/// Dashboard, program and plugins, optimised. The dashboard first: the program embeds it.
 pub fn build(workspace: &Workspace) -> Result<()> {
-    println!("[1/3] dashboard");
+    println!("[1/2] dashboard");
     ui::build(workspace)?;
-    println!("[2/3] plugins");
-    plugins::build(workspace, Profile::Release)?;
-    println!("[3/3] program (the first build takes some minutes)");
-    let mut build = workspace.cargo();
-    build.args(["build", "--release", "-p", "skein"]);
-    Step::new(build)
-        .run(&mut Tally::default())
-        .context("the program does not compile: see the messages above")
+    println!("[2/2] program and plugins (the first build takes some minutes)");
+    plugins::build_with(workspace, Profile::Release, &["skein"])?;
+    Ok(())
 }

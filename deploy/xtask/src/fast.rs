@@ -5,6 +5,7 @@
 #[cfg(test)]
 mod tests;
 
+use crate::artifacts::{self, is_tier_or_fixture};
 use crate::report::Report;
 use crate::step::Step;
 use crate::tally::Runner;
@@ -32,39 +33,49 @@ pub fn run(workspace: &Workspace, since: Option<&str>) -> Result<ExitCode> {
     format.args(["fmt", "--all", "--check"]);
     report.step("formatting", "run `cargo fmt --all`", Step::new(format));
     report.check("tidy", "each finding says what to do", || tidy::check(workspace));
-    if !concerned.is_empty() {
-        let mut lints = workspace.cargo();
-        lints.arg("clippy").args(concerned.iter().flat_map(|name| ["-p", name]));
-        lints.args(["--all-targets", "--", "-D", "warnings"]);
-        report.step("clippy", "mend what clippy names above", Step::new(lints));
-    }
-    let tested: Vec<&str> = concerned
-        .iter()
-        .copied()
-        .filter(|name| {
-            workspace
-                .package(name)
-                .is_some_and(|package| !is_tier_or_fixture(&package.folder))
-        })
-        .collect();
-    if tested.is_empty() {
-        report.left_out("tests", "no crate with unit tests is concerned");
-    } else {
-        let mut tests = workspace.cargo();
-        tests.arg("test").args(tested.iter().flat_map(|name| ["-p", name]));
-        tests.args(["--lib", "--bins", "--tests", "--no-fail-fast"]);
-        report.step(
-            "unit tests",
-            "the failing tests are named above",
-            Step::tests(tests, Runner::CargoTest),
-        );
-    }
+    // cargo itself knows what is fresh: only what changed, and what uses it, is looked at again
+    let mut lints = workspace.cargo();
+    lints.args(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]);
+    report.step("clippy", "mend what clippy names above", Step::new(lints));
+    unit_tests(workspace, &mut report, &concerned);
     Ok(report.close())
 }
 
-/// Whether a package's folder is a tier of its own (or a fixture of one) and so no part of the unit tier.
-pub fn is_tier_or_fixture(folder: &str) -> bool {
-    folder.starts_with("tests/") && folder != "tests/testkit" && folder != "tests/bench"
+/// Runs the test programs of the crates concerned, each in its crate's folder as cargo does.
+fn unit_tests(workspace: &Workspace, report: &mut Report, concerned: &BTreeSet<&str>) {
+    let tested = |folder: &str| {
+        let package = workspace.packages.iter().find(|package| package.folder == folder);
+        package.is_some_and(|package| concerned.contains(package.name.as_str()) && !is_tier_or_fixture(folder))
+    };
+    let mut programs = Vec::new();
+    report.check("tests built", "mend the compile error above", || {
+        let mut build = workspace.cargo();
+        build
+            .args(["test", "--no-run"])
+            .args(artifacts::unit_targets(workspace));
+        let made = artifacts::build(workspace, build)?;
+        let tests = made
+            .into_iter()
+            .filter(|artifact| artifact.is_test && tested(&artifact.folder));
+        programs = tests
+            .filter_map(|artifact| Some((artifact.folder, artifact.executable?)))
+            .collect();
+        Ok(())
+    });
+    if programs.is_empty() {
+        report.left_out("unit tests", "no crate with unit tests is concerned");
+    }
+    for (folder, program) in programs {
+        let mut tests = Command::new(program);
+        let home = workspace.root.join(&folder);
+        tests.current_dir(&home).env("CARGO_MANIFEST_DIR", &home);
+        let advice = "the failing tests are named above";
+        report.step(
+            &format!("unit: {folder}"),
+            advice,
+            Step::perhaps_tests(tests, Runner::CargoTest),
+        );
+    }
 }
 
 /// Where this branch left main; on main itself, the last commit.

@@ -3,6 +3,7 @@
 //! Must never do: keep a rule of its own beside the ones in `tidy`, or a way to test that CI does not use.
 #![forbid(unsafe_code)]
 
+mod artifacts;
 mod bench;
 mod browser;
 mod demo;

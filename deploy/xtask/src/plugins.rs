@@ -2,15 +2,14 @@
 //!
 //! Must never do: overwrite a library in place, since a running program may have it mapped.
 
-use crate::workspace::Workspace;
+use crate::artifacts::{self, Artifact};
+use crate::workspace::{Package, Workspace};
 use anyhow::{Context, Result, ensure};
-use serde::Deserialize;
 use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
-use std::process::Stdio;
 
 /// Which cargo profile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,68 +43,54 @@ impl Profile {
     }
 }
 
-/// One line of cargo's machine-readable output, as far as it matters here.
-#[derive(Deserialize)]
-struct Message {
-    reason: String,
-    #[serde(default)]
-    filenames: Vec<PathBuf>,
-    #[serde(default)]
-    package_id: String,
-}
-
 /// Builds every plugin of the workspace and returns the folder they are in.
 pub fn build(workspace: &Workspace, profile: Profile) -> Result<PathBuf> {
-    let names: Vec<&str> = workspace
-        .packages
-        .iter()
-        .filter(|p| p.is_plugin_library())
-        .map(|p| p.name.as_str())
-        .collect();
-    ensure!(!names.is_empty(), "no member under plugins/*/cdylib builds a cdylib");
-    println!("building plugins: {}", names.join(", "));
+    build_with(workspace, profile, &[])
+}
+
+/// As [`build`], together with other packages, so that what they share is compiled once.
+pub fn build_with(workspace: &Workspace, profile: Profile, others: &[&str]) -> Result<PathBuf> {
+    let plugins = members(workspace).map(|package| package.name.as_str());
+    let names: Vec<&str> = plugins.chain(others.iter().copied()).collect();
+    println!("building {}", names.join(", "));
     let mut command = workspace.cargo();
     command
-        .args(["build", "--message-format", "json-render-diagnostics"])
-        .args(profile.arguments());
-    names.iter().for_each(|name| {
-        command.args(["-p", name]);
-    });
-    let output = command
-        .stderr(Stdio::inherit())
-        .output()
-        .context("cannot start cargo")?;
-    ensure!(
-        output.status.success(),
-        "the plugins do not compile: see the messages above"
-    );
+        .arg("build")
+        .args(profile.arguments())
+        .args(names.iter().flat_map(|name| ["-p", name]));
+    let made = artifacts::build(workspace, command)?;
+    collect(workspace, profile, &made)
+}
 
+/// Puts the plugin libraries among `made` into the folder, takes others out of it, and returns it.
+pub fn collect(workspace: &Workspace, profile: Profile, made: &[Artifact]) -> Result<PathBuf> {
     let folder = workspace.target.join(profile.folder()).join("plugins");
     fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
     fs::set_permissions(&folder, fs::Permissions::from_mode(0o755))?;
     let mut placed = BTreeSet::new();
-    for library in libraries(&output.stdout, &names) {
+    for package in members(workspace) {
+        let library = library(package, made)?;
         let name = library.file_name().context("a library has a file name")?.to_owned();
-        place(&library, &folder.join(&name))?;
+        place(library, &folder.join(&name))?;
         placed.insert(name);
     }
-    ensure!(
-        placed.len() == names.len(),
-        "cargo built {} libraries for {} plugins",
-        placed.len(),
-        names.len()
-    );
+    ensure!(!placed.is_empty(), "no member under plugins/*/cdylib builds a cdylib");
     remove_others(&folder, &placed)?;
     Ok(folder)
 }
 
-fn libraries(messages: &[u8], names: &[&str]) -> Vec<PathBuf> {
-    let lines = messages.split(|byte| *byte == b'\n');
-    let artifacts = lines.filter_map(|line| serde_json::from_slice::<Message>(line).ok());
-    let ours = artifacts.filter(|m| m.reason == "compiler-artifact" && names.iter().any(|n| m.package_id.contains(n)));
-    ours.flat_map(|message| message.filenames)
-        .filter(|file| file.extension().is_some_and(|e| e == "so"))
-        .collect()
+fn members(workspace: &Workspace) -> impl Iterator<Item = &Package> {
+    workspace.packages.iter().filter(|package| package.is_plugin_library())
+}
+
+fn library<'m>(package: &Package, made: &'m [Artifact]) -> Result<&'m PathBuf> {
+    let ours = made
+        .iter()
+        .filter(|artifact| artifact.folder == package.folder && !artifact.is_test);
+    let libraries = ours.filter(|artifact| artifact.kind.iter().any(|kind| kind == "cdylib"));
+    let mut files = libraries.flat_map(|artifact| &artifact.files);
+    let library = files.find(|file| file.extension().is_some_and(|extension| extension == "so"));
+    library.with_context(|| format!("cargo built no shared library of {}", package.name))
 }
 
 /// Copies beside the final place and renames, so that whoever has the old file open keeps it whole.

@@ -7,7 +7,7 @@ use crate::report::Report;
 use crate::step::Step;
 use crate::tally::Runner;
 use crate::workspace::Workspace;
-use crate::{browser, fast, long_runs, tidy, ui};
+use crate::{artifacts, browser, long_runs, tidy, ui};
 use anyhow::Result;
 use std::path::PathBuf;
 use std::process::{Command, ExitCode};
@@ -90,15 +90,11 @@ pub fn run(workspace: &Workspace, tiers: &[Tier], long_ones_too: bool) -> Result
     if needs_page {
         report.check("dashboard built", "run `cargo xtask build-ui`", || ui::build(workspace));
     }
-    let built = if tiers == [Tier::Unit] {
-        None
-    } else {
-        build_program(workspace, &mut report)
-    };
+    let built = build_all(workspace, &mut report);
     for tier in &tiers {
         match (tier, &built) {
-            (Tier::Unit, _) => unit(workspace, &mut report),
-            (_, None) => report.left_out(tier.name(), "the program or its plugins did not build"),
+            (_, None) => report.left_out(tier.name(), "the workspace does not compile"),
+            (Tier::Unit, Some(built)) => unit(workspace, &mut report, built),
             (Tier::Ui, Some(built)) => browser_tests(workspace, &mut report, built),
             (_, Some(built)) => crate_tier(workspace, &mut report, *tier, built),
         }
@@ -151,49 +147,50 @@ impl Built {
     }
 }
 
-fn build_program(workspace: &Workspace, report: &mut Report) -> Option<Built> {
-    let mut build = workspace.cargo();
-    build.args(["build", "-p", "skein"]);
-    let ok = report.step("program built", "mend the compile error above", Step::new(build));
-    let mut folder = PathBuf::new();
-    let ok = report.check("plugins built", "run `cargo xtask build-plugins`", || {
-        folder = plugins::build(workspace, Profile::Dev)?;
+/// Program, plugins, tests: everything in one go.
+fn build_all(workspace: &Workspace, report: &mut Report) -> Option<Built> {
+    let mut plugins = None;
+    report.check("everything built", "mend the compile error above", || {
+        let mut build = workspace.cargo();
+        build.args(["build", "--workspace", "--all-targets"]);
+        let made = artifacts::build(workspace, build)?;
+        plugins = Some(plugins::collect(workspace, Profile::Dev, &made)?);
         Ok(())
-    }) && ok;
+    });
     let binary = workspace.target.join(Profile::Dev.folder()).join("skein");
-    ok.then_some(Built {
-        binary,
-        plugins: folder,
-    })
+    plugins.map(|plugins| Built { binary, plugins })
 }
 
-fn unit(workspace: &Workspace, report: &mut Report) {
-    let mut tests = workspace.cargo();
-    tests.args(["test", "--workspace", "--no-fail-fast"]);
-    for package in workspace
-        .packages
-        .iter()
-        .filter(|package| fast::is_tier_or_fixture(&package.folder))
-    {
-        tests.args(["--exclude", &package.name]);
-    }
+fn unit(workspace: &Workspace, report: &mut Report, built: &Built) {
     let advice = format!("{SEE_TESTS} `cargo xtask test unit`");
+    let mut tests = workspace.cargo();
+    tests
+        .arg("test")
+        .args(artifacts::unit_targets(workspace))
+        .arg("--no-fail-fast");
+    built.tell(&mut tests);
     report.step("unit: crates", &advice, Step::tests(tests, Runner::CargoTest));
-    let advice = "run `npm run check` in web-ui";
+    let mut examples = workspace.cargo();
+    examples.args(["test", "--workspace", "--doc", "--no-fail-fast"]);
     report.step(
-        "unit: dashboard types",
-        advice,
-        Step::new(ui::npm(workspace, &["run", "check"])),
+        "unit: examples in the documentation",
+        &advice,
+        Step::tests(examples, Runner::CargoTest),
     );
+    let types = Step::new(ui::npm(workspace, &["run", "check"]));
+    report.step("unit: dashboard types", "run `npm run check` in web-ui", types);
     let tests = Step::tests(ui::npm(workspace, &["run", "test"]), Runner::Vitest);
     report.step("unit: dashboard", "run `npm test` in web-ui", tests);
 }
 
 fn crate_tier(workspace: &Workspace, report: &mut Report, tier: Tier, built: &Built) {
-    let Some(package) = tier.package() else { return };
+    let Some(package) = tier.package().and_then(|name| workspace.package(name)) else {
+        return;
+    };
     let mut tests = workspace.cargo();
+    tests.arg("test").args(artifacts::tier_targets(package));
     // one flight at a time: they run in real time, and two would take each other's
-    tests.args(["test", "-p", package, "--no-fail-fast", "--", "--test-threads", "1"]);
+    tests.args(["--no-fail-fast", "--", "--test-threads", "1"]);
     built.tell(&mut tests);
     let advice = format!("{SEE_TESTS} `cargo xtask test {}`", tier.name());
     report.step(tier.name(), &advice, Step::tests(tests, Runner::CargoTest));

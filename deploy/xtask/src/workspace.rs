@@ -49,6 +49,8 @@ impl Dependency {
 /// One build target of a member.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Target {
+    /// Target name.
+    pub name: String,
     /// `lib`, `bin`, `cdylib`, `test`, …
     pub kind: Vec<String>,
     /// Its root source file.

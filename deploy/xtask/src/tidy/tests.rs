@@ -167,6 +167,7 @@ fn roles_rule_out_dependencies() {
 #[test]
 fn a_crate_root_forbids_unsafe_code() {
     let target = Target {
+        name: "x".to_owned(),
         kind: vec!["lib".to_owned()],
         src_path: "/core/x/src/lib.rs".into(),
     };

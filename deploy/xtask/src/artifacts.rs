@@ -1,0 +1,111 @@
+//! What a build made, as cargo tells it, and the targets that belong together.
+//!
+//! All builds of a test run select the whole workspace, and narrow it by target instead of by package: cargo unites the features of
+//! what is selected, so another selection would compile half of the dependencies a second time.
+//!
+//! Must never do: guess a file name that cargo can tell.
+
+use crate::workspace::{Package, Workspace};
+use anyhow::{Context, Result, ensure};
+use serde::Deserialize;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+/// One target of a member that was built, or was there already.
+#[derive(Debug, Clone)]
+pub struct Artifact {
+    /// Folder of its package, as in [`Package::folder`].
+    pub folder: String,
+    /// `lib`, `bin`, `cdylib`, `test`, …
+    pub kind: Vec<String>,
+    /// The files.
+    pub files: Vec<PathBuf>,
+    /// The program, if it is one; for a test, the one that runs it.
+    pub executable: Option<PathBuf>,
+    /// Whether it is a test program.
+    pub is_test: bool,
+}
+
+#[derive(Deserialize)]
+struct Message {
+    reason: String,
+    manifest_path: Option<PathBuf>,
+    target: Option<MessageTarget>,
+    profile: Option<MessageProfile>,
+    #[serde(default)]
+    filenames: Vec<PathBuf>,
+    executable: Option<PathBuf>,
+}
+
+#[derive(Deserialize)]
+struct MessageTarget {
+    kind: Vec<String>,
+}
+
+#[derive(Deserialize)]
+struct MessageProfile {
+    test: bool,
+}
+
+/// Runs a cargo build and returns what it made of the workspace's members. Its messages are shown.
+pub fn build(workspace: &Workspace, mut command: Command) -> Result<Vec<Artifact>> {
+    command.args(["--message-format", "json-render-diagnostics"]);
+    let output = command.stdin(Stdio::null()).stderr(Stdio::inherit()).output();
+    let output = output.context("cannot start cargo")?;
+    ensure!(output.status.success(), "it does not compile: see the messages above");
+    let lines = output.stdout.split(|byte| *byte == b'\n');
+    let messages = lines.filter_map(|line| serde_json::from_slice::<Message>(line).ok());
+    Ok(messages.filter_map(|message| message.artifact(workspace)).collect())
+}
+
+impl Message {
+    fn artifact(self, workspace: &Workspace) -> Option<Artifact> {
+        if self.reason != "compiler-artifact" {
+            return None;
+        }
+        let folder = self
+            .manifest_path?
+            .parent()?
+            .strip_prefix(&workspace.root)
+            .ok()?
+            .to_path_buf();
+        Some(Artifact {
+            folder: folder.to_string_lossy().replace('\\', "/"),
+            kind: self.target?.kind,
+            files: self.filenames,
+            executable: self.executable,
+            is_test: self.profile?.test,
+        })
+    }
+}
+
+/// The arguments that select the unit tier: tests beside the code, and the own test files of crates that are no tier.
+pub fn unit_targets(workspace: &Workspace) -> Vec<String> {
+    let mut arguments = vec!["--workspace".to_owned(), "--lib".to_owned(), "--bins".to_owned()];
+    let crates = workspace
+        .packages
+        .iter()
+        .filter(|package| !is_tier_or_fixture(&package.folder));
+    crates.for_each(|package| arguments.extend(test_targets(package)));
+    arguments
+}
+
+/// The arguments that select the tests of one tier's crate.
+pub fn tier_targets(package: &Package) -> Vec<String> {
+    let mut arguments = vec!["--workspace".to_owned()];
+    arguments.extend(test_targets(package));
+    arguments
+}
+
+fn test_targets(package: &Package) -> impl Iterator<Item = String> {
+    let tests = package
+        .targets
+        .iter()
+        .filter(|target| target.kind.iter().any(|kind| kind == "test"));
+    tests.flat_map(|target| ["--test".to_owned(), target.name.clone()])
+}
+
+/// Whether a package's folder is a tier of its own (or a fixture of one) and so no part of the unit tier.
+pub fn is_tier_or_fixture(folder: &str) -> bool {
+    folder.starts_with("tests/") && folder != "tests/testkit" && folder != "tests/bench"
+}
