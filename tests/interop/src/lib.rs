@@ -1,1 +1,12 @@
-//! Placeholder.
+//! Programs of others against ours: a Python environment with the real MAVSDK and pymavlink from PyPI, and their scripts run
+//! with a watch on what they report and on the time they take.
+//!
+//! Must never do: stand in for the program it is to be tested against. Without Python or the packages a test fails, and says
+//! what is missing.
+#![forbid(unsafe_code)]
+
+mod python;
+mod script;
+
+pub use python::{REQUIREMENTS, python};
+pub use script::{Script, say};
