@@ -4,6 +4,7 @@
 //! type, or an acknowledgement of an unknown command, must not make a vehicle deaf.
 
 use crate::frame::{Frame, FrameHeader};
+use crate::modes::Px4Mode;
 use mavlink::dialects::common::{
     ATTITUDE_DATA, AUTOPILOT_VERSION_DATA, BATTERY_STATUS_DATA, EXTENDED_SYS_STATE_DATA, GLOBAL_POSITION_INT_DATA,
     GPS_GLOBAL_ORIGIN_DATA, GPS_RAW_INT_DATA, HOME_POSITION_DATA, LOCAL_POSITION_NED_DATA, PARAM_ERROR_DATA,
@@ -73,6 +74,8 @@ impl Heartbeat {
     const STATE_EMERGENCY: u8 = 6;
     const TYPE_GCS: u8 = 6;
     const AUTOPILOT_INVALID: u8 = 8;
+    /// `MAV_AUTOPILOT_PX4`.
+    pub const AUTOPILOT_PX4: u8 = 12;
     /// `MAV_TYPE`s of parts that sit on a vehicle or beside it: antenna tracker, onboard controller, gimbal, ADSB, camera,
     /// charging station, and so on.
     const PART_TYPES: [u8; 19] = [
@@ -89,6 +92,12 @@ impl Heartbeat {
     #[must_use]
     pub fn failsafe(&self) -> bool {
         matches!(self.system_status, Self::STATE_CRITICAL | Self::STATE_EMERGENCY)
+    }
+
+    /// The mode in PX4's terms; other autopilots number theirs otherwise.
+    #[must_use]
+    pub fn px4_mode(&self) -> Option<Px4Mode> {
+        (self.autopilot == Self::AUTOPILOT_PX4).then(|| Px4Mode::from_custom_mode(self.custom_mode))
     }
 
     /// Whether a flight controller sent it, and not a ground station or a part of a vehicle.

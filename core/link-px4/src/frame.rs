@@ -58,6 +58,25 @@ enum Step<'a> {
     Stray,
 }
 
+/// Reads what stands before a payload: the header, and how many bytes the payload has.
+fn header(version: MavlinkVersion, bytes: &[u8]) -> Option<(FrameHeader, usize)> {
+    let (len, sequence, system_id, component_id, message_id) = match *bytes {
+        [_, len, _, _, sequence, system_id, component_id, a, b, c] => {
+            (len, sequence, system_id, component_id, u32::from_le_bytes([a, b, c, 0]))
+        }
+        [_, len, sequence, system_id, component_id, id] => (len, sequence, system_id, component_id, u32::from(id)),
+        _ => return None,
+    };
+    let header = FrameHeader {
+        version,
+        system_id,
+        component_id,
+        sequence,
+        message_id,
+    };
+    Some((header, usize::from(len)))
+}
+
 /// The first frame of `bytes`, if they begin with one.
 fn step(bytes: &[u8]) -> Step<'_> {
     let (version, header_len, flags) = match *bytes {
@@ -70,37 +89,8 @@ fn step(bytes: &[u8]) -> Step<'_> {
     if flags & !FLAG_SIGNED != 0 {
         return Step::Stray;
     }
-    let Some(header_bytes) = bytes.get(..header_len) else {
+    let Some((header, payload_len)) = bytes.get(..header_len).and_then(|bytes| header(version, bytes)) else {
         return Step::Partial;
-    };
-    let (payload_len, header) = match *header_bytes {
-        [_, len, _, _, sequence, system_id, component_id, a, b, c] => {
-            let message_id = u32::from_le_bytes([a, b, c, 0]);
-            (
-                usize::from(len),
-                FrameHeader {
-                    version,
-                    system_id,
-                    component_id,
-                    sequence,
-                    message_id,
-                },
-            )
-        }
-        [_, len, sequence, system_id, component_id, id] => {
-            let message_id = u32::from(id);
-            (
-                usize::from(len),
-                FrameHeader {
-                    version,
-                    system_id,
-                    component_id,
-                    sequence,
-                    message_id,
-                },
-            )
-        }
-        _ => return Step::Stray,
     };
     let payload_end = header_len + payload_len;
     let signature = if flags & FLAG_SIGNED == 0 { 0 } else { SIGNATURE_BYTES };
@@ -108,19 +98,18 @@ fn step(bytes: &[u8]) -> Step<'_> {
     if bytes.len() < frame_len {
         return Step::Partial;
     }
-    let (Some(payload), Some(checked), Some(&[low, high])) = (
-        bytes.get(header_len..payload_end),
-        bytes.get(1..payload_end),
-        bytes
-            .get(payload_end..payload_end + CHECKSUM_BYTES)
-            .and_then(|sum| sum.first_chunk::<2>()),
-    ) else {
-        return Step::Stray;
+    let checksum = bytes
+        .get(payload_end..)
+        .and_then(|behind| behind.first_chunk::<CHECKSUM_BYTES>());
+    let (Some(payload), Some(checked), Some(checksum)) =
+        (bytes.get(header_len..payload_end), bytes.get(1..payload_end), checksum)
+    else {
+        return Step::Partial;
     };
     let extra = MavMessage::extra_crc(header.message_id);
     let known = extra != 0 || MavMessage::all_ids().contains(&header.message_id);
     if known {
-        if calculate_crc(checked, extra) != u16::from_le_bytes([low, high]) {
+        if calculate_crc(checked, extra) != u16::from_le_bytes(*checksum) {
             return Step::BadCrc;
         }
     } else if !matches!(bytes.get(frame_len), None | Some(&(MAV_STX | MAV_STX_V2))) {

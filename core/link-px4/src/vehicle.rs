@@ -7,6 +7,7 @@ pub mod boot;
 pub mod clock_sync;
 pub mod commands;
 pub mod events;
+mod inbound;
 pub mod local_origin;
 pub mod mode_watch;
 pub mod parameters;
@@ -21,7 +22,7 @@ use crate::decode::{Heartbeat, Inbound};
 use crate::frame::FrameHeader;
 use crate::outbox::Outbox;
 use crate::settings::LinkSettings;
-use boot::{BootWatch, Stamp};
+use boot::BootWatch;
 use clock_sync::ClockSync;
 use commands::{Around, Commands, Ended, Origin};
 use events::EventQueue;
@@ -34,10 +35,8 @@ use rates::{RateKeeper, Tuning};
 use setpoints::{HoldPlace, SetpointStream, StreamAction};
 use skein_domain::link::{LinkEvent, StreamState};
 use skein_domain::setpoint::LocalSetpoint;
-use skein_domain::{
-    AutopilotCommand, FlightMode, LandedState, LinkHealth, NodeTime, Refusal, RequestId, Telemetry, VehicleId,
-};
-use status_text::{StatusText, StatusTexts};
+use skein_domain::{AutopilotCommand, LinkHealth, NodeTime, Refusal, RequestId, Telemetry, VehicleId};
+use status_text::StatusTexts;
 use std::sync::Arc;
 use telemetry::Estimate;
 use traffic::Traffic;
@@ -101,7 +100,7 @@ impl VehicleCore {
             ..AutopilotIdentity::default()
         };
         let mut parameters = Parameters::default();
-        parameters.set_by_number(first.autopilot != MavAutopilot::MAV_AUTOPILOT_PX4 as u8);
+        parameters.set_by_number(first.autopilot != Heartbeat::AUTOPILOT_PX4);
         Self {
             outbox: Outbox::new(settings.own_system_id, settings.own_component_id),
             rates: RateKeeper::new(settings.rates, system_id, now),
@@ -193,157 +192,6 @@ impl VehicleCore {
             }
             None => self.rates.on_unused(header.message_id),
         }
-    }
-
-    fn on_message(&mut self, now: NodeTime, message: Inbound) {
-        match message {
-            Inbound::LocalPosition(local) => {
-                if self.is_of_this_boot(now, local.time_boot_ms) {
-                    self.estimate.on_local(now, &local, &mut self.origin);
-                }
-            }
-            Inbound::Attitude(attitude) => {
-                if self.is_of_this_boot(now, attitude.time_boot_ms) {
-                    self.estimate.on_attitude(&attitude);
-                }
-            }
-            Inbound::GlobalPosition(global) => {
-                if self.is_of_this_boot(now, global.time_boot_ms) {
-                    let change = self.estimate.on_global(now, &global, &mut self.origin);
-                    self.on_origin_change(now, change);
-                }
-            }
-            Inbound::Heartbeat(heartbeat) => self.on_heartbeat(now, heartbeat),
-            Inbound::ExtendedState(state) => {
-                if self.estimate.on_extended_state(&state) {
-                    self.poll_commands(now);
-                }
-            }
-            Inbound::SystemStatus(status) => self.estimate.on_system_status(&status),
-            Inbound::Battery(battery) => self.estimate.on_battery(now, &battery),
-            Inbound::Gnss(gnss) => self.estimate.on_gnss(&gnss),
-            Inbound::Home(home) => {
-                self.rates.on_copy(rates::HOME);
-                self.estimate.on_home(&home);
-            }
-            Inbound::GlobalOrigin(origin) => {
-                self.rates.on_copy(rates::GLOBAL_ORIGIN);
-                let change = self
-                    .origin
-                    .on_said(telemetry::place(origin.latitude, origin.longitude, origin.altitude));
-                self.on_origin_change(now, change);
-            }
-            Inbound::Acknowledgement(ack) => {
-                let ours = |id: u8, own: u8| id == 0 || id == own;
-                if ours(ack.target_system, self.settings.own_system_id)
-                    && ours(ack.target_component, self.settings.own_component_id)
-                {
-                    self.with_commands(now, |commands, around| commands.on_ack(around, &ack));
-                }
-            }
-            Inbound::TimeSync(answer) if answer.tc1 == 0 => self.rates.on_unused(rates::TIMESYNC),
-            Inbound::TimeSync(answer) => self.clock.on_answer(now, &answer),
-            Inbound::StatusText(message) => {
-                let text = self.texts.on_message(now, &message);
-                self.on_text(text);
-            }
-            Inbound::ParameterValue(value) => {
-                self.parameters.on_value(now, &value);
-                self.send_parameters(now);
-            }
-            Inbound::ParameterError(error) => {
-                self.parameters.on_error(&error);
-                self.send_parameters(now);
-            }
-            Inbound::AutopilotVersion(version) => {
-                self.rates.on_copy(rates::AUTOPILOT_VERSION);
-                let [kind, patch, minor, major] = version.flight_sw_version.to_le_bytes();
-                self.identity.firmware = Some([major, minor, patch, kind]);
-                self.identity.uid = Some(version.uid);
-            }
-        }
-    }
-
-    fn on_heartbeat(&mut self, now: NodeTime, heartbeat: Heartbeat) {
-        if !heartbeat.is_vehicle() {
-            return;
-        }
-        let armed_before = self.heartbeat.replace(heartbeat).map(|before| before.armed());
-        let armed = heartbeat.armed();
-        let mode = crate::modes::Px4Mode::from_custom_mode(heartbeat.custom_mode).flight_mode();
-        self.estimate.set_mode(mode, armed);
-        if armed_before.is_some_and(|before| before != armed) {
-            self.events.push(LinkEvent::ArmedChanged { armed });
-        }
-        if let Some(change) = self.modes.on_mode(now, mode) {
-            let (from, to, commanded) = (change.from, change.to, change.commanded);
-            self.events.push(LinkEvent::ModeChanged { from, to, commanded });
-            // On the ground nobody is taken out of anyone's hands: after a landing PX4 changes its mode by itself.
-            if from == FlightMode::Offboard && !commanded && armed {
-                let action = self.stream.taken_over();
-                self.act(now, action);
-            }
-        }
-        if self.is_standing_disarmed() {
-            self.stream.unbar();
-        } else if mode == FlightMode::Offboard {
-            self.stream.handed_back();
-        }
-        self.poll_commands(now);
-    }
-
-    /// Judges a message's time stamp; a restart is noticed here.
-    fn is_of_this_boot(&mut self, now: NodeTime, stamp_ms: u32) -> bool {
-        match self.boot.judge(now, stamp_ms) {
-            Stamp::Fresh => true,
-            Stamp::Doubtful => false,
-            Stamp::Rebooted => {
-                self.on_reboot(now);
-                true
-            }
-            Stamp::Interleaved => {
-                self.interleaved = Some(now);
-                false
-            }
-        }
-    }
-
-    /// The autopilot restarted: it has forgotten its rates, its frame, and every command; so must we.
-    fn on_reboot(&mut self, now: NodeTime) {
-        self.events.push(LinkEvent::Rebooted);
-        self.rates.restart(self.system_id, now);
-        self.origin.restart();
-        self.clock = ClockSync::default();
-        self.estimate.restart();
-        self.traffic.restart();
-        self.parameters.break_off("the autopilot restarted", true);
-        let refusal = Refusal::Autopilot {
-            result: "rebooted".to_owned(),
-            text: String::new(),
-        };
-        self.commands.end_all(&mut self.ended, &refusal);
-        self.finish_commands();
-        // Its frame may be another now: no old position must reach it.
-        let action = self.stream.stop();
-        self.act(now, action);
-        self.next_heartbeat = now;
-    }
-
-    fn on_origin_change(&mut self, now: NodeTime, change: local_origin::OriginChange) {
-        if change == local_origin::OriginChange::Moved {
-            self.rates.renew_copy(rates::GLOBAL_ORIGIN, now);
-        }
-    }
-
-    fn on_text(&mut self, text: Option<StatusText>) {
-        if let Some(StatusText { severity, text, .. }) = text {
-            self.events.push(LinkEvent::StatusText { severity, text });
-        }
-    }
-
-    fn is_standing_disarmed(&self) -> bool {
-        let telemetry = self.estimate.telemetry();
-        !telemetry.armed && telemetry.landed == LandedState::OnGround
     }
 
     /// Does what has become due; gives when to come again.

@@ -71,6 +71,7 @@ impl Hub {
         for link in hub.table.links_at(hub.slot.number) {
             hub.remember(&link);
         }
+        hub.publish();
         hub
     }
 
@@ -180,6 +181,11 @@ impl Hub {
         }
     }
 
+    /// Adds what was counted to the endpoint's metrics; once per wake-up.
+    pub fn publish(&mut self) {
+        self.slot.metrics.add(&std::mem::take(&mut self.counters));
+    }
+
     /// Ticks the links if it is time; gives when it is time again.
     pub fn tick(&mut self, now: NodeTime) -> NodeTime {
         if now < self.next_tick {
@@ -200,7 +206,6 @@ impl Hub {
         for event in events {
             self.report(event);
         }
-        self.slot.metrics.add(&std::mem::take(&mut self.counters));
         self.next_tick = due.max(now.plus_seconds(TICK_MIN_S));
         self.next_tick
     }

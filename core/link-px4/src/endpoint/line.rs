@@ -120,6 +120,7 @@ async fn work(hub: &mut Hub, stream: Box<dyn Duplex>) -> io::Error {
             Some(Ok(count)) => {
                 hub.counters.wake_ups += 1;
                 hub.on_bytes(now, &mut buffer, count);
+                hub.publish();
             }
             Some(Err(error)) if error.kind() == io::ErrorKind::Interrupted => {}
             Some(Err(error)) => return error,

@@ -92,7 +92,7 @@ impl Port {
                 hub.hello(now);
             }
             let due = hub.tick(now);
-            if due != timer_due {
+            if due != timer_due || timer.is_elapsed() {
                 timer_due = due;
                 timer
                     .as_mut()
@@ -132,6 +132,7 @@ impl Port {
         }
         if received > 0 {
             hub.counters.wake_ups += 1;
+            hub.publish();
         }
         received
     }

@@ -4,24 +4,23 @@
 //! A command is accepted only when it was acknowledged AND what should follow was seen; a refusal carries the autopilot's
 //! result and the status text beside it, which comes shortly before or after the acknowledgement.
 
+mod task;
+
 use crate::decode::Acknowledgement;
 use crate::outbox::Outbox;
 use crate::settings::LinkSettings;
 use crate::vehicle::mode_watch::ModeWatch;
-use crate::vehicle::plan::{Class, Condition, Goal, Plan, Situation, Step};
+use crate::vehicle::plan::{Class, Condition, Plan, Situation};
 use crate::vehicle::status_text::StatusTexts;
-use skein_domain::{LandedState, NodeTime, Refusal, RequestId};
+use skein_domain::{NodeTime, Refusal, RequestId};
+use task::{LATE_MODE_S, Next, Phase, Task};
 
 /// How much longer an `IN_PROGRESS` lets us wait, in seconds.
 const PROGRESS_STEP_S: f64 = 3.0;
-/// After the first text beside a refusal, how long a second one is awaited, in seconds.
-const MORE_TEXT_S: f64 = 0.03;
 /// After a command that was sent more than once, its number rests: a late second answer must not be taken for the next's.
 const REST_S: f64 = 0.15;
 /// How long a landing waits for the take-off it breaks off to begin, in seconds.
 const LIFT_OFF_S: f64 = 8.0;
-/// How much longer than its confirmation a change of mode still counts as asked for, in seconds.
-const LATE_MODE_S: f64 = 2.0;
 /// Most commands under way at once.
 const TASKS_MAX: usize = 32;
 
@@ -67,62 +66,6 @@ pub struct Around<'a> {
     pub outbox: &'a mut Outbox,
     /// Commands that ended.
     pub ended: &'a mut Vec<Ended>,
-}
-
-#[derive(Debug)]
-enum Phase {
-    /// Until its condition holds.
-    Waiting {
-        since: NodeTime,
-        until: NodeTime,
-    },
-    /// Until no other command of its number is under way.
-    Ready,
-    Sent {
-        first: NodeTime,
-        confirmation: u8,
-        deadline: NodeTime,
-        in_progress: bool,
-    },
-    Refused {
-        first: NodeTime,
-        result: String,
-        until: NodeTime,
-        latest: NodeTime,
-    },
-    Confirming {
-        since: NodeTime,
-        until: NodeTime,
-    },
-}
-
-#[derive(Debug)]
-struct Task {
-    origin: Origin,
-    name: &'static str,
-    class: Class,
-    condition: Condition,
-    /// The present step and those after it.
-    steps: Vec<Step>,
-    phase: Phase,
-}
-
-impl Task {
-    fn is_sent(&self, number: u16) -> bool {
-        matches!(self.phase, Phase::Sent { .. }) && self.steps.first().is_some_and(|s| s.command.number() == number)
-    }
-
-    fn goal(&self) -> Goal {
-        self.steps.first().map_or(Goal::Acknowledged, |step| step.goal)
-    }
-}
-
-/// What a task does next.
-enum Next {
-    Stay,
-    /// It did something; look again.
-    Again,
-    End(Result<(), Refusal>),
 }
 
 /// The commands of one vehicle.
@@ -330,186 +273,15 @@ impl Commands {
     }
 
     fn advance(&mut self, i: usize, around: &mut Around<'_>) -> Next {
-        let Some(task) = self.tasks.get(i) else {
-            return Next::Stay;
+        let Some(number) = self.tasks.get(i).and_then(Task::ready_number) else {
+            return self.tasks.get_mut(i).map_or(Next::Stay, |task| task.advance(around));
         };
-        let now = around.now;
-        match &task.phase {
-            Phase::Waiting { since, until } => {
-                let met = match task.condition {
-                    Condition::None => true,
-                    Condition::Streaming => around.stream_has_run,
-                    Condition::LiftedOff => around.situation.landed != LandedState::OnGround,
-                };
-                if met {
-                    self.enter(i, Phase::Ready)
-                } else if now >= *until {
-                    let what = match task.condition {
-                        Condition::LiftedOff => "the take-off that was to be broken off".to_owned(),
-                        _ => "a running setpoint stream".to_owned(),
-                    };
-                    Next::End(Err(Refusal::TimedOut {
-                        what,
-                        after_s: now.seconds_since(*since),
-                    }))
-                } else {
-                    Next::Stay
-                }
-            }
-            Phase::Ready => self.send_first(i, around),
-            Phase::Sent { .. } => self.wait_for_ack(i, around),
-            Phase::Refused {
-                first,
-                result,
-                until,
-                latest,
-            } => {
-                let text = around.texts.between(*first, *latest);
-                if now >= *until {
-                    if let Some(mode) = task.goal().mode() {
-                        around.modes.forget(mode);
-                    }
-                    return Next::End(Err(Refusal::Autopilot {
-                        result: result.clone(),
-                        text,
-                    }));
-                }
-                let sooner = now.plus_seconds(MORE_TEXT_S);
-                if !text.is_empty() && *until == *latest && sooner < *until {
-                    let (first, result, latest) = (*first, result.clone(), *latest);
-                    return self.enter(
-                        i,
-                        Phase::Refused {
-                            first,
-                            result,
-                            until: sooner,
-                            latest,
-                        },
-                    );
-                }
-                Next::Stay
-            }
-            Phase::Confirming { since, until } => {
-                if task.goal().is_met(&around.situation) {
-                    self.next_step(i, around)
-                } else if now >= *until {
-                    Next::End(Err(Refusal::TimedOut {
-                        what: task.goal().words(),
-                        after_s: now.seconds_since(*since),
-                    }))
-                } else {
-                    Next::Stay
-                }
-            }
-        }
-    }
-
-    fn enter(&mut self, i: usize, phase: Phase) -> Next {
-        if let Some(task) = self.tasks.get_mut(i) {
-            task.phase = phase;
-        }
-        Next::Again
-    }
-
-    fn next_step(&mut self, i: usize, around: &mut Around<'_>) -> Next {
-        let Some(task) = self.tasks.get_mut(i) else {
-            return Next::Stay;
-        };
-        if task.steps.len() <= 1 {
-            return Next::End(Ok(()));
-        }
-        let done = task.steps.remove(0);
-        if let Some(mode) = done.goal.mode() {
-            around.modes.forget(mode);
-        }
-        task.phase = Phase::Ready;
-        Next::Again
-    }
-
-    fn send_first(&mut self, i: usize, around: &mut Around<'_>) -> Next {
-        let Some(step) = self.tasks.get(i).and_then(|task| task.steps.first()).copied() else {
-            return Next::End(Ok(()));
-        };
-        let number = step.command.number();
         let taken = self.tasks.iter().any(|task| task.is_sent(number))
             || self.resting.iter().any(|(resting, _)| *resting == number);
-        if taken {
-            return Next::Stay;
-        }
-        send(around, &step, 0);
-        let deadline = around.now.plus_seconds(around.settings.ack_timeout_s);
-        let phase = Phase::Sent {
-            first: around.now,
-            confirmation: 0,
-            deadline,
-            in_progress: false,
-        };
-        if let Some(task) = self.tasks.get_mut(i) {
-            task.phase = phase;
+        if !taken && let Some(task) = self.tasks.get_mut(i) {
+            task.send_first(around);
         }
         Next::Stay
-    }
-
-    fn wait_for_ack(&mut self, i: usize, around: &mut Around<'_>) -> Next {
-        let (now, settings) = (around.now, around.settings);
-        let Some(task) = self.tasks.get_mut(i) else {
-            return Next::Stay;
-        };
-        let Phase::Sent {
-            first,
-            confirmation,
-            deadline,
-            in_progress,
-        } = &mut task.phase
-        else {
-            return Next::Stay;
-        };
-        if now < *deadline {
-            return Next::Stay;
-        }
-        let after_s = now.seconds_since(*first);
-        if task.origin == Origin::Nobody {
-            return Next::End(Ok(()));
-        }
-        if *in_progress || *confirmation + 1 >= settings.command_attempts.max(1) {
-            let end = if *in_progress {
-                "the end of"
-            } else {
-                "acknowledgement of"
-            };
-            let text = around.texts.between(*first, now);
-            let beside = if text.is_empty() {
-                String::new()
-            } else {
-                format!(" ({text})")
-            };
-            let what = format!("{end} {}{beside}", task.name);
-            return Next::End(Err(Refusal::TimedOut { what, after_s }));
-        }
-        *confirmation += 1;
-        *deadline = now.plus_seconds(settings.ack_timeout_s);
-        let again = *confirmation;
-        if let Some(step) = task.steps.first() {
-            send(around, step, again);
-        }
-        Next::Stay
-    }
-}
-
-/// Sends a step's command and lets the mode that comes with it count as asked for.
-fn send(around: &mut Around<'_>, step: &Step, confirmation: u8) {
-    if let Some(mode) = step.goal.mode() {
-        let settings = around.settings;
-        let until = around
-            .now
-            .plus_seconds(settings.ack_timeout_s + settings.confirm_timeout_s + LATE_MODE_S);
-        around.modes.expect(mode, until);
-    }
-    match step.command.int_message(around.target) {
-        Some(message) => around.outbox.push(&message),
-        None => around
-            .outbox
-            .push(&step.command.long_message(confirmation, around.target)),
     }
 }
 

@@ -149,8 +149,11 @@ impl RateKeeper {
         }
     }
 
-    /// Notes that a message came that nobody reads.
+    /// Notes that a message came that nobody reads, or that could not be read.
     pub fn on_unused(&mut self, id: u32) {
+        if self.wanted.iter().any(|wanted| wanted.id == id) {
+            return;
+        }
         if let Some(unused) = self.unused.iter_mut().find(|unused| unused.id == id) {
             unused.in_window += 1;
         } else if self.unused.len() < UNUSED_MAX && !WITHOUT_RATE.contains(&id) {

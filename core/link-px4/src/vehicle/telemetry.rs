@@ -186,7 +186,7 @@ impl Estimate {
         let millivolts: u32 = cells.chain(more).map(|&mv| u32::from(mv)).sum();
         self.telemetry.battery = Battery {
             remaining: percent(message.battery_remaining),
-            voltage_v: (millivolts > 0).then(|| millivolts as f32 * 1e-3),
+            voltage_v: (millivolts > 0).then_some(millivolts as f32 * 1e-3),
             current_a: (message.current_battery >= 0).then(|| f32::from(message.current_battery) * 0.01),
         };
     }
@@ -209,7 +209,7 @@ impl Estimate {
             } else {
                 message.satellites_visible
             },
-            horizontal_accuracy_m: (message.h_acc > 0).then(|| message.h_acc as f32 * 1e-3),
+            horizontal_accuracy_m: (message.h_acc > 0).then_some(message.h_acc as f32 * 1e-3),
         };
     }
 

@@ -53,20 +53,13 @@ impl Flight {
     }
 
     pub fn texts(&self) -> Vec<&str> {
-        let text = |(_, event): &'_ (f64, LinkEvent)| match event {
-            LinkEvent::StatusText { .. } => true,
-            _ => false,
-        };
-        let texts = self.events.iter().filter(|event| text(event));
+        let mut texts = Vec::new();
+        for (_, event) in &self.events {
+            if let LinkEvent::StatusText { text, .. } = event {
+                texts.push(text.as_str());
+            }
+        }
         texts
-            .filter_map(|(_, event)| {
-                if let LinkEvent::StatusText { text, .. } = event {
-                    Some(text.as_str())
-                } else {
-                    None
-                }
-            })
-            .collect()
     }
 
     pub fn stream(&self) -> Vec<(f64, StreamState)> {

@@ -53,7 +53,7 @@ impl Drop for Sender {
 }
 
 #[tokio::test]
-async fn vehicles_behind_one_port_fly_are_lost_and_join() {
+async fn vehicles_behind_one_port_are_flown_each_on_its_own() {
     let mut net = Net::new();
     let (_actor, port) = net.listen("swarm").await;
     let simulation = simulate(port, 1, 3);
@@ -95,23 +95,6 @@ async fn vehicles_behind_one_port_fly_are_lost_and_join() {
     let armed: Vec<bool> = [1, 2, 3].iter().map(|id| truth.vehicle(*id).unwrap().armed).collect();
     assert_eq!(armed, [true, false, false]);
 
-    simulation.kill(2).unwrap();
-    let killed = net.now();
-    net.link_event("lost", &links[1], |event| *event == LinkEvent::Lost)
-        .await;
-    let after_s = net.now().seconds_since(killed);
-    assert!(after_s < 3.0, "{after_s}");
-    let added = simulation
-        .add(VehicleStart {
-            system_id: Some(4),
-            ..VehicleStart::default()
-        })
-        .unwrap();
-    net.discovered(added).await;
-
-    simulation.reboot(3).unwrap();
-    net.link_event("rebooted", &links[2], |event| *event == LinkEvent::Rebooted)
-        .await;
     net.until("climbed", |_| simulation.truth().vehicle(1).unwrap().height_m > 2.0)
         .await;
     let Err(Refusal::Autopilot { text, .. }) = net.ask(&links[0], AutopilotCommand::Disarm).await else {
@@ -129,6 +112,40 @@ async fn vehicles_behind_one_port_fly_are_lost_and_join() {
         (0, 0, 0, 0)
     );
     assert!(!net.has(|event| matches!(event, EndpointEvent::Duplicate { .. } | EndpointEvent::Moved { .. })));
+}
+
+#[tokio::test]
+async fn vehicles_are_lost_join_and_restart_while_the_node_runs() {
+    let mut net = Net::new();
+    let (_actor, port) = net.listen("swarm").await;
+    let simulation = simulate(port, 1, 3);
+    let links = [
+        net.discovered(1).await,
+        net.discovered(2).await,
+        net.discovered(3).await,
+    ];
+    simulation.kill(2).unwrap();
+    let killed = net.now();
+    net.link_event("lost", &links[1], |event| *event == LinkEvent::Lost)
+        .await;
+    let after_s = net.now().seconds_since(killed);
+    assert!(after_s < 3.0, "{after_s}");
+    let added = simulation
+        .add(VehicleStart {
+            system_id: Some(4),
+            ..VehicleStart::default()
+        })
+        .unwrap();
+    net.discovered(added).await;
+
+    simulation.reboot(3).unwrap();
+    net.link_event("rebooted", &links[2], |event| *event == LinkEvent::Rebooted)
+        .await;
+    let (_, health) = links[0].read(net.now());
+    assert!(
+        health.connected && health.loss == 0.0,
+        "the others are not disturbed: {health:?}"
+    );
 }
 
 #[tokio::test]

@@ -1,4 +1,5 @@
 //! The link against simulated PX4 vehicles: in simulated time without sockets, and over real sockets and lines.
+#![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
 mod endpoints;
 mod flying;

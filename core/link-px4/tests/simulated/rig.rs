@@ -23,6 +23,9 @@ const PERIOD_S: f64 = 0.02;
 /// What the vehicle actor would be streaming.
 pub type Steering = Box<dyn Fn(f64) -> LocalSetpoint>;
 
+/// Whether a datagram is let through, by its running number.
+pub type Filter = Box<dyn FnMut(u32, &[u8]) -> bool>;
+
 pub struct Rig {
     pub core: Option<VehicleCore>,
     pub vehicle: Vehicle,
@@ -33,9 +36,9 @@ pub struct Rig {
     pub received: BTreeMap<u32, u32>,
     /// Messages sent by the link: time, id.
     pub sent: Vec<(f64, u32, Vec<u8>)>,
-    /// Whether a datagram is let through, by its running number; towards the vehicle and from it.
-    pub passes_up: Box<dyn FnMut(u32, &[u8]) -> bool>,
-    pub passes_down: Box<dyn FnMut(u32, &[u8]) -> bool>,
+    /// Towards the vehicle, and from it.
+    pub passes_up: Filter,
+    pub passes_down: Filter,
     pub delay_s: f64,
     pub steering: Option<Steering>,
     settings: Arc<LinkSettings>,

@@ -3,10 +3,10 @@
 use super::*;
 use crate::frame::each_in_datagram;
 use crate::metrics::EndpointCounters;
-use crate::vehicle::plan::{Command, plan};
+use crate::vehicle::plan::{Command, Goal, Step, plan};
 use mavlink::dialects::common::{COMMAND_LONG_DATA, MavCmd, MavSeverity, STATUSTEXT_DATA};
 use mavlink::{MavlinkVersion, MessageData};
-use skein_domain::{AutopilotCommand, FlightMode};
+use skein_domain::{AutopilotCommand, FlightMode, LandedState};
 
 const ARM_DISARM: u16 = 400;
 const SET_MODE: u16 = 176;

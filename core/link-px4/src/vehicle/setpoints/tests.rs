@@ -24,13 +24,11 @@ fn place() -> HoldPlace {
     }
 }
 
+/// With times: what was sent, and what changed.
+type Log = (Vec<(f64, LocalSetpoint)>, Vec<(f64, StreamState)>);
+
 /// Offers at `offer_hz` until `offers_end`, polls every 20 ms until `end`; gives what was sent and what changed, with times.
-fn run(
-    stream: &mut SetpointStream,
-    offer_hz: f64,
-    offers_end: f64,
-    end: f64,
-) -> (Vec<(f64, LocalSetpoint)>, Vec<(f64, StreamState)>) {
+fn run(stream: &mut SetpointStream, offer_hz: f64, offers_end: f64, end: f64) -> Log {
     let settings = LinkSettings::default();
     let (mut sent, mut changed) = (Vec::new(), Vec::new());
     let mut note = |t: f64, action: StreamAction| {
@@ -43,7 +41,7 @@ fn run(
             next_offer += 1.0 / offer_hz;
             note(t, stream.offer(at(t), going(5.0), at(t + 0.25), &settings));
         }
-        if (t * 1000.0).round() as u64 % 20 == 0 {
+        if ((t * 1000.0).round() as u64).is_multiple_of(20) {
             note(t, stream.poll(at(t), place, &settings));
         }
         t += 0.001;
