@@ -20,7 +20,9 @@ async fn in_a_wedge(vehicles: usize) -> Swarm {
         members: None,
     };
     swarm.node().set_formation(request).await.expect("is flown");
-    swarm.until("everyone in its slot", Duration::from_secs(15), settled).await;
+    swarm
+        .until("everyone in its slot", Duration::from_secs(15), settled)
+        .await;
     swarm
 }
 
@@ -28,7 +30,8 @@ fn settled(fleet: &FleetSnapshot) -> bool {
     let in_slot = |v: &&skein_runtime::VehicleSnapshot| {
         v.is_leader || (v.flight_state == FlightState::Following && v.tracking_error_m.is_some_and(|m| m < 0.6))
     };
-    fleet.formation.as_ref().is_some_and(|f| fleet.time > f.settled_at) && fleet.vehicles.iter().filter(|v| !in_slot(v)).count() == 0
+    fleet.formation.as_ref().is_some_and(|f| fleet.time > f.settled_at)
+        && fleet.vehicles.iter().filter(|v| !in_slot(v)).count() == 0
 }
 
 /// What must be so after every fault: nobody left OFFBOARD, nobody went without setpoints, the formation stands.
@@ -36,9 +39,18 @@ async fn undisturbed(swarm: &Swarm, what: &str) {
     swarm.until(what, Duration::from_secs(5), settled).await;
     let truth = swarm.simulation().truth();
     for vehicle in &truth.vehicles {
-        assert_eq!(vehicle.mode, FlightMode::Offboard, "system id {} after {what}", vehicle.system_id);
+        assert_eq!(
+            vehicle.mode,
+            FlightMode::Offboard,
+            "system id {} after {what}",
+            vehicle.system_id
+        );
         let gap_s = vehicle.offboard_gap_sender_max_s;
-        assert!(gap_s <= LONGEST_GAP_S, "system id {}: {gap_s:.3} s without a setpoint ({what})", vehicle.system_id);
+        assert!(
+            gap_s <= LONGEST_GAP_S,
+            "system id {}: {gap_s:.3} s without a setpoint ({what})",
+            vehicle.system_id
+        );
         assert!(!vehicle.failsafe);
     }
 }
@@ -54,25 +66,36 @@ async fn whatever_is_killed_the_formation_flies_on() {
     let model = |fleet: &FleetSnapshot, i: usize| fleet.vehicles[i].model.incarnation.0;
     let actor = |fleet: &FleetSnapshot, i: usize| fleet.vehicles[i].actor.incarnation.0;
 
-    node.inject_fault(Fault::PluginPanic { vehicle: VehicleId(2) }).await.expect("is permitted");
+    node.inject_fault(Fault::PluginPanic { vehicle: VehicleId(2) })
+        .await
+        .expect("is permitted");
     restarted(&swarm, "the follower's model started again", |f| model(f, 1)).await;
     undisturbed(&swarm, "a follower's model panicked").await;
 
-    node.inject_fault(Fault::PluginPanic { vehicle: VehicleId(1) }).await.expect("is permitted");
+    node.inject_fault(Fault::PluginPanic { vehicle: VehicleId(1) })
+        .await
+        .expect("is permitted");
     restarted(&swarm, "the leader's model started again", |f| model(f, 0)).await;
     undisturbed(&swarm, "the leader's model panicked").await;
 
-    node.inject_fault(Fault::PluginHang { vehicle: VehicleId(3) }).await.expect("is permitted");
+    node.inject_fault(Fault::PluginHang { vehicle: VehicleId(3) })
+        .await
+        .expect("is permitted");
     restarted(&swarm, "the hanging model replaced", |f| model(f, 2)).await;
     undisturbed(&swarm, "a follower's model hung").await;
 
-    node.inject_fault(Fault::VehicleActor { vehicle: VehicleId(4) }).await.expect("is permitted");
+    node.inject_fault(Fault::VehicleActor { vehicle: VehicleId(4) })
+        .await
+        .expect("is permitted");
     restarted(&swarm, "the vehicle's actor started again", |f| actor(f, 3)).await;
     undisturbed(&swarm, "a vehicle's actor was killed").await;
 
     node.inject_fault(Fault::Coordinator).await.expect("is permitted");
     restarted(&swarm, "the coordinator started again", |f| {
-        f.actors.iter().find(|a| a.name == "coordinator").map_or(0, |a| a.incarnation.0)
+        f.actors
+            .iter()
+            .find(|a| a.name == "coordinator")
+            .map_or(0, |a| a.incarnation.0)
     })
     .await;
     undisturbed(&swarm, "the coordinator was killed").await;
@@ -92,18 +115,29 @@ async fn a_model_that_fails_for_ever_is_given_up_and_its_autopilot_holds() {
             break;
         }
         let before = swarm.node().snapshot().vehicles[1].model.incarnation.0;
-        swarm.node().inject_fault(Fault::PluginPanic { vehicle }).await.expect("is permitted");
+        swarm
+            .node()
+            .inject_fault(Fault::PluginPanic { vehicle })
+            .await
+            .expect("is permitted");
         swarm
             .until(&format!("failure {round} seen"), Duration::from_secs(5), |fleet| {
                 let model = &fleet.vehicles[1].model;
-                given_up(fleet) || (model.incarnation.0 > before && model.status == skein_runtime::snapshot::ActorStatus::Running)
+                given_up(fleet)
+                    || (model.incarnation.0 > before && model.status == skein_runtime::snapshot::ActorStatus::Running)
             })
             .await;
     }
     swarm
-        .until("the autopilot holds", Duration::ZERO, |fleet| given_up(fleet) && fleet.vehicles[1].mode == FlightMode::Hold)
+        .until("the autopilot holds", Duration::ZERO, |fleet| {
+            given_up(fleet) && fleet.vehicles[1].mode == FlightMode::Hold
+        })
         .await;
     let truth = swarm.simulation().truth();
-    assert_eq!(truth.vehicle(1).expect("is simulated").mode, FlightMode::Offboard, "the other one flies on");
+    assert_eq!(
+        truth.vehicle(1).expect("is simulated").mode,
+        FlightMode::Offboard,
+        "the other one flies on"
+    );
     swarm.stop().await;
 }
