@@ -254,3 +254,30 @@ fn offboard_lost_and_back_by_itself() {
         assert_eq!(flight.outcome(asked).1, Ok(()), "asked at {asked}");
     }
 }
+
+#[test]
+fn damaged_frames_in_between_change_nothing() {
+    let clean = fly("refusals-flight", 2, &[46.726], &[]);
+    let mut n = 0_u64;
+    // Before each frame, the same one with a bit turned or its end cut off.
+    let noisy = crate::replay::fly_with("refusals-flight", 2, &[46.726], &[], |bytes| {
+        n = n
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        let mut damaged = bytes.to_vec();
+        let at = (n >> 33) as usize % damaged.len();
+        if n >> 32 & 1 == 0 {
+            damaged.truncate(at);
+        } else if !(7..10).contains(&at) {
+            // A message id that is not known cannot be told from a damaged one.
+            damaged[at] ^= 1 << (n >> 60 & 7);
+        } else {
+            damaged.clear();
+        }
+        damaged
+    });
+    assert_eq!(noisy.modes(), clean.modes());
+    assert_eq!(noisy.armed(), clean.armed());
+    assert_eq!(noisy.texts(), clean.texts());
+    assert_eq!(noisy.at(70.0).1.loss, 0.0);
+}

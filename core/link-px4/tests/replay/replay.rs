@@ -87,6 +87,17 @@ impl Flight {
 
 /// Replays the frames of one system. Requests at the times in `skip`, and frames of messages in `without`, are left out.
 pub fn fly(name: &str, system_id: u8, skip: &[f64], without: &[u32]) -> Flight {
+    fly_with(name, system_id, skip, without, |_| Vec::new())
+}
+
+/// The same, with a datagram made of each frame before it.
+pub fn fly_with(
+    name: &str,
+    system_id: u8,
+    skip: &[f64],
+    without: &[u32],
+    mut noise: impl FnMut(&[u8]) -> Vec<u8>,
+) -> Flight {
     let settings = Arc::new(LinkSettings {
         own_system_id: GROUND,
         ..LinkSettings::default()
@@ -109,6 +120,11 @@ pub fn fly(name: &str, system_id: u8, skip: &[f64], without: &[u32]) -> Flight {
             let tick = due;
             due = flight.core.on_tick(tick).max(tick.plus_seconds(0.01));
             collect(flight, tick);
+        }
+        if let Some(flight) = &mut flight {
+            each_in_datagram(&noise(&frame.bytes), &mut EndpointCounters::default(), |_, got| {
+                flight.core.on_frame(now, &got.header, decode(got).and_then(Result::ok));
+            });
         }
         each_in_datagram(&frame.bytes, &mut EndpointCounters::default(), |_, got| {
             if flight.is_none() {
