@@ -74,7 +74,7 @@ enum Task {
     /// Flies the demo and takes pictures of the dashboard at desktop and tablet size.
     Screenshot {
         /// The folder they go to.
-        #[arg(long, value_name = "FOLDER", default_value = "deploy/images")]
+        #[arg(long, value_name = "FOLDER", default_value = "web-ui/screenshots")]
         into: std::path::PathBuf,
         /// How many vehicles to fly.
         #[arg(long, default_value_t = 12)]

@@ -12,8 +12,8 @@ const browser = await chromium.launch({
 try {
   const pages = [];
   for (const [name, width, height] of [
-    ['dashboard', 1440, 900],
-    ['dashboard-tablet', 1024, 768],
+    ['console', 1440, 900],
+    ['console-tablet', 1024, 768],
   ]) {
     const page = await browser.newPage({ viewport: { width, height } });
     await page.goto(address);
