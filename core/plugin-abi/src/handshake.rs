@@ -178,25 +178,42 @@ impl Handshake {
         }
     }
 
-    /// The handshake at `symbol`, if it has this version's magic, number and size: only then is the rest of it looked at.
+    /// The handshake in these bytes of a library's file, if it has this version's magic, number and size: only then is the rest of it
+    /// looked at. Its table is of no use: a library's pointers are made when it is loaded.
+    pub fn from_file(bytes: &[u8]) -> Result<Self, HandshakeMismatch> {
+        let Some(prefix) = bytes.get(..size_of::<Prefix>()) else {
+            return Err(HandshakeMismatch::Magic);
+        };
+        // SAFETY: as long as a prefix; any bytes make one.
+        unsafe { prefix.as_ptr().cast::<Prefix>().read_unaligned() }.check()?;
+        let Some(whole) = bytes.get(..size_of::<Self>()) else {
+            return Err(HandshakeMismatch::Magic);
+        };
+        // SAFETY: as long as a handshake; any bytes make one, the pointer in it is not followed.
+        let handshake = unsafe { whole.as_ptr().cast::<Self>().read_unaligned() };
+        Ok(Self {
+            table: std::ptr::null(),
+            ..handshake
+        })
+    }
+
+    /// The handshake of a loaded library.
     ///
     /// # Safety
     /// `symbol` must be the address of a data symbol of a library that stays loaded for ever.
-    pub unsafe fn read(symbol: *const Self) -> Result<&'static Self, HandshakeMismatch> {
+    pub unsafe fn of_loaded(symbol: *const Self) -> Result<&'static Self, HandshakeMismatch> {
         if symbol.is_null() || !symbol.is_aligned() {
             return Err(HandshakeMismatch::Magic);
         }
-        let prefix = symbol.cast::<Prefix>();
         // SAFETY: aligned and not null; every data symbol of a library is followed by at least the rest of its page, and a
         // handshake of any version begins with this prefix.
-        let prefix = unsafe { prefix.read() };
-        prefix.check()?;
+        unsafe { symbol.cast::<Prefix>().read() }.check()?;
         // SAFETY: a handshake of this version and size, constant, in a library that stays.
         Ok(unsafe { &*symbol })
     }
 
-    /// Whether this handshake fits a host built with this crate, and its entry points.
-    pub fn check(&self) -> Result<EntryPoints, HandshakeMismatch> {
+    /// Whether a plugin with this handshake may be loaded into a host built with this crate.
+    pub fn check(&self) -> Result<(), HandshakeMismatch> {
         let Self {
             magic,
             abi_version,
@@ -223,6 +240,12 @@ impl Handshake {
         if self.panic_strategy != PANIC_UNWIND {
             return Err(HandshakeMismatch::PanicAborts);
         }
+        Ok(())
+    }
+
+    /// The entry points, if [`Self::check`] finds nothing and none is missing.
+    pub fn entry_points(&'static self) -> Result<EntryPoints, HandshakeMismatch> {
+        self.check()?;
         if self.table.is_null() || !self.table.is_aligned() {
             return Err(HandshakeMismatch::NoTable);
         }

@@ -4,8 +4,8 @@
 //! `ABI.md`. What the bytes mean is `skein_domain::exchange`'s and `skein_domain::manifest`'s; here they are only bytes.
 //!
 //! A plugin is a shared library that exports one data symbol, [`ENTRY_SYMBOL`], a [`Handshake`]. It is data and not a function,
-//! so that a host can judge a library without having called into it. Only when the handshake fits does the host follow
-//! [`Handshake::table`].
+//! so that a host can judge a library from its file, without having run any code of it. Only when the handshake fits does the host load
+//! it and follow [`Handshake::table`].
 //!
 //! Rules of the boundary:
 //! * Memory is freed by who made it: a [`Buffer`] a plugin returned goes back through [`PluginTable::free`], from any thread.

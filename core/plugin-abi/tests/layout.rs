@@ -167,12 +167,12 @@ fn a_handshake_is_judged_field_by_field() {
         // An older version is named as such even if its structs had other sizes.
         (|h| (h.abi_version, h.handshake_size) = (0, 8), "ABI version 0"),
     ];
-    let good = || Handshake::new(PluginKind::UAV_MODEL, &TABLE);
-    assert!(good().check().is_ok());
+    let good = || Box::leak(Box::new(Handshake::new(PluginKind::UAV_MODEL, &TABLE)));
+    assert!(good().entry_points().is_ok());
     for (change, said) in cases {
-        let mut handshake = good();
-        change(&mut handshake);
-        let mismatch = handshake.check().unwrap_err().to_string();
+        let handshake = good();
+        change(handshake);
+        let mismatch = handshake.entry_points().unwrap_err().to_string();
         assert!(mismatch.contains(said), "{mismatch:?} does not say {said:?}");
     }
 }
@@ -186,22 +186,38 @@ fn a_symbol_is_looked_at_no_further_than_its_prefix_vouches_for() {
     static OLD: Foreign = Foreign(*b"SKEINPLG\0\0\0\0\x10\0\0\0");
     let read = |symbol: *const Handshake| {
         // SAFETY: statics of this program; the short ones end their reading at the prefix.
-        unsafe { Handshake::read(symbol) }.map(|handshake| handshake.kind)
+        unsafe { Handshake::of_loaded(symbol) }.map(|handshake| handshake.kind)
     };
+    let old = Err(HandshakeMismatch::AbiVersion {
+        expected: ABI_VERSION,
+        found: 0,
+    });
     assert_eq!(read(&raw const OURS), Ok(PluginKind::CAMERA.0));
     assert_eq!(read((&raw const FOREIGN).cast()), Err(HandshakeMismatch::Magic));
-    assert_eq!(
-        read((&raw const OLD).cast()),
-        Err(HandshakeMismatch::AbiVersion {
-            expected: ABI_VERSION,
-            found: 0
-        })
-    );
+    assert_eq!(read((&raw const OLD).cast()), old);
     assert_eq!(read(std::ptr::null()), Err(HandshakeMismatch::Magic));
     assert_eq!(
         read((&raw const OURS).wrapping_byte_add(1)),
         Err(HandshakeMismatch::Magic)
     );
+
+    // The same from the bytes of a file, cut anywhere and at any alignment.
+    // SAFETY: a static of this program, read as the bytes it is made of; it has no padding.
+    let bytes = unsafe { std::slice::from_raw_parts((&raw const OURS).cast::<u8>(), size_of::<Handshake>()) };
+    let shifted: Vec<u8> = std::iter::once(0).chain(bytes.iter().copied()).collect();
+    assert_eq!(
+        Handshake::from_file(&shifted[1..]).map(|h| (h.kind, h.check())),
+        Ok((PluginKind::CAMERA.0, Ok(())))
+    );
+    for cut in 0..bytes.len() {
+        assert_eq!(
+            Handshake::from_file(&bytes[..cut]).map(|h| h.kind),
+            Err(HandshakeMismatch::Magic),
+            "cut at {cut}"
+        );
+    }
+    let old_bytes = b"SKEINPLG\0\0\0\0\x10\0\0\0";
+    assert_eq!(Handshake::from_file(old_bytes).map(|h| h.kind), old);
 }
 
 #[test]

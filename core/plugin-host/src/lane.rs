@@ -5,7 +5,8 @@
 
 use crate::PluginError;
 use crate::body::{Answer, InstanceBody};
-use parking_lot::{Condvar, Mutex};
+use crate::thread_time::ThreadTime;
+use parking_lot::{Condvar, Mutex, MutexGuard};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
@@ -16,6 +17,9 @@ use tokio::time::Instant;
 /// How often a thread that found its queue empty lets others run and looks again before it sleeps. A period's calls arrive one by
 /// one within microseconds; this makes them share one wake-up.
 const LOOKS_BEFORE_SLEEP: u32 = 4;
+
+/// However starved its thread was, a call is given up after so many deadlines.
+const LONGEST_GRACE: u32 = 20;
 
 /// To whom the result goes.
 pub(crate) type Reply = oneshot::Sender<Result<Option<Answer>, PluginError>>;
@@ -70,6 +74,8 @@ struct LaneState {
     generation: u32,
     /// Whether the present thread was started.
     has_thread: bool,
+    /// How to look at it from outside; there once it runs.
+    thread_time: Option<ThreadTime>,
     /// Whether it sleeps.
     asleep: bool,
     closed: bool,
@@ -83,6 +89,8 @@ struct Running {
     deadline: Duration,
     /// How often the watchdog has seen this call.
     seen: u32,
+    /// How long the thread had waited for a processor when the watchdog saw this call the second time: most calls are over by then.
+    starved_before: Option<Duration>,
 }
 
 impl Lane {
@@ -136,6 +144,7 @@ impl LaneShared {
 
     /// The thread's life.
     fn run(&self, generation: u32) {
+        self.introduce(generation);
         while let Some((body, task)) = self.next(generation) {
             let result = body.run(&task);
             let mut state = self.state.lock();
@@ -153,6 +162,14 @@ impl LaneShared {
                 // Nobody may be waiting any more.
                 let _ = reply.send(result);
             }
+        }
+    }
+
+    /// A thread's first act: says how it can be looked at.
+    fn introduce(&self, generation: u32) {
+        let mut state = self.state.lock();
+        if state.generation == generation {
+            state.thread_time = Some(ThreadTime::of_this_thread());
         }
     }
 
@@ -177,6 +194,7 @@ impl LaneShared {
                     started: Instant::now(),
                     deadline,
                     seen: 0,
+                    starved_before: None,
                 };
                 state.running = Some(running);
                 return Some((body, task));
@@ -198,21 +216,42 @@ impl LaneShared {
         }
     }
 
-    /// The watchdog looks in: gives the thread up if its call is over its deadline and was seen `enough` times. The count makes sure
-    /// that a call is not blamed for a time in which the whole process did not run.
+    /// The watchdog looks in: gives the thread up if its call is over its deadline.
+    ///
+    /// A call is not blamed for time in which it could not run: the time the thread waited for a processor is taken off, and a call must
+    /// have been seen `enough` times, so that a pause of the whole process counts as one look.
     pub(crate) fn inspect(self: &Arc<Self>, now: Instant, enough: u32) {
         let mut state = self.state.lock();
+        let thread_time = state.thread_time;
         let Some(running) = state.running.as_mut() else { return };
         running.seen = running.seen.saturating_add(1);
+        if running.seen == 2 {
+            running.starved_before = thread_time.and_then(|time| time.starved());
+        }
         let after = now.duration_since(running.started);
         if after < running.deadline || running.seen < enough {
             return;
         }
+        let starved_before = running.starved_before;
+        let starved = thread_time
+            .and_then(|time| time.starved()?.checked_sub(starved_before?))
+            .unwrap_or_default();
+        if after.saturating_sub(starved) < running.deadline && after < running.deadline * LONGEST_GRACE {
+            return;
+        }
+        self.give_up(state, after);
+    }
+
+    /// Gives up the thread and the instance it is in.
+    fn give_up(self: &Arc<Self>, mut state: MutexGuard<'_, LaneState>, after: Duration) {
         let Some(Running { body, reply, .. }) = state.running.take() else {
             return;
         };
         state.generation = state.generation.wrapping_add(1);
         state.has_thread = false;
+        if let Some(time) = state.thread_time.take() {
+            time.yield_to_all(); // It may be spinning.
+        }
         body.abandon(after);
         // The others' calls go on with a fresh thread. If none can be started now, the next call tries again.
         if !state.queue.is_empty()

@@ -1,13 +1,14 @@
 //! Loads plugins and runs their instances: discovery and handshake ([`Catalog`], [`Plugin`]), a small pool of watched threads on which
 //! all calls into plugins are made ([`Runners`]), and one typed handle per instance ([`Instance`]).
 //!
-//! Must never do: call into a library before its handshake was found right, call a plugin from a thread of the asynchronous runtime,
+//! Must never do: run any code of a library before its handshake was found right, call a plugin from a thread of the asynchronous runtime,
 //! wait without a deadline, unload a library, trust a length, a text or a number that a plugin gave.
 
 mod body;
 mod catalog;
 mod entry;
 mod error;
+mod image;
 mod instance;
 mod lane;
 mod library;
@@ -16,6 +17,7 @@ mod private_copy;
 mod runners;
 mod sink;
 mod statistics;
+mod thread_time;
 mod watchdog;
 
 pub use catalog::{Catalog, PluginProblem};

@@ -3,10 +3,10 @@
 //! Must never do: unload. Threads, thread-local values and buffers of a plugin may outlive everything the host knows of.
 
 use crate::entry::Entry;
-use crate::private_copy::PrivateCopy;
-use crate::{LoadError, Manifest, PluginError};
+use crate::private_copy::{self, PrivateCopy};
+use crate::{LoadError, Manifest, PluginError, image};
 use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
-use skein_plugin_abi::{ENTRY_SYMBOL, Handshake, PluginKind};
+use skein_plugin_abi::{ENTRY_SYMBOL, Handshake};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -45,24 +45,22 @@ impl Plugin {
     }
 
     fn load_here(path: PathBuf) -> Result<Self, LoadError> {
-        let copy = PrivateCopy::of(&path)?;
-        // SAFETY: the library's constructors run here; that nobody else could have written them was checked just now.
+        let file = private_copy::read(&path)?;
+        let kind = image::judge(&file)?;
+        let copy = PrivateCopy::of(&file, &path)?;
+        // SAFETY: the library's constructors run here; that nobody else can have written it was checked when it was read.
         let library =
             unsafe { Library::open(Some(copy.path()), RTLD_NOW | RTLD_LOCAL) }.map_err(|e| LoadError::NotLoadable {
                 detail: loader_detail(&e, copy.path()),
             })?;
-        // SAFETY: the symbol is only used as an address, which `Handshake::read` judges.
+        // SAFETY: the symbol is only used as an address, which `Handshake::of_loaded` judges.
         let symbol = unsafe { library.get::<*const Handshake>(ENTRY_SYMBOL) }.map(|symbol| symbol.into_raw());
         // Never unloaded from here on, whatever it turns out to be: its constructors may have started threads.
         std::mem::forget(library);
         let symbol = symbol.map_err(|_| LoadError::MissingSymbol)?;
         // SAFETY: the address of a data symbol of a library that stays loaded.
-        let handshake = unsafe { Handshake::read(symbol.cast()) }?;
-        let entry = Entry::new(handshake.check()?);
-        let kind = PluginKind(handshake.kind);
-        if kind.word().is_none() {
-            return Err(LoadError::UnknownKind { kind: handshake.kind });
-        }
+        let handshake = unsafe { Handshake::of_loaded(symbol.cast()) }?;
+        let entry = Entry::new(handshake.entry_points()?);
         let manifest = entry.manifest().map_err(|e| match e {
             PluginError::Panicked { message } => LoadError::ManifestPanicked { message },
             other => LoadError::BadManifest {

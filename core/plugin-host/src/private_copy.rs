@@ -1,10 +1,11 @@
 //! The private copy a library is loaded from. A library that was loaded stays as it was when it was judged, whatever happens to its
 //! file; and the same file, exchanged for a newer version, can be loaded beside it: the loader sees another file.
 //!
-//! Must never do: judge one file and copy another. It is opened once; the open file is judged and copied.
+//! Must never do: judge one file and copy another. It is opened once; what was read of it is judged, copied and loaded.
 
 use crate::LoadError;
 use std::fs::File;
+use std::io::{Read, Write};
 use std::os::unix::fs::{OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -19,18 +20,12 @@ pub(crate) struct PrivateCopy {
 }
 
 impl PrivateCopy {
-    /// Judges and copies the library at `path`.
-    pub(crate) fn of(path: &Path) -> Result<Self, LoadError> {
-        let mut original = File::open(path)?;
-        let real_path = path.canonicalize()?;
-        refuse_if_others_may_write(&real_path, &original.metadata()?)?;
-        if let Some(directory) = real_path.parent() {
-            refuse_if_others_may_write(directory, &directory.metadata()?)?;
-        }
-        Self::copy(&mut original, path).map_err(|source| LoadError::NotCopied { source })
+    /// Copies what was read of the library that was at `path`.
+    pub(crate) fn of(bytes: &[u8], path: &Path) -> Result<Self, LoadError> {
+        Self::write(bytes, path).map_err(|source| LoadError::NotCopied { source })
     }
 
-    fn copy(original: &mut File, path: &Path) -> std::io::Result<Self> {
+    fn write(bytes: &[u8], path: &Path) -> std::io::Result<Self> {
         let owner_only = std::fs::Permissions::from_mode(0o700);
         let directory = tempfile::Builder::new()
             .prefix("skein-plugin-")
@@ -42,7 +37,7 @@ impl PrivateCopy {
             .create_new(true)
             .mode(0o700)
             .open(&copy)?;
-        std::io::copy(original, &mut file)?;
+        file.write_all(bytes)?;
         Ok(Self {
             path: copy,
             _directory: directory,
@@ -53,6 +48,19 @@ impl PrivateCopy {
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
+}
+
+/// Reads a library that nobody else can have written.
+pub(crate) fn read(path: &Path) -> Result<Vec<u8>, LoadError> {
+    let mut file = File::open(path)?;
+    let real_path = path.canonicalize()?;
+    refuse_if_others_may_write(&real_path, &file.metadata()?)?;
+    if let Some(directory) = real_path.parent() {
+        refuse_if_others_may_write(directory, &directory.metadata()?)?;
+    }
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 /// Refuses what anyone on this machine could change.

@@ -17,7 +17,7 @@ fn library() -> (TempDir, PathBuf) {
 #[test]
 fn the_copy_is_private_and_goes_with_the_value() {
     let (_directory, path) = library();
-    let copy = PrivateCopy::of(&path).expect("is copied");
+    let copy = PrivateCopy::of(&read(&path).expect("is read"), &path).expect("is copied");
     let copied_to = copy.path().to_owned();
     assert_eq!(std::fs::read(&copied_to).expect("is there"), b"bytes");
     let above = copied_to.parent().expect("has one").metadata().expect("is there");
@@ -34,13 +34,11 @@ fn the_copy_is_private_and_goes_with_the_value() {
 fn what_others_may_write_is_refused() {
     let (directory, path) = library();
     set_mode(&path, 0o646);
-    assert!(
-        matches!(PrivateCopy::of(&path), Err(LoadError::WritableByOthers { mode: 0o646, path: p }) if p.ends_with("libx.so"))
-    );
+    assert!(matches!(read(&path), Err(LoadError::WritableByOthers { mode: 0o646, path: p }) if p.ends_with("libx.so")));
     set_mode(&path, 0o644);
     set_mode(directory.path(), 0o777);
     assert!(matches!(
-        PrivateCopy::of(&path),
+        read(&path),
         Err(LoadError::WritableByOthers { mode: 0o777, .. })
     ));
 
@@ -49,17 +47,17 @@ fn what_others_may_write_is_refused() {
     let link = elsewhere.path().join("liby.so");
     std::os::unix::fs::symlink(&path, &link).expect("linked");
     assert!(matches!(
-        PrivateCopy::of(&link),
+        read(&link),
         Err(LoadError::WritableByOthers { mode: 0o777, .. })
     ));
     set_mode(directory.path(), 0o755);
-    assert!(PrivateCopy::of(&link).is_ok());
+    assert!(read(&link).is_ok());
 }
 
 #[test]
 fn a_missing_file_is_unreadable() {
     assert!(matches!(
-        PrivateCopy::of(Path::new("/nowhere/libx.so")),
+        read(Path::new("/nowhere/libx.so")),
         Err(LoadError::Unreadable { .. })
     ));
 }

@@ -1,0 +1,43 @@
+//! A thread seen from outside: how long it had to wait for a processor, and how to put it behind all others.
+//!
+//! Must never do: fail a caller. Where the system does not tell, there is nothing to take into account.
+
+use rustix::thread::Pid;
+use std::time::Duration;
+
+/// The lowest priority there is.
+const NICEST: i32 = 19;
+
+/// A thread of this process.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ThreadTime(Pid);
+
+impl ThreadTime {
+    /// The calling thread.
+    pub(crate) fn of_this_thread() -> Self {
+        Self(rustix::thread::gettid())
+    }
+
+    /// How long it has been ready to run without running, in all its life.
+    pub(crate) fn starved(self) -> Option<Duration> {
+        // Time on a processor, time in the queue for one, number of turns; nanoseconds.
+        let path = format!("/proc/self/task/{}/schedstat", self.0.as_raw_nonzero());
+        let text = std::fs::read_to_string(path).ok()?;
+        text.split_ascii_whitespace()
+            .nth(1)?
+            .parse()
+            .ok()
+            .map(Duration::from_nanos)
+    }
+
+    /// From now on it runs only when nobody else wants to.
+    pub(crate) fn yield_to_all(self) {
+        // On Linux a thread has a priority of its own, under its own id.
+        if let Err(error) = rustix::process::setpriority_process(Some(self.0), NICEST) {
+            tracing::debug!(target: "plugin", "the priority of a thread that hangs stays as it is: {error}");
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
