@@ -49,11 +49,13 @@ function started() {
 beforeEach(() => {
   Socket.all = [];
   vi.stubGlobal('WebSocket', Socket);
+  vi.spyOn(Math, 'random').mockReturnValue(0.5);
   vi.useFakeTimers({ toFake: ['setTimeout', 'clearTimeout', 'setInterval', 'clearInterval', 'performance'] });
 });
 
 afterEach(() => {
   vi.useRealTimers();
+  vi.restoreAllMocks();
   vi.unstubAllGlobals();
 });
 
@@ -114,7 +116,7 @@ describe('Stream', () => {
     newest().say(new ArrayBuffer(16));
     vi.advanceTimersByTime(2500);
     expect(last().name).toBe('live');
-    vi.advanceTimersByTime(1000);
+    vi.advanceTimersByTime(800);
     expect(last()).toMatchObject({ name: 'lost', reason: 'the server has gone silent' });
   });
 

@@ -560,6 +560,44 @@ setpoint_rate_hz: number, };
 export type NodeTime = number;
 
 /**
+ * A plugin that was found, for screens.
+ */
+export type PluginInfo = { 
+/**
+ * Its name.
+ */
+name: string, 
+/**
+ * Its version.
+ */
+version: string, 
+/**
+ * What it is for.
+ */
+description: string, 
+/**
+ * The file it was loaded from.
+ */
+path: string, 
+/**
+ * JSON Schema of its configuration, as text.
+ */
+config_schema_json: string, };
+
+/**
+ * Plugins that were found.
+ */
+export type PluginList = { 
+/**
+ * Those that can be used.
+ */
+plugins: Array<PluginInfo>, 
+/**
+ * Files that look like plugins and were not taken, and why.
+ */
+problems: Array<string>, };
+
+/**
  * A position in the swarm's common frame: metres north, east and down of its origin.
  */
 export type PositionNed = { 
