@@ -1,8 +1,8 @@
 //! The fleet bench without the program's own command line:
-//! `cargo run --release -p skein-bench --example fleet -- fleet PROGRAM VEHICLES SECONDS`.
-//! Its children are this example itself.
+//! `cargo run --release -p skein-bench --example fleet -- fleet PROGRAM VEHICLES SECONDS [PRIORITY]`.
+//! With a real-time priority (1 to 99) other work on the machine does not delay what is measured. Its children are this example itself.
 
-use skein_bench::{FleetBenchArgs, run_bare_loop, run_fleet_bench, run_load_generator};
+use skein_bench::{FleetBenchArgs, Scheduling, run_bare_loop, run_fleet_bench, run_load_generator};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -11,20 +11,23 @@ fn main() -> ExitCode {
     let done = match words.as_slice() {
         ["bench", "load-generator", settings] => run_load_generator(settings),
         ["bench", "bare-loop", settings] => run_bare_loop(settings),
-        ["fleet", program, vehicles, seconds] => {
+        ["fleet", program, vehicles, seconds, priority @ ..] => {
             let (Ok(vehicles), Ok(seconds), Ok(helper)) = (vehicles.parse(), seconds.parse(), std::env::current_exe())
             else {
                 eprintln!("vehicles and seconds are numbers");
                 return ExitCode::from(2);
             };
+            let real_time = |word: &&str| word.parse().ok().map(|priority| Scheduling::RealTime { priority });
+            let scheduling = priority.first().and_then(real_time).unwrap_or_default();
             let args = FleetBenchArgs {
+                scheduling,
                 helper,
                 ..FleetBenchArgs::new(vehicles, seconds, program.into())
             };
             run_fleet_bench(&args).map(|report| println!("{report}"))
         }
         _ => {
-            eprintln!("usage: fleet PROGRAM VEHICLES SECONDS");
+            eprintln!("usage: fleet PROGRAM VEHICLES SECONDS [PRIORITY]");
             return ExitCode::from(2);
         }
     };

@@ -3,7 +3,7 @@
 use crate::bare::BareLoopSettings;
 use crate::error::BenchError;
 use crate::generator::LoadGeneratorSettings;
-use crate::process::{Machine, Part};
+use crate::process::{Machine, Part, Scheduling};
 use crate::program::Program;
 use crate::report::{FleetBenchReport, LoadFigures, WindowFigures};
 use std::net::SocketAddr;
@@ -26,6 +26,8 @@ pub struct FleetBenchArgs {
     pub program: PathBuf,
     /// Where its plugins are.
     pub plugins: PathBuf,
+    /// How all processes are scheduled.
+    pub scheduling: Scheduling,
     /// The program with the commands `bench load-generator` and `bench bare-loop`.
     pub helper: PathBuf,
 }
@@ -40,6 +42,7 @@ impl FleetBenchArgs {
             seconds,
             rounds: 2,
             settle_s: 3.0,
+            scheduling: Scheduling::Ordinary,
             helper: program.clone(),
             program,
             plugins,
@@ -85,7 +88,7 @@ pub fn run_fleet_bench(args: &FleetBenchArgs) -> Result<FleetBenchReport, BenchE
 }
 
 async fn program_window(args: &FleetBenchArgs) -> Result<WindowFigures, BenchError> {
-    let program = Program::start(&args.program, &args.plugins).await?;
+    let program = Program::start(&args.program, &args.plugins, args.scheduling).await?;
     let mut generator = start_generator(args, program.endpoint)?;
     program.take_off(args.vehicles).await?;
     let figures = window(args, &program.part, &mut generator).await;
@@ -104,6 +107,7 @@ async fn bare_window(args: &FleetBenchArgs) -> Result<WindowFigures, BenchError>
         "bare loop",
         &args.helper,
         &["bench", "bare-loop", &settings],
+        args.scheduling,
         Stdio::inherit(),
     )?;
     let line = bare.line().await?;
@@ -130,6 +134,7 @@ fn start_generator(args: &FleetBenchArgs, target: SocketAddr) -> Result<Part, Be
         "load generator",
         &args.helper,
         &["bench", "load-generator", &settings],
+        args.scheduling,
         Stdio::inherit(),
     )
 }
@@ -137,13 +142,13 @@ fn start_generator(args: &FleetBenchArgs, target: SocketAddr) -> Result<Part, Be
 /// One window of a side that is under load already.
 async fn window(args: &FleetBenchArgs, side: &Part, generator: &mut Part) -> Result<WindowFigures, BenchError> {
     tokio::time::sleep(Duration::from_secs_f64(args.settle_s)).await;
-    generator.tell(b"begin").await?;
+    generator.tell(b"b").await?;
     let (begun, machine) = (Instant::now(), Machine::now());
     let (side_before, generator_before) = (side.usage()?, generator.usage()?);
     tokio::time::sleep(Duration::from_secs(u64::from(args.seconds))).await;
     let window_s = begun.elapsed().as_secs_f64();
     let (side_after, generator_after, machine_after) = (side.usage()?, generator.usage()?, Machine::now());
-    generator.tell(b"end").await?;
+    generator.tell(b"e").await?;
     let line = generator.line().await?;
     let load: LoadFigures = serde_json::from_str(&line).map_err(|_| BenchError::Child {
         part: "load generator",

@@ -1,6 +1,6 @@
 //! The load generator's process: one thread, a tick of 1 ms, one socket a vehicle, one datagram a message.
 //!
-//! It is told on its standard input when a window begins and ends, and answers an end with its figures in one line of JSON. The
+//! It is told on its standard input when a window begins (`b`) and ends (`e`), and answers an end with one line of JSON. The
 //! end of its input ends it.
 
 use crate::error::BenchError;

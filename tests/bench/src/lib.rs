@@ -19,4 +19,5 @@ pub use bare::{BareLoopSettings, run_bare_loop};
 pub use error::BenchError;
 pub use fleet::{FleetBenchArgs, run_fleet_bench};
 pub use generator::{LoadGeneratorSettings, run_load_generator};
+pub use process::Scheduling;
 pub use report::{FleetBenchReport, Gaps, LoadFigures, SideFigures, Spread, WindowFigures};

@@ -2,6 +2,7 @@
 
 use crate::error::BenchError;
 use nix::unistd::{SysconfVar, sysconf};
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::process::Stdio;
 use std::time::Duration;
@@ -10,6 +11,21 @@ use tokio::process::{Child, ChildStdin, ChildStdout, Command};
 
 /// How long a child may take for a line that is expected.
 const PATIENCE: Duration = Duration::from_secs(30);
+
+/// How the processes of a bench are scheduled. On a machine that does other work too, the ordinary way measures that work as well:
+/// it delays setpoints far more than any program does by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scheduling {
+    /// As any process.
+    #[default]
+    Ordinary,
+    /// First in, first out, before all ordinary processes; needs the right to it and the system's command `chrt`.
+    RealTime {
+        /// 1 to 99.
+        priority: u8,
+    },
+}
 
 /// A child process that is killed when this is dropped.
 pub(crate) struct Part {
@@ -21,8 +37,23 @@ pub(crate) struct Part {
 
 impl Part {
     /// Starts `program` with these arguments; what it writes to its standard error goes to `errors`.
-    pub fn start(name: &'static str, program: &Path, arguments: &[&str], errors: Stdio) -> Result<Self, BenchError> {
-        let started = Command::new(program)
+    pub fn start(
+        name: &'static str,
+        program: &Path,
+        arguments: &[&str],
+        scheduling: Scheduling,
+        errors: Stdio,
+    ) -> Result<Self, BenchError> {
+        let mut command = match scheduling {
+            Scheduling::Ordinary => Command::new(program),
+            Scheduling::RealTime { priority } => {
+                // It becomes the program, so that the process measured is the right one.
+                let mut command = Command::new("chrt");
+                command.args(["--fifo", &priority.to_string()]).arg(program);
+                command
+            }
+        };
+        let started = command
             .args(arguments)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())

@@ -1,7 +1,7 @@
 //! The side of the program under test: its configuration, its start, and all vehicles in the air by its own API.
 
 use crate::error::BenchError;
-use crate::process::Part;
+use crate::process::{Part, Scheduling};
 use http_body_util::{BodyExt, Full};
 use hyper::body::Bytes;
 use hyper::header::{CONTENT_TYPE, HOST};
@@ -44,7 +44,7 @@ fn configuration(plugins: &Path) -> String {
 
 impl Program {
     /// Starts it and reads from its first lines where it listens.
-    pub async fn start(program: &Path, plugins: &Path) -> Result<Self, BenchError> {
+    pub async fn start(program: &Path, plugins: &Path, scheduling: Scheduling) -> Result<Self, BenchError> {
         let files = TempDir::with_prefix("skein-bench-").map_err(BenchError::system("temporary directory"))?;
         let config = files.path().join("node.toml");
         std::fs::write(&config, configuration(plugins)).map_err(BenchError::system("temporary file"))?;
@@ -54,6 +54,7 @@ impl Program {
             "program under test",
             program,
             &["run", "--config", &config],
+            scheduling,
             Stdio::from(log),
         )?;
         let nowhere = SocketAddr::from(([0, 0, 0, 0], 0));

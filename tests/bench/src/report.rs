@@ -1,5 +1,6 @@
 //! The figures of a bench, units in the names; as JSON and as a table.
 
+use crate::process::Scheduling;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -147,6 +148,8 @@ pub struct FleetBenchReport {
     pub window_s: f64,
     /// Processors of the machine.
     pub processors: usize,
+    /// How all processes were scheduled.
+    pub scheduling: Scheduling,
     /// The program.
     pub program: SideFigures,
     /// The bare loop.
@@ -172,6 +175,7 @@ impl FleetBenchReport {
             vehicles,
             window_s,
             processors: std::thread::available_parallelism().map_or(0, usize::from),
+            scheduling: Scheduling::default(),
             cpu_ratio: ratio(program.cpu_percent.median, bare.cpu_percent.median),
             cpu_ratio_of_rounds,
             program,
