@@ -73,7 +73,9 @@ fn says_json(headers: &HeaderMap) -> bool {
 fn not_understood(rejection: JsonRejection, bytes: &[u8]) -> ApiError {
     let is_json = || serde_json::from_slice::<IgnoredAny>(bytes).is_ok();
     match rejection {
-        JsonRejection::JsonSyntaxError(error) if is_json() => ApiError::Shape { problem: error.body_text() },
+        JsonRejection::JsonSyntaxError(error) if is_json() => ApiError::Shape {
+            problem: error.body_text(),
+        },
         rejection => rejection.into(),
     }
 }
@@ -93,7 +95,9 @@ fn overlooked(given: &Value, understood: &Value, place: &Place<'_>) -> Option<Ap
             let place = place.field(key);
             match understood.get(key) {
                 Some(understood) => overlooked(value, understood, &place),
-                None => Some(ApiError::UnknownField { field: place.to_string() }),
+                None => Some(ApiError::UnknownField {
+                    field: place.to_string(),
+                }),
             }
         }),
         (Value::Array(given), Value::Array(understood)) => given
@@ -101,9 +105,9 @@ fn overlooked(given: &Value, understood: &Value, place: &Place<'_>) -> Option<Ap
             .zip(understood)
             .enumerate()
             .find_map(|(index, (given, understood))| overlooked(given, understood, &place.item(index))),
-        (Value::Array(_), Value::Object(_)) => {
-            Some(ApiError::Shape { problem: format!("{place}: a list stands where an object belongs") })
-        }
+        (Value::Array(_), Value::Object(_)) => Some(ApiError::Shape {
+            problem: format!("{place}: a list stands where an object belongs"),
+        }),
         _ => None,
     }
 }

@@ -117,7 +117,9 @@ impl ApiError {
             Self::Body(rejection) => rejection.status(),
             Self::TooSlow => StatusCode::REQUEST_TIMEOUT,
             Self::NotJson => StatusCode::UNSUPPORTED_MEDIA_TYPE,
-            Self::Shape { .. } | Self::UnknownField { .. } | Self::OutOfRange { .. } => StatusCode::UNPROCESSABLE_ENTITY,
+            Self::Shape { .. } | Self::UnknownField { .. } | Self::OutOfRange { .. } => {
+                StatusCode::UNPROCESSABLE_ENTITY
+            }
             Self::Query(_) | Self::Path(_) | Self::NoHost => StatusCode::BAD_REQUEST,
             Self::MethodNotAllowed { .. } => StatusCode::METHOD_NOT_ALLOWED,
             Self::ForeignHost { .. } | Self::ForeignOrigin { .. } => StatusCode::FORBIDDEN,

@@ -1,4 +1,8 @@
 //! The committed TypeScript and OpenAPI files say what the Rust types say. `SKEIN_REGENERATE=1` writes them anew.
+#![allow(
+    clippy::unwrap_used,
+    reason = "what tests share may stop at the first surprise, as they do"
+)]
 
 use std::path::{Path, PathBuf};
 

@@ -11,7 +11,10 @@ fn read<T: DeserializeOwned + Serialize + MakesSense>(
         .header("content-type", kind)
         .body(body.into())
         .unwrap();
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().unwrap();
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_time()
+        .build()
+        .unwrap();
     let read = runtime.block_on(Body::<T>::from_request(request, &()));
     read.map(|Body(value)| value)
         .map_err(|error| (error.status().as_u16(), error.code().to_owned(), error.to_string()))
@@ -76,9 +79,24 @@ fn what_is_not_the_published_shape_is_refused_with_the_place() {
     let bad = json!({ "targets": "all", "command": { "command": "arm" }, "more": 1 });
     refused(command(bad), 422, "invalid_body", "more");
     refused(command(json!([1])), 422, "invalid_body", "");
-    refused(command(json!({ "targets": 1, "command": { "command": "arm" } })), 422, "invalid_body", "targets");
-    refused(command(json!(["all", { "command": "arm" }])), 422, "invalid_body", "body: a list");
-    refused(command(json!({ "targets": "all", "command": ["arm"] })), 422, "invalid_body", "command: a list");
+    refused(
+        command(json!({ "targets": 1, "command": { "command": "arm" } })),
+        422,
+        "invalid_body",
+        "targets",
+    );
+    refused(
+        command(json!(["all", { "command": "arm" }])),
+        422,
+        "invalid_body",
+        "body: a list",
+    );
+    refused(
+        command(json!({ "targets": "all", "command": ["arm"] })),
+        422,
+        "invalid_body",
+        "command: a list",
+    );
 }
 
 #[test]
@@ -227,7 +245,10 @@ proptest! {
 #[tokio::test(start_paused = true)]
 async fn a_body_that_does_not_come_is_not_waited_for() {
     let never = HttpBody::from_stream(futures_util::stream::pending::<Result<Vec<u8>, std::io::Error>>());
-    let request = Request::builder().header("content-type", "application/json").body(never).unwrap();
+    let request = Request::builder()
+        .header("content-type", "application/json")
+        .body(never)
+        .unwrap();
     let error = Body::<CommandBody>::from_request(request, &()).await.unwrap_err();
     assert_eq!((error.status().as_u16(), error.code()), (408, "too_slow"));
 }
