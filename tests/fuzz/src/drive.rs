@@ -189,7 +189,7 @@ fn check(core: &mut VehicleCore, now: NodeTime) {
     assert!(telemetry.global.is_none_or(|place| place.is_valid()));
     assert!(telemetry.local_frame.is_none_or(|frame| frame.origin.is_valid()));
     assert!(telemetry.position_time <= now);
-    if now.0 % 7 == 0 {
+    if now.0.is_multiple_of(7) {
         drop(core.take_events());
     }
 }
