@@ -19,7 +19,7 @@ use skein_domain::{
 };
 use skein_plugin_host::{Catalog, Plugin, Runners};
 use skein_safety::{Gate, Peer};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -45,6 +45,9 @@ pub struct Board {
     pub intent: ArcSwap<Intent>,
     /// What the coordinator must find again after a restart.
     pub coordination: Mutex<Coordination>,
+    /// Vehicles that an operator's command took out of the formation. Written before the command is sent, so that no regrouping can
+    /// come between and call them back.
+    pub withdrawn: Mutex<BTreeSet<VehicleId>>,
     /// Vehicles by id.
     cells: RwLock<BTreeMap<VehicleId, Arc<VehicleCell>>>,
     /// Vehicles heard but not flown.
@@ -72,6 +75,7 @@ impl Board {
             peers: ArcSwap::default(),
             intent: ArcSwap::default(),
             coordination: Mutex::default(),
+            withdrawn: Mutex::default(),
             cells: RwLock::default(),
             unadopted: Mutex::default(),
             actors: Mutex::default(),

@@ -11,7 +11,7 @@ use skein_domain::{
 };
 use skein_flight::transition::{self, MotionLimits};
 use skein_flight::{formation, limits};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Below this turning rate a formation does not follow its leader's course: a quarter turn would take longer than ten seconds.
 const SLOWEST_USEFUL_TURN_RAD_S: f64 = 0.15;
@@ -321,9 +321,10 @@ fn present_offsets(
         .collect()
 }
 
-/// The intent that follows from formation and route. Tasks that do not change keep their version, so that nobody starts anew.
+/// The intent that follows from formation and route. Tasks that do not change keep their version, so that nobody starts anew. Who was
+/// withdrawn by an operator gets no task at all: a task of a newer version would outrank the operator's command.
 #[must_use]
-pub fn intent(before: &Intent, coordination: &Coordination) -> Intent {
+pub fn intent(before: &Intent, coordination: &Coordination, withdrawn: &BTreeSet<VehicleId>) -> Intent {
     let version = before.version + 1;
     let mut wanted: BTreeMap<VehicleId, Task> = BTreeMap::new();
     if let Some(formation) = &coordination.formation {
@@ -347,12 +348,13 @@ pub fn intent(before: &Intent, coordination: &Coordination) -> Intent {
     }
     // Who had a place in the formation and has none now is told to hold, once.
     for (id, task) in &before.tasks {
-        if task.task != Task::Hold {
+        if task.task != Task::Hold && !withdrawn.contains(id) {
             wanted.entry(*id).or_insert(Task::Hold);
         }
     }
     let tasks = wanted
         .into_iter()
+        .filter(|(id, _)| !withdrawn.contains(id))
         .map(|(id, task)| match before.tasks.get(&id) {
             Some(same) if same.task == task => (id, same.clone()),
             _ => (id, VehicleTask { version, task }),

@@ -94,6 +94,8 @@ impl CoordinatorState {
             return Err(Refusal::NoSwarmFrame);
         }
         let formation = self.plan(request).await?;
+        // The operator calls them back.
+        self.board.withdrawn.lock().retain(|id| !formation.members.contains(id));
         let receipt = FormationReceipt {
             leader: formation.leader,
             members: formation.members.clone(),
@@ -175,9 +177,9 @@ impl CoordinatorState {
     fn publish(&self) {
         let coordination = self.board.coordination.lock();
         let before = self.board.intent.load();
-        self.board
-            .intent
-            .store(Arc::new(coordination::intent(&before, &coordination)));
+        let withdrawn = self.board.withdrawn.lock().clone();
+        let intent = coordination::intent(&before, &coordination, &withdrawn);
+        self.board.intent.store(Arc::new(intent));
     }
 
     fn dissolve(&self) -> Result<(), Refusal> {
@@ -238,11 +240,12 @@ impl CoordinatorState {
             .copied()
             .filter(|id| self.has_left(&formation, *id, &peers, now))
             .collect();
-        let joins = if formation.request.members.is_none() {
+        let mut joins = if formation.request.members.is_none() {
             newcomers
         } else {
             Vec::new()
         };
+        joins.extend(self.strays(&formation, &peers));
         if gone.is_empty() && joins.is_empty() {
             return;
         }
@@ -254,7 +257,8 @@ impl CoordinatorState {
             .collect();
         members.extend(joins.iter().filter(|id| !formation.members.contains(id)));
         let present = coordination::available(&peers);
-        members.retain(|id| present.contains(id));
+        let withdrawn = self.board.withdrawn.lock().clone();
+        members.retain(|id| present.contains(id) && !withdrawn.contains(id));
         self.regroup(&formation, members, &gone, &joins).await;
     }
 
@@ -289,6 +293,9 @@ impl CoordinatorState {
     /// Whether a member cannot be counted on any more.
     fn has_left(&self, formation: &Formation, id: VehicleId, peers: &PeerSnapshot, now: NodeTime) -> bool {
         let Some(entry) = peers.entry(id) else { return true };
+        if self.board.withdrawn.lock().contains(&id) {
+            return true;
+        }
         let leader_limit_s = self.board.config.coordinator.leader_lost_after_s;
         let silent_s = now.seconds_since(entry.link.last_heard);
         if !entry.link.connected || (id == formation.leader && silent_s > leader_limit_s) {
@@ -304,6 +311,15 @@ impl CoordinatorState {
         }
         // Holding may mean that the task has not been taken up yet; anything not available in the air is gone at once.
         !entry.flight_state.is_available_in_air() || now.seconds_since(formation.decided) > TAKE_UP_S
+    }
+
+    /// Vehicles that fly in the formation without belonging to it: taken out for a command that they then refused.
+    fn strays(&self, formation: &Formation, peers: &PeerSnapshot) -> Vec<VehicleId> {
+        let withdrawn = self.board.withdrawn.lock();
+        let flies_along = |state| matches!(state, FlightState::Following | FlightState::Leading);
+        let entries = peers.entries.iter().filter(|e| flies_along(e.flight_state));
+        let stray = |id: &VehicleId| !formation.members.contains(id) && !withdrawn.contains(id);
+        entries.map(|e| e.id).filter(stray).collect()
     }
 
     /// Vehicles that have just come up from the ground.

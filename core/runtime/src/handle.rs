@@ -237,6 +237,7 @@ impl NodeHandle {
             VehicleCommand::TakeOff { .. } => self.board.config.coordinator.take_off_stagger_s,
             _ => 0.0,
         };
+        self.withdraw(&ids, &command);
         let now = self.board.now();
         let asked: Vec<_> = ids
             .iter()
@@ -258,7 +259,28 @@ impl NodeHandle {
                 }),
             }));
         }
+        // Who did not take the command up goes on as before; the coordinator takes it back in.
+        let mut withdrawn = self.board.withdrawn.lock();
+        for receipt in receipts.iter().filter(|r| r.refusal.is_some()) {
+            withdrawn.remove(&receipt.vehicle);
+        }
+        drop(withdrawn);
         receipts
+    }
+
+    /// A command that moves or stops a vehicle by itself takes it out of the formation, and all its targets at once: a regrouping of
+    /// the rest must call none of them back. A take-off makes it a newcomer again.
+    fn withdraw(&self, ids: &[VehicleId], command: &VehicleCommand) {
+        let mut withdrawn = self.board.withdrawn.lock();
+        match command {
+            VehicleCommand::Arm | VehicleCommand::Disarm => {}
+            VehicleCommand::TakeOff { .. } => withdrawn.retain(|id| !ids.contains(id)),
+            VehicleCommand::Land
+            | VehicleCommand::LandAt { .. }
+            | VehicleCommand::Hold
+            | VehicleCommand::Return
+            | VehicleCommand::GoTo { .. } => withdrawn.extend(ids),
+        }
     }
 
     async fn command_one(&self, vehicle: VehicleId, command: VehicleCommand, not_before: NodeTime) -> CommandReceipt {

@@ -13,7 +13,7 @@ pub fn fleet(vehicles: u8, seconds: u32, json: bool) -> anyhow::Result<ExitCode>
     if json {
         println!("{}", serde_json::to_string_pretty(&report)?);
     } else {
-        print!("{report}");
+        println!("{report}");
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -22,12 +22,20 @@ async fn run_file(file: &Path) -> (i32, String) {
 
 /// A configuration that is right but for what a test adds.
 fn config(web: &str, more: &str) -> String {
-    format!("{more}\n[web]\nlisten = \"{web}\"\n[plugins]\ndirectories = [{:?}]\n", plugins_dir())
+    format!(
+        "{more}\n[web]\nlisten = \"{web}\"\n[plugins]\ndirectories = [{:?}]\n",
+        plugins_dir()
+    )
 }
 
 #[tokio::test]
 async fn wrong_arguments_exit_with_2() {
-    for arguments in [&["fly"] as &[&str], &["demo", "--vehicles", "0"], &["run"], &["sim", "--vehicles", "many"]] {
+    for arguments in [
+        &["fly"] as &[&str],
+        &["demo", "--vehicles", "0"],
+        &["run"],
+        &["sim", "--vehicles", "many"],
+    ] {
         let mut process = Process::skein(arguments);
         assert_eq!(process.exit_code(SOON).await, 2, "{arguments:?}: {}", process.output());
     }
@@ -76,7 +84,11 @@ async fn doctor_names_what_is_wrong_and_how_to_mend_it() {
     let mut good = Process::skein(&["doctor", "--plugins", plugins.to_str().expect("is text")]);
     let code = good.exit_code(SOON).await;
     assert!(good.output().contains("generic-uav"), "{}", good.output());
-    assert!(code == 0 || good.output().contains("8080"), "only a taken port may be wrong: {}", good.output());
+    assert!(
+        code == 0 || good.output().contains("8080"),
+        "only a taken port may be wrong: {}",
+        good.output()
+    );
     let mut bad = Process::skein(&["doctor", "--plugins", "/nowhere"]);
     assert_eq!(bad.exit_code(SOON).await, 1);
     assert!(bad.output().contains("mend:"), "{}", bad.output());
@@ -94,7 +106,10 @@ async fn a_node_listens_on_loopback_only_and_ends_cleanly() {
     for table in ["tcp", "udp", "tcp6", "udp6"] {
         let own = own_sockets(id, table);
         // 0100007F is 127.0.0.1 as the kernel writes it.
-        assert!(own.iter().all(|address| address.starts_with("0100007F")), "{table}: {own:?}");
+        assert!(
+            own.iter().all(|address| address.starts_with("0100007F")),
+            "{table}: {own:?}"
+        );
     }
     process.signal("TERM").await;
     assert_eq!(process.exit_code(SOON).await, 0, "{}", process.output());
@@ -112,7 +127,10 @@ fn own_sockets(id: u32, table: &str) -> Vec<String> {
         .skip(1)
         .filter_map(|line| {
             let fields: Vec<&str> = line.split_whitespace().collect();
-            inodes.iter().any(|inode| fields.get(9) == Some(&inode.as_str())).then(|| fields.get(1).map(|f| (*f).to_owned()))?
+            inodes
+                .iter()
+                .any(|inode| fields.get(9) == Some(&inode.as_str()))
+                .then(|| fields.get(1).map(|f| (*f).to_owned()))?
         })
         .collect()
 }

@@ -11,7 +11,16 @@ async fn fly(extra: &[&str]) -> serde_json::Value {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("report.json");
     let report = file.to_str().expect("is text");
-    let mut arguments = vec!["demo", "--headless", "--port", "0", "--seconds", "120", "--report", report];
+    let mut arguments = vec![
+        "demo",
+        "--headless",
+        "--port",
+        "0",
+        "--seconds",
+        "120",
+        "--report",
+        report,
+    ];
     arguments.extend(extra);
     let mut demo = Process::skein(&arguments);
     let code = demo.exit_code(FLIGHT).await;
@@ -30,7 +39,10 @@ fn check(report: &serde_json::Value, vehicles: u64) {
     assert_eq!(criteria.len(), 8);
     for criterion in criteria {
         assert_eq!(criterion["met"], true, "{criterion}");
-        assert!(criterion["value"].is_f64() || criterion["value"].is_u64(), "measured: {criterion}");
+        assert!(
+            criterion["value"].is_f64() || criterion["value"].is_u64(),
+            "measured: {criterion}"
+        );
     }
 }
 
@@ -44,5 +56,8 @@ async fn with_faults_the_criteria_still_hold() {
     let report = fly(&["--vehicles", "6", "--faults", "--seed", "2"]).await;
     check(&report, 6);
     let restarts = report["restarts"].as_array().expect("restarts");
-    assert!(restarts.len() >= 4, "two plugins, an actor and the coordinator were killed: {restarts:?}");
+    assert!(
+        restarts.len() >= 4,
+        "two plugins, an actor and the coordinator were killed: {restarts:?}"
+    );
 }

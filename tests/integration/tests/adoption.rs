@@ -25,8 +25,14 @@ async fn a_vehicle_without_a_rule_is_shown_not_flown() {
     assert_eq!(fleet.vehicles[0].name, "scout-1");
     assert_eq!(fleet.unadopted[0].system_id.0, 3);
     assert!(fleet.unadopted[0].why.contains("rule"), "{}", fleet.unadopted[0].why);
-    let receipts = swarm.node().command(&Targets::Vehicles(vec![VehicleId(3)]), VehicleCommand::Arm).await;
-    assert_eq!(receipts[0].refusal, Some(Refusal::UnknownVehicle { vehicle: VehicleId(3) }));
+    let receipts = swarm
+        .node()
+        .command(&Targets::Vehicles(vec![VehicleId(3)]), VehicleCommand::Arm)
+        .await;
+    assert_eq!(
+        receipts[0].refusal,
+        Some(Refusal::UnknownVehicle { vehicle: VehicleId(3) })
+    );
     swarm.stop().await;
 }
 
@@ -37,7 +43,11 @@ async fn the_same_system_ids_on_two_endpoints_become_different_vehicles() {
             name: Some("second".into()),
             address: "udp-listen://127.0.0.1:0".into(),
         });
-        let second = AdoptionRule { endpoint: Some("second".into()), vehicle_id_offset: 100, ..AdoptionRule::default() };
+        let second = AdoptionRule {
+            endpoint: Some("second".into()),
+            vehicle_id_offset: 100,
+            ..AdoptionRule::default()
+        };
         config.adopt.insert(0, second);
     })
     .await;
@@ -49,7 +59,9 @@ async fn the_same_system_ids_on_two_endpoints_become_different_vehicles() {
         ..SimSettings::default()
     };
     let other = Simulation::start(settings).expect("starts");
-    let fleet = swarm.until("three vehicles", Duration::ZERO, |fleet| fleet.vehicles.len() == 3).await;
+    let fleet = swarm
+        .until("three vehicles", Duration::ZERO, |fleet| fleet.vehicles.len() == 3)
+        .await;
     assert_eq!(fleet.vehicles.iter().map(|v| v.id.0).collect::<Vec<_>>(), [1, 2, 107]);
     other.stop();
     swarm.stop().await;
@@ -67,7 +79,10 @@ async fn a_vehicle_that_appears_in_flight_is_taken_in() {
     let id = VehicleId(u16::from(system_id));
     swarm
         .until("the newcomer ready", Duration::ZERO, |fleet| {
-            fleet.vehicles.iter().any(|v| v.id == id && v.ready_to_arm == Some(true))
+            fleet
+                .vehicles
+                .iter()
+                .any(|v| v.id == id && v.ready_to_arm == Some(true))
         })
         .await;
     let command = VehicleCommand::TakeOff { height_m: 5.0 };
@@ -92,15 +107,27 @@ async fn two_vehicles_with_one_system_id_disturb_nobody_else() {
     };
     swarm.simulation().add(start).expect("is added");
     let fleet = swarm
-        .until("the clash told", Duration::ZERO, |fleet| fleet.unadopted.iter().any(|u| u.system_id.0 == 2))
+        .until("the clash told", Duration::ZERO, |fleet| {
+            fleet.unadopted.iter().any(|u| u.system_id.0 == 2)
+        })
         .await;
-    assert!(fleet.unadopted[0].why.contains("system id"), "{}", fleet.unadopted[0].why);
+    assert!(
+        fleet.unadopted[0].why.contains("system id"),
+        "{}",
+        fleet.unadopted[0].why
+    );
     let command = VehicleCommand::TakeOff { height_m: 5.0 };
-    let receipts = swarm.node().command(&Targets::Vehicles(vec![VehicleId(1)]), command).await;
+    let receipts = swarm
+        .node()
+        .command(&Targets::Vehicles(vec![VehicleId(1)]), command)
+        .await;
     assert_eq!(receipts[0].refusal, None, "vehicle 1 has nothing to do with it");
     swarm
         .until("vehicle 1 up", Duration::from_secs(20), |fleet| {
-            fleet.vehicles.iter().any(|v| v.id == VehicleId(1) && v.flight_state == FlightState::Holding)
+            fleet
+                .vehicles
+                .iter()
+                .any(|v| v.id == VehicleId(1) && v.flight_state == FlightState::Holding)
         })
         .await;
     swarm.stop().await;

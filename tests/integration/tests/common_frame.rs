@@ -46,7 +46,9 @@ async fn a_formation_holds_whatever_each_vehicle_calls_its_origin() {
         .until("everyone in its slot", extra, |fleet| {
             let followers = fleet.vehicles.iter().filter(|v| !v.is_leader);
             fleet.formation.as_ref().is_some_and(|f| fleet.time > f.settled_at)
-                && followers.into_iter().all(|v| v.tracking_error_m.is_some_and(|m| m < 0.4))
+                && followers
+                    .into_iter()
+                    .all(|v| v.tracking_error_m.is_some_and(|m| m < 0.4))
         })
         .await;
     let truth = swarm.simulation().truth();
@@ -58,8 +60,14 @@ async fn a_formation_holds_whatever_each_vehicle_calls_its_origin() {
     }
     for id in 1..=4 {
         let at = position(&truth, id);
-        assert!((at.north_m - leader.north_m).abs() < 0.8, "vehicle {id} is not in line: {at:?}, leader {leader:?}");
-        assert!((at.down_m - leader.down_m).abs() < 0.8, "vehicle {id} is not level: {at:?}, leader {leader:?}");
+        assert!(
+            (at.north_m - leader.north_m).abs() < 0.8,
+            "vehicle {id} is not in line: {at:?}, leader {leader:?}"
+        );
+        assert!(
+            (at.down_m - leader.down_m).abs() < 0.8,
+            "vehicle {id} is not level: {at:?}, leader {leader:?}"
+        );
     }
     swarm.stop().await;
 }

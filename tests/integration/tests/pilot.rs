@@ -19,30 +19,58 @@ async fn the_pilot_takes_a_vehicle_out_and_the_others_close_up() {
     };
     swarm.node().set_formation(request).await.expect("is flown");
     let following = |id: u16, fleet: &skein_runtime::FleetSnapshot| {
-        fleet.vehicles.iter().any(|v| v.id == VehicleId(id) && v.flight_state == FlightState::Following)
+        fleet
+            .vehicles
+            .iter()
+            .any(|v| v.id == VehicleId(id) && v.flight_state == FlightState::Following)
     };
-    swarm.until("everyone follows", Duration::from_secs(10), |f| (2..=4).all(|id| following(id, f))).await;
-    swarm.simulation().pilot_mode(3, FlightMode::Position).expect("has a remote control");
+    swarm
+        .until("everyone follows", Duration::from_secs(10), |f| {
+            (2..=4).all(|id| following(id, f))
+        })
+        .await;
+    swarm
+        .simulation()
+        .pilot_mode(3, FlightMode::Position)
+        .expect("has a remote control");
     let fleet = swarm
         .until("the pilot's vehicle is out of the formation", Duration::ZERO, |fleet| {
-            let taken = fleet.vehicles.iter().any(|v| v.id == VehicleId(3) && v.flight_state == FlightState::PilotControl);
-            taken && fleet.formation.as_ref().is_some_and(|f| !f.members.contains(&VehicleId(3)))
+            let taken = fleet
+                .vehicles
+                .iter()
+                .any(|v| v.id == VehicleId(3) && v.flight_state == FlightState::PilotControl);
+            taken
+                && fleet
+                    .formation
+                    .as_ref()
+                    .is_some_and(|f| !f.members.contains(&VehicleId(3)))
         })
         .await;
     assert_eq!(fleet.formation.expect("goes on").members.len(), 3);
     let before = swarm.simulation().truth().vehicle(3).expect("is simulated").setpoints;
     // Two seconds of flight in which a stream would show.
     let later = fleet.time.plus_seconds(2.0);
-    swarm.until("two more seconds", Duration::ZERO, |fleet| fleet.time > later).await;
+    swarm
+        .until("two more seconds", Duration::ZERO, |fleet| fleet.time > later)
+        .await;
     let truth = swarm.simulation().truth();
     let vehicle = truth.vehicle(3).expect("is simulated");
-    assert_eq!(vehicle.setpoints, before, "nothing is streamed to a vehicle in a pilot's hands");
+    assert_eq!(
+        vehicle.setpoints, before,
+        "nothing is streamed to a vehicle in a pilot's hands"
+    );
     assert_eq!(vehicle.mode, FlightMode::Position, "the pilot's mode stands");
-    let receipts = swarm.node().command(&Targets::Vehicles(vec![VehicleId(3)]), VehicleCommand::Hold).await;
+    let receipts = swarm
+        .node()
+        .command(&Targets::Vehicles(vec![VehicleId(3)]), VehicleCommand::Hold)
+        .await;
     assert_eq!(receipts[0].refusal, None);
     swarm
         .until("back in the swarm's hands", Duration::ZERO, |fleet| {
-            fleet.vehicles.iter().any(|v| v.id == VehicleId(3) && v.flight_state == FlightState::Holding)
+            fleet
+                .vehicles
+                .iter()
+                .any(|v| v.id == VehicleId(3) && v.flight_state == FlightState::Holding)
         })
         .await;
     swarm.stop().await;

@@ -120,13 +120,14 @@ fn a_change_starts_from_the_slots_not_from_what_was_measured() {
 
 #[test]
 fn tasks_that_do_not_change_keep_their_version() {
+    let nobody = BTreeSet::new();
     let peers = peers(4);
     let first = plan(&input(request(), None), &peers).expect("plans");
     let mut coordination = Coordination {
         formation: Some(first.clone()),
         ..Coordination::default()
     };
-    let before = intent(&Intent::default(), &coordination);
+    let before = intent(&Intent::default(), &coordination, &nobody);
     assert_eq!(before.version, 1);
     let later = PlanInput {
         start: first.settled_at,
@@ -139,7 +140,7 @@ fn tasks_that_do_not_change_keep_their_version() {
         )
     };
     coordination.formation = Some(plan(&later, &peers).expect("plans"));
-    let after = intent(&before, &coordination);
+    let after = intent(&before, &coordination, &nobody);
     assert_eq!(after.version, 2);
     // A wider wedge may turn slower, so that the leader's task may change too; the followers' must.
     assert!(
@@ -150,14 +151,38 @@ fn tasks_that_do_not_change_keep_their_version() {
             .all(|(_, task)| task.version == 2)
     );
     coordination.formation = None;
-    let ended = intent(&after, &coordination);
+    let ended = intent(&after, &coordination, &nobody);
     assert!(
         ended
             .tasks
             .values()
             .all(|task| task.task == Task::Hold && task.version == 3)
     );
-    assert!(intent(&ended, &coordination).tasks.is_empty(), "told to hold once");
+    assert!(
+        intent(&ended, &coordination, &nobody).tasks.is_empty(),
+        "told to hold once"
+    );
+}
+
+#[test]
+fn no_task_outranks_the_command_of_an_operator() {
+    let peers = peers(4);
+    let formation = plan(&input(request(), None), &peers).expect("plans");
+    let mut coordination = Coordination {
+        formation: Some(formation),
+        ..Coordination::default()
+    };
+    let before = intent(&Intent::default(), &coordination, &BTreeSet::new());
+    let withdrawn = BTreeSet::from([VehicleId(2), VehicleId(3)]);
+    let regrouped = intent(&before, &coordination, &withdrawn);
+    assert!(withdrawn.iter().all(|id| !regrouped.tasks.contains_key(id)));
+    assert!(regrouped.tasks.contains_key(&VehicleId(4)));
+    coordination.formation = None;
+    let ended = intent(&before, &coordination, &withdrawn);
+    assert_eq!(
+        ended.tasks.keys().copied().collect::<Vec<_>>(),
+        [VehicleId(1), VehicleId(4)]
+    );
 }
 
 #[test]

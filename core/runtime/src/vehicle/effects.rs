@@ -4,7 +4,7 @@ use super::VehicleState;
 use crate::snapshot::EventKind;
 use skein_domain::exchange::{CommandProgress, Effect, Event, Severity};
 use skein_domain::setpoint::LocalSetpoint;
-use skein_domain::{AutopilotCommand, Incarnation, NodeTime, Refusal, RequestId, Setpoint};
+use skein_domain::{AutopilotCommand, FlightState, Incarnation, NodeTime, Refusal, RequestId, Setpoint};
 
 /// A refusal of the same kind is told again after so long, in seconds: at 50 setpoints a second the log would hold nothing else.
 const REFUSAL_REPEAT_S: f64 = 2.0;
@@ -29,6 +29,10 @@ impl VehicleState {
                         published.flight_state = state;
                         published.detail.clone_from(&detail);
                         published.since = now;
+                        if state != FlightState::Leading {
+                            // Who leads again starts from its own yaw, not from where it once turned a formation to.
+                            published.anchor = None;
+                        }
                     }
                     let text = match detail.as_str() {
                         "" => format!("{}: {state}", self.cell.name),
