@@ -112,42 +112,7 @@ impl TypeVisitor for Declarations<'_> {
 fn frame() -> String {
     let mut out = NOTE.to_owned();
     out.push_str("import type { FlightMode, FlightState, GnssFix, LandedState } from \"./types\";\n\n");
-    constant(
-        &mut out,
-        "First number of a frame; another one is another protocol.",
-        "FRAME_MAGIC",
-        &format!("0x{:08x}", wire::FRAME_MAGIC),
-    );
-    constant(
-        &mut out,
-        "Bytes before the first record.",
-        "HEADER_BYTES",
-        &wire::HEADER_BYTES.to_string(),
-    );
-    constant(
-        &mut out,
-        "Bytes of one record.",
-        "RECORD_BYTES",
-        &wire::RECORD_BYTES.to_string(),
-    );
-    constant(
-        &mut out,
-        "Battery charge that is not known.",
-        "UNKNOWN_PERCENT",
-        &wire::UNKNOWN_PERCENT.to_string(),
-    );
-    constant(
-        &mut out,
-        "Battery voltage that is not known.",
-        "UNKNOWN_VOLTAGE",
-        &wire::UNKNOWN_VOLTAGE.to_string(),
-    );
-    constant(
-        &mut out,
-        "Tracking error or round trip that is not known.",
-        "UNKNOWN_U16",
-        &wire::UNKNOWN_U16.to_string(),
-    );
+    constants(&mut out);
     offsets(
         &mut out,
         "Where the numbers of the header stand, in bytes from its start. Little-endian.",
@@ -165,33 +130,78 @@ fn frame() -> String {
         let _ = writeln!(out, "  {name}: {bit},");
     }
     out.push_str("} as const;\n\n");
+    all_codes(&mut out);
+    out.truncate(out.trim_end().len());
+    out.push('\n');
+    out
+}
+
+/// The numbers that stand alone.
+fn constants(out: &mut String) {
+    constant(
+        out,
+        "First number of a frame; another one is another protocol.",
+        "FRAME_MAGIC",
+        &format!("0x{:08x}", wire::FRAME_MAGIC),
+    );
+    constant(
+        out,
+        "Bytes before the first record.",
+        "HEADER_BYTES",
+        &wire::HEADER_BYTES.to_string(),
+    );
+    constant(
+        out,
+        "Bytes of one record.",
+        "RECORD_BYTES",
+        &wire::RECORD_BYTES.to_string(),
+    );
+    constant(
+        out,
+        "Battery charge that is not known.",
+        "UNKNOWN_PERCENT",
+        &wire::UNKNOWN_PERCENT.to_string(),
+    );
+    constant(
+        out,
+        "Battery voltage that is not known.",
+        "UNKNOWN_VOLTAGE",
+        &wire::UNKNOWN_VOLTAGE.to_string(),
+    );
+    constant(
+        out,
+        "Tracking error or round trip that is not known.",
+        "UNKNOWN_U16",
+        &wire::UNKNOWN_U16.to_string(),
+    );
+}
+
+/// The codes of the plain enums, with their words.
+fn all_codes(out: &mut String) {
     codes(
-        &mut out,
+        out,
         "FLIGHT_MODES",
         "FlightMode",
         FlightMode::ALL.iter().map(|v| (v.code(), v.word())),
     );
     codes(
-        &mut out,
+        out,
         "LANDED_STATES",
         "LandedState",
         LandedState::ALL.iter().map(|v| (v.code(), v.word())),
     );
     codes(
-        &mut out,
+        out,
         "GNSS_FIXES",
         "GnssFix",
         GnssFix::ALL.iter().map(|v| (v.code(), v.word())),
     );
     codes(
-        &mut out,
+        out,
         "FLIGHT_STATES",
         "FlightState",
         FlightState::ALL.iter().map(|v| (v.code(), v.word())),
     );
-    out.truncate(out.trim_end().len());
-    out.push('\n');
-    out
 }
 
 fn constant(out: &mut String, doc: &str, name: &str, value: &str) {

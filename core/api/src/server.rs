@@ -38,7 +38,6 @@ const AFTER_FAILED_ACCEPT: Duration = Duration::from_millis(100);
 const POLICY_OF_DATA: &str = "default-src 'none'; frame-ancestors 'none'";
 
 /// Every route of a node, with the checks and headers around them.
-#[must_use]
 pub fn router(node: NodeHandle, settings: &ApiSettings) -> Router {
     metrics::install();
     let app = App::new(node, openapi::document().into());

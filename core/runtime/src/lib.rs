@@ -11,6 +11,7 @@ mod coordinator;
 mod events;
 mod fleet;
 mod handle;
+mod listening;
 mod node;
 mod observer;
 mod pulse;

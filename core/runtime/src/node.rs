@@ -3,28 +3,29 @@
 //!
 //! Must never do: wait for a child, or take part in flying.
 
-use crate::board::Board;
 use crate::clock::TokioClock;
 use crate::coordinator::{Coordinator, CoordinatorMessage};
-use crate::fleet::{Discovery, Fleet, FleetMessage};
+use crate::fleet::{Fleet, FleetMessage};
 use crate::handle::NodeHandle;
+use crate::listening;
 use crate::observer::Observer;
 use crate::pulse::Pulse;
 use crate::restart::{Decision, NODE_LIMITS, RestartHistory};
-use crate::snapshot::{ActorHealth, ActorStatus, EventKind, UnadoptedVehicle};
+use crate::snapshot::{ActorHealth, ActorStatus, EventKind};
 use crate::wiring::{self, WiringError};
 use arc_swap::ArcSwapOption;
 use ractor::{Actor, ActorCell, ActorId, ActorProcessingErr, ActorRef, RpcReplyPort, SpawnErr, SupervisionEvent};
 use skein_config::NodeConfig;
 use skein_domain::exchange::Severity;
-use skein_domain::{Clock, Incarnation, SystemId};
-use skein_link_px4::{Endpoint, EndpointArguments, EndpointEvent, EndpointSettings, EventSink, LinkTable};
+use skein_domain::{Clock, Incarnation};
+use skein_link_px4::{Endpoint, EndpointArguments, EndpointSettings, LinkTable};
 use std::collections::{BTreeMap, HashMap};
 use std::net::SocketAddr;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::time::Duration;
 use thiserror::Error;
+use tokio::task::JoinHandle;
 
 /// Why a node could not be started.
 #[derive(Debug, Error)]
@@ -59,7 +60,7 @@ pub type AdapterStart =
 pub struct Node {
     handle: NodeHandle,
     root: ActorRef<NodeMessage>,
-    ended: tokio::task::JoinHandle<()>,
+    ended: JoinHandle<()>,
 }
 
 impl Node {
@@ -242,70 +243,14 @@ impl NodeState {
         }
     }
 
-    /// Starts a part. Each `pre_start` only takes what lies ready or binds a socket, so that nothing is waited for.
+    /// Starts a part and puts it on record.
     async fn start(&mut self, myself: &ActorRef<NodeMessage>, part: Part) -> Result<(), NodeError> {
         let name = self.name(part);
-        let (board, parts) = (
-            self.arguments.handle.board().clone(),
-            self.arguments.handle.parts().clone(),
-        );
-        let parent = myself.get_cell();
-        let failed = |error: SpawnErr| NodeError::Part {
+        let spawned = self.spawn(myself.get_cell(), part).await;
+        let id = spawned.map_err(|reason| NodeError::Part {
             part: name.clone(),
-            reason: match error {
-                SpawnErr::StartupFailed(cause) => cause.to_string(),
-                other => other.to_string(),
-            },
-        };
-        let id = match part {
-            Part::Fleet => {
-                let (actor, _) = Fleet::spawn_linked(None, Fleet, board, parent).await.map_err(failed)?;
-                let id = actor.get_id();
-                parts.fleet.store(Some(Arc::new(actor)));
-                id
-            }
-            Part::Coordinator => {
-                let (actor, _) = Coordinator::spawn_linked(None, Coordinator, board, parent)
-                    .await
-                    .map_err(failed)?;
-                let id = actor.get_id();
-                parts.coordinator.store(Some(Arc::new(actor)));
-                id
-            }
-            Part::Pulse => Pulse::spawn_linked(None, Pulse, board, parent)
-                .await
-                .map_err(failed)?
-                .0
-                .get_id(),
-            Part::Observer => Observer::spawn_linked(None, Observer, board, parent)
-                .await
-                .map_err(failed)?
-                .0
-                .get_id(),
-            Part::Endpoint(i) => {
-                let Some(settings) = self.arguments.endpoints.get(i).cloned() else {
-                    return Ok(());
-                };
-                let arguments = EndpointArguments {
-                    settings,
-                    clock: board.clock.clone(),
-                    links: parts.links.clone(),
-                    events: endpoint_events(&board, &parts),
-                };
-                let spawned = Endpoint::spawn_linked(None, Endpoint, arguments, parent).await;
-                spawned.map_err(failed)?.0.get_id()
-            }
-            Part::Adapter(i) => {
-                let Some(adapter) = self.arguments.adapters.get(i) else {
-                    return Ok(());
-                };
-                let started = (adapter.start)(self.arguments.handle.clone(), parent).await;
-                started.map_err(|reason| NodeError::Part {
-                    part: name.clone(),
-                    reason,
-                })?
-            }
-        };
+            reason,
+        })?;
         self.children.insert(id, part);
         let now = self.arguments.handle.now();
         let record = self.records.entry(part).or_default();
@@ -318,6 +263,41 @@ impl NodeState {
         };
         self.publish(name, health);
         Ok(())
+    }
+
+    /// Spawns a part's actor. Each `pre_start` only takes what lies ready or binds a socket, so that nothing is waited for.
+    async fn spawn(&self, parent: ActorCell, part: Part) -> Result<ActorId, String> {
+        let (board, parts) = (self.arguments.handle.board().clone(), self.arguments.handle.parts());
+        match part {
+            Part::Fleet => {
+                let fleet = spawned(Fleet::spawn_linked(None, Fleet, board, parent).await)?;
+                let id = fleet.get_id();
+                parts.fleet.store(Some(Arc::new(fleet)));
+                Ok(id)
+            }
+            Part::Coordinator => {
+                let coordinator = spawned(Coordinator::spawn_linked(None, Coordinator, board, parent).await)?;
+                let id = coordinator.get_id();
+                parts.coordinator.store(Some(Arc::new(coordinator)));
+                Ok(id)
+            }
+            Part::Pulse => Ok(spawned(Pulse::spawn_linked(None, Pulse, board, parent).await)?.get_id()),
+            Part::Observer => Ok(spawned(Observer::spawn_linked(None, Observer, board, parent).await)?.get_id()),
+            Part::Endpoint(i) => {
+                let settings = self.arguments.endpoints.get(i).cloned().ok_or("not configured")?;
+                let arguments = EndpointArguments {
+                    settings,
+                    clock: board.clock.clone(),
+                    links: parts.links.clone(),
+                    events: listening::sink(&board, parts),
+                };
+                Ok(spawned(Endpoint::spawn_linked(None, Endpoint, arguments, parent).await)?.get_id())
+            }
+            Part::Adapter(i) => {
+                let adapter = self.arguments.adapters.get(i).ok_or("not configured")?;
+                (adapter.start)(self.arguments.handle.clone(), parent).await
+            }
+        }
     }
 
     fn publish(&self, name: String, mut health: ActorHealth) {
@@ -371,71 +351,11 @@ impl NodeState {
     }
 }
 
-/// Carries an endpoint's events to the fleet and the event log.
-fn endpoint_events(board: &Arc<Board>, parts: &Arc<Parts>) -> EventSink {
-    let (board, parts) = (board.clone(), parts.clone());
-    Arc::new(move |event| {
-        let tell = |message: FleetMessage| {
-            if let Some(fleet) = parts.fleet.load_full() {
-                // A fleet that has just ended finds its vehicles on the board; what it misses here is heard again.
-                let _ = fleet.cast(message);
-            }
-        };
-        let notice = |severity: Severity, text: String| {
-            board
-                .events
-                .record(board.now(), None, severity, EventKind::Notice, text);
-        };
-        match event {
-            EndpointEvent::Bound { endpoint, local_addr } => {
-                if let Some(address) = local_addr {
-                    parts.bound.lock().insert(endpoint.to_string(), address);
-                    notice(Severity::Info, format!("endpoint {endpoint} receives on {address}"));
-                }
-            }
-            EndpointEvent::Down { endpoint, reason } => {
-                notice(Severity::Warning, format!("endpoint {endpoint} is down: {reason}"));
-            }
-            EndpointEvent::Discovered {
-                link,
-                system_id,
-                source,
-                ..
-            } => tell(FleetMessage::Discovered(Discovery {
-                endpoint: source.endpoint.to_string(),
-                link,
-                system_id: SystemId(system_id),
-            })),
-            EndpointEvent::Duplicate {
-                system_id,
-                first,
-                second,
-            } => {
-                tell(FleetMessage::Trouble(UnadoptedVehicle {
-                    system_id: SystemId(system_id),
-                    endpoint: second.endpoint.to_string(),
-                    why: format!("two vehicles use this system id ({first} and {second}); give one another MAV_SYS_ID"),
-                }));
-            }
-            EndpointEvent::DuplicateCleared { system_id, remaining } => {
-                board.unadopted.lock().retain(|u| u.system_id.0 != system_id);
-                notice(
-                    Severity::Advisory,
-                    format!("system id {system_id} is unique again, heard from {remaining}"),
-                );
-            }
-            EndpointEvent::Moved { system_id, from, to } => {
-                notice(
-                    Severity::Advisory,
-                    format!("system id {system_id} moved from {from} to {to}"),
-                );
-            }
-            EndpointEvent::SystemIdChanged { from, to, source } => {
-                notice(
-                    Severity::Warning,
-                    format!("the vehicle at {source} changed its system id from {from} to {to}"),
-                );
-            }
-        }
-    })
+/// The actor that was spawned, or its own reason why it was not.
+fn spawned<M>(result: Result<(ActorRef<M>, JoinHandle<()>), SpawnErr>) -> Result<ActorRef<M>, String> {
+    match result {
+        Ok((actor, _)) => Ok(actor),
+        Err(SpawnErr::StartupFailed(cause)) => Err(cause.to_string()),
+        Err(other) => Err(other.to_string()),
+    }
 }

@@ -160,7 +160,7 @@ fn ports(config: &NodeConfig, findings: &mut Vec<Finding>) {
             Ok(EndpointAddress::Serial { path, .. }) if !Path::new(&path).exists() => {
                 bad(
                     findings,
-                    format!("device: {path} does not exist", path = path.to_string()),
+                    format!("device: {path} does not exist"),
                     "plug it in, or look for it with: ls /dev/tty*",
                 );
             }

@@ -53,17 +53,21 @@ pub fn run_bare_loop(settings: &str) -> Result<(), BenchError> {
         let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0))
             .await
             .map_err(BenchError::system("bind"))?;
-        let socket = Arc::new(socket);
         println!("{}", socket.local_addr().map_err(BenchError::system("bind"))?);
-        let senders = Senders::default();
-        let receiving = tokio::spawn(receive(Arc::clone(&socket), Arc::clone(&senders)));
-        let sending = tokio::spawn(send(socket, senders, settings));
-        let ended = tokio::select! { ended = receiving => ended, ended = sending => ended };
-        ended.unwrap_or_else(|e| {
-            Err(BenchError::Child {
-                part: "bare loop",
-                detail: e.to_string(),
-            })
+        serve(socket, settings).await
+    })
+}
+
+/// The loop itself, on a socket.
+pub(crate) async fn serve(socket: UdpSocket, settings: BareLoopSettings) -> Result<(), BenchError> {
+    let (socket, senders) = (Arc::new(socket), Senders::default());
+    let receiving = tokio::spawn(receive(Arc::clone(&socket), Arc::clone(&senders)));
+    let sending = tokio::spawn(send(socket, senders, settings));
+    let ended = tokio::select! { ended = receiving => ended, ended = sending => ended };
+    ended.unwrap_or_else(|e| {
+        Err(BenchError::Child {
+            part: "bare loop",
+            detail: e.to_string(),
         })
     })
 }

@@ -33,14 +33,14 @@ pub struct FleetBenchArgs {
 }
 
 impl FleetBenchArgs {
-    /// Two rounds with a program that is its own helper and has its plugins beside it.
+    /// Three rounds with a program that is its own helper and has its plugins beside it.
     #[must_use]
     pub fn new(vehicles: u16, seconds: u32, program: PathBuf) -> Self {
         let plugins = program.parent().unwrap_or(Path::new(".")).join("plugins");
         Self {
             vehicles,
             seconds,
-            rounds: 2,
+            rounds: 3,
             settle_s: 3.0,
             scheduling: Scheduling::Ordinary,
             helper: program.clone(),

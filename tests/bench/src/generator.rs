@@ -72,6 +72,7 @@ struct Generator {
     gaps: GapLog,
     started: Instant,
     window_started: Instant,
+    next_tick: Instant,
     sent: u64,
     not_sent: u64,
     misaddressed_before: u64,
@@ -114,7 +115,6 @@ impl Generator {
             .set(every, TimerSetTimeFlags::empty())
             .map_err(BenchError::system("timer"))?;
         watch(&timer, TIMER)?;
-        watch(&std::io::stdin(), INPUT)?;
         Ok(Self {
             gaps: GapLog::new(posts.len()),
             posts,
@@ -122,6 +122,7 @@ impl Generator {
             timer,
             started: Instant::now(),
             window_started: Instant::now(),
+            next_tick: Instant::now() + TICK,
             sent: 0,
             not_sent: 0,
             misaddressed_before: 0,
@@ -132,32 +133,37 @@ impl Generator {
     }
 
     fn run(&mut self) -> Result<(), BenchError> {
+        let input = EpollEvent::new(EpollFlags::EPOLLIN, INPUT);
+        self.epoll
+            .add(std::io::stdin(), input)
+            .map_err(BenchError::system("epoll"))?;
+        while self.turn()? {}
+        Ok(())
+    }
+
+    /// Waits for what comes next and does it; false at the end of the input.
+    fn turn(&mut self) -> Result<bool, BenchError> {
         let mut events = [EpollEvent::empty(); 64];
-        let mut next_tick = Instant::now() + TICK;
-        loop {
-            let ready = match self.epoll.wait(&mut events, EpollTimeout::NONE) {
-                Err(Errno::EINTR) => continue,
-                other => other.map_err(BenchError::system("epoll"))?,
-            };
-            for event in events.iter().take(ready) {
-                match event.data() {
-                    TIMER => {
-                        self.timer.wait().map_err(BenchError::system("timer"))?;
-                        let now = Instant::now();
-                        self.ticks += 1;
-                        self.late_ticks += u64::from(now > next_tick + TICK);
-                        next_tick = now + TICK;
-                        self.send_due();
-                    }
-                    INPUT => {
-                        if !self.input()? {
-                            return Ok(());
-                        }
-                    }
-                    vehicle => self.receive(vehicle as usize)?,
+        let ready = match self.epoll.wait(&mut events, EpollTimeout::NONE) {
+            Err(Errno::EINTR) => 0,
+            other => other.map_err(BenchError::system("epoll"))?,
+        };
+        for event in events.iter().take(ready) {
+            match event.data() {
+                TIMER => {
+                    self.timer.wait().map_err(BenchError::system("timer"))?;
+                    let now = Instant::now();
+                    self.ticks += 1;
+                    self.late_ticks += u64::from(now > self.next_tick + TICK);
+                    self.next_tick = now + TICK;
+                    self.send_due();
                 }
+                INPUT if !self.input()? => return Ok(false),
+                INPUT => {}
+                vehicle => self.receive(vehicle as usize)?,
             }
         }
+        Ok(true)
     }
 
     /// Sends everything that is due by now: a late tick is made up for at once.
@@ -251,10 +257,19 @@ impl Generator {
         self.misaddressed_before = self.misaddressed();
     }
 
-    fn end(&mut self) -> Result<(), BenchError> {
+    fn end(&self) -> Result<(), BenchError> {
+        let line = serde_json::to_string(&self.figures()).map_err(BenchError::Settings)?;
+        let mut out = std::io::stdout().lock();
+        writeln!(out, "{line}")
+            .and_then(|()| out.flush())
+            .map_err(BenchError::system("standard output"))
+    }
+
+    /// The figures of the window up to now.
+    fn figures(&self) -> LoadFigures {
         let window_s = self.window_started.elapsed().as_secs_f64();
         let per_vehicle = |count: f64| count / window_s / self.posts.len() as f64;
-        let figures = LoadFigures {
+        LoadFigures {
             window_s,
             telemetry_hz_per_vehicle: per_vehicle(self.sent as f64),
             setpoint_hz_per_vehicle: per_vehicle(self.gaps.count() as f64),
@@ -263,12 +278,7 @@ impl Generator {
             not_sent: self.not_sent,
             late_ticks_percent: 100.0 * self.late_ticks as f64 / (self.ticks.max(1)) as f64,
             gaps: self.gaps.figures(wall_ns()),
-        };
-        let line = serde_json::to_string(&figures).map_err(BenchError::Settings)?;
-        let mut out = std::io::stdout().lock();
-        writeln!(out, "{line}")
-            .and_then(|()| out.flush())
-            .map_err(BenchError::system("standard output"))
+        }
     }
 }
 
@@ -302,3 +312,6 @@ fn post(index: usize, system_id: u8, target: SocketAddr) -> Result<Post, BenchEr
         due_s,
     })
 }
+
+#[cfg(test)]
+mod tests;

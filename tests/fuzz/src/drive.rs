@@ -136,10 +136,10 @@ fn offer(core: &mut VehicleCore, now: NodeTime, input: &mut Input<'_>) {
     let mut triple = || (input.number(), input.number(), input.number());
     let setpoint = LocalSetpoint {
         position: (parts & 1 != 0)
-            .then(|| triple())
+            .then(&mut triple)
             .map(|(n, e, d)| LocalPositionNed::new(n, e, d)),
         velocity: (parts & 2 != 0)
-            .then(|| triple())
+            .then(&mut triple)
             .map(|(n, e, d)| VelocityNed::new(n, e, d)),
         acceleration: None,
         yaw_rad: (parts & 4 != 0).then(|| triple().0),

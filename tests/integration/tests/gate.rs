@@ -15,6 +15,17 @@ fn fenced(config: &mut skein_config::NodeConfig) {
     });
 }
 
+fn line(spacing_m: f64) -> FormationRequest {
+    FormationRequest {
+        shape: Shape::Line,
+        spacing_m,
+        heading: HeadingRequest::Auto,
+        altitude_step_m: 0.0,
+        leader: None,
+        members: None,
+    }
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn goals_outside_the_fence_are_refused_by_reason() {
     let swarm = Swarm::start_with(2, |config, _| fenced(config)).await;
@@ -58,26 +69,11 @@ async fn goals_outside_the_fence_are_refused_by_reason() {
         matches!(receipts[0].refusal, Some(Refusal::TooFast { .. })),
         "{receipts:?}"
     );
-    let request = FormationRequest {
-        shape: Shape::Line,
-        spacing_m: 0.5,
-        heading: HeadingRequest::Auto,
-        altitude_step_m: 0.0,
-        leader: None,
-        members: None,
-    };
     assert!(
-        swarm.node().set_formation(request.clone()).await.is_err(),
+        swarm.node().set_formation(line(0.5)).await.is_err(),
         "closer than vehicles may be"
     );
-    swarm
-        .node()
-        .set_formation(FormationRequest {
-            spacing_m: 5.0,
-            ..request
-        })
-        .await
-        .expect("is flown");
+    swarm.node().set_formation(line(5.0)).await.expect("is flown");
     let route = Route {
         waypoints: vec![PositionNed::new(0.0, 90.0, -6.0)],
         speed_m_s: 5.0,

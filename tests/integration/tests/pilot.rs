@@ -5,19 +5,22 @@ use skein_runtime::Targets;
 use skein_testkit::Swarm;
 use std::time::Duration;
 
-#[tokio::test(flavor = "multi_thread")]
-async fn the_pilot_takes_a_vehicle_out_and_the_others_close_up() {
-    let swarm = Swarm::start(4).await;
-    swarm.take_off(6.0).await;
-    let request = FormationRequest {
+fn line(spacing_m: f64) -> FormationRequest {
+    FormationRequest {
         shape: Shape::Line,
-        spacing_m: 5.0,
+        spacing_m,
         heading: HeadingRequest::Auto,
         altitude_step_m: 0.0,
         leader: None,
         members: None,
-    };
-    swarm.node().set_formation(request).await.expect("is flown");
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_pilot_takes_a_vehicle_out_and_the_others_close_up() {
+    let swarm = Swarm::start(4).await;
+    swarm.take_off(6.0).await;
+    swarm.node().set_formation(line(5.0)).await.expect("is flown");
     let following = |id: u16, fleet: &skein_runtime::FleetSnapshot| {
         fleet
             .vehicles
@@ -47,19 +50,7 @@ async fn the_pilot_takes_a_vehicle_out_and_the_others_close_up() {
         })
         .await;
     assert_eq!(fleet.formation.expect("goes on").members.len(), 3);
-    let before = swarm.simulation().truth().vehicle(3).expect("is simulated").setpoints;
-    // Two seconds of flight in which a stream would show.
-    let later = fleet.time.plus_seconds(2.0);
-    swarm
-        .until("two more seconds", Duration::ZERO, |fleet| fleet.time > later)
-        .await;
-    let truth = swarm.simulation().truth();
-    let vehicle = truth.vehicle(3).expect("is simulated");
-    assert_eq!(
-        vehicle.setpoints, before,
-        "nothing is streamed to a vehicle in a pilot's hands"
-    );
-    assert_eq!(vehicle.mode, FlightMode::Position, "the pilot's mode stands");
+    nothing_is_streamed(&swarm).await;
     let receipts = swarm
         .node()
         .command(&Targets::Vehicles(vec![VehicleId(3)]), VehicleCommand::Hold)
@@ -74,4 +65,21 @@ async fn the_pilot_takes_a_vehicle_out_and_the_others_close_up() {
         })
         .await;
     swarm.stop().await;
+}
+
+/// Vehicle 3 gets no setpoint for two seconds, and the pilot's mode stands.
+async fn nothing_is_streamed(swarm: &Swarm) {
+    let before = swarm.simulation().truth().vehicle(3).expect("is simulated").setpoints;
+    // Two seconds of flight in which a stream would show.
+    let later = swarm.node().now().plus_seconds(2.0);
+    swarm
+        .until("two more seconds", Duration::ZERO, |fleet| fleet.time > later)
+        .await;
+    let truth = swarm.simulation().truth();
+    let vehicle = truth.vehicle(3).expect("is simulated");
+    assert_eq!(
+        vehicle.setpoints, before,
+        "nothing is streamed to a vehicle in a pilot's hands"
+    );
+    assert_eq!(vehicle.mode, FlightMode::Position, "the pilot's mode stands");
 }

@@ -1,3 +1,5 @@
+//! Tests of what the dashboard is served as.
+
 use super::*;
 
 #[test]

@@ -1,3 +1,5 @@
+//! Tests of what is accepted as a request body.
+
 use super::*;
 use axum::body::Body as HttpBody;
 use proptest::prelude::*;

@@ -1,3 +1,5 @@
+//! Tests of how errors become HTTP.
+
 use super::*;
 use skein_domain::{FlightState, Incarnation, VehicleId};
 

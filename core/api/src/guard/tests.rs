@@ -1,3 +1,5 @@
+//! Tests of who may ask from which page.
+
 use super::*;
 use axum::http::{HeaderName, HeaderValue};
 

@@ -1,3 +1,5 @@
+//! Tests of the Prometheus text.
+
 use super::*;
 use crate::generated::golden::{flying_vehicle, unknown_vehicle};
 use skein_domain::Incarnation;

@@ -1,3 +1,5 @@
+//! Tests of the OpenAPI document: every route in it, nothing else, and no drift from the committed copy.
+
 use super::*;
 
 fn parsed() -> Value {

@@ -1,3 +1,5 @@
+//! Tests of the binary telemetry frame.
+
 use super::*;
 use crate::generated::golden::{extreme, flying_vehicle, unknown_vehicle};
 use proptest::prelude::*;

@@ -67,33 +67,22 @@ impl VehicleState {
                 events.push(Event::ModeChanged { from, to, commanded });
             }
             LinkEvent::ArmedChanged { armed } => {
-                if !armed {
-                    self.pilot = false;
-                }
-                self.record(
-                    Severity::Info,
-                    EventKind::Notice,
-                    format!("{name} {}", if armed { "armed" } else { "disarmed" }),
-                );
+                self.pilot &= armed;
+                let what = if armed { "armed" } else { "disarmed" };
+                self.record(Severity::Info, EventKind::Notice, format!("{name} {what}"));
             }
             LinkEvent::Lost => {
                 self.record(Severity::Critical, EventKind::LinkLost, format!("{name}: link lost"));
                 events.push(Event::LinkLost(true));
             }
             LinkEvent::Regained => {
-                self.record(
-                    Severity::Advisory,
-                    EventKind::LinkRegained,
-                    format!("{name}: link regained"),
-                );
+                let text = format!("{name}: link regained");
+                self.record(Severity::Advisory, EventKind::LinkRegained, text);
                 events.push(Event::LinkLost(false));
             }
             LinkEvent::Rebooted => {
-                self.record(
-                    Severity::Warning,
-                    EventKind::AutopilotRebooted,
-                    format!("{name}: autopilot restarted"),
-                );
+                let text = format!("{name}: autopilot restarted");
+                self.record(Severity::Warning, EventKind::AutopilotRebooted, text);
                 events.push(Event::Rebooted);
             }
             LinkEvent::StatusText { severity, text } => {
@@ -104,19 +93,24 @@ impl VehicleState {
                 };
                 self.record(level, EventKind::StatusText, format!("{name}: {text}"));
             }
-            LinkEvent::Stream(StreamState::HoldingExpired) => {
-                self.record(
-                    Severity::Warning,
-                    EventKind::Stream,
-                    format!("{name}: no fresh setpoint, the link holds position"),
-                );
-            }
-            LinkEvent::Stream(StreamState::GivenUp) => {
-                let text = format!("{name}: no fresh setpoint for too long, the stream is stopped on purpose");
-                self.record(Severity::Critical, EventKind::Stream, text);
-            }
-            LinkEvent::Stream(StreamState::Fresh | StreamState::Stopped) => {}
+            LinkEvent::Stream(state) => self.tell_stream(state),
         }
+    }
+
+    fn tell_stream(&self, state: StreamState) {
+        let name = &self.cell.name;
+        let (severity, text) = match state {
+            StreamState::HoldingExpired => (
+                Severity::Warning,
+                format!("{name}: no fresh setpoint, the link holds position"),
+            ),
+            StreamState::GivenUp => (
+                Severity::Critical,
+                format!("{name}: no fresh setpoint for too long, the stream is stopped on purpose"),
+            ),
+            StreamState::Fresh | StreamState::Stopped => return,
+        };
+        self.record(severity, EventKind::Stream, text);
     }
 
     /// Leaving OFFBOARD unasked, or a mode only a pilot chooses, takes the vehicle out of the swarm's hands. The stream ends at once:

@@ -2,9 +2,10 @@
 
 use super::director::Director;
 use super::layout;
-use super::referee::{self, Referee};
+use super::referee::{self, Figures, Referee};
 use crate::args::DemoArguments;
 use serde::Serialize;
+use skein_sim::TruthFrame;
 use std::fmt::Write;
 
 /// The report, as it is written to the file.
@@ -90,21 +91,13 @@ fn at_least(name: &'static str, value: Option<f64>, limit: f64, unit: &'static s
     }
 }
 
-/// Makes the report from the referee's figures.
-pub fn make(
-    arguments: &DemoArguments,
-    director: &Director<'_>,
-    referee: &Referee,
-    broke_off: Option<&anyhow::Error>,
-) -> Report {
-    let figures = referee.figures();
-    let truth = referee.truth();
-    let landings = referee::landing_errors(&truth, &figures.landings);
+/// Each criterion with what was measured.
+fn criteria(arguments: &DemoArguments, figures: &Figures, truth: &TruthFrame, unplanned: usize) -> Vec<Criterion> {
+    let landings = referee::landing_errors(truth, &figures.landings);
     let farthest = |values: &mut dyn Iterator<Item = f64>| values.reduce(f64::max);
-    let unplanned = referee::unplanned_mode_changes(&truth);
     let gap_s = farthest(&mut truth.vehicles.iter().map(|v| v.offboard_gap_max_s));
     let landed = landings.iter().filter(|(_, error_m)| error_m.is_finite()).count();
-    let criteria = vec![
+    vec![
         at_most(
             "formation error in straight legs, root mean square",
             figures.straight.rms_m(),
@@ -130,7 +123,7 @@ pub fn make(
             "m",
         ),
         at_most("longest setpoint gap", gap_s, 0.2, "s"),
-        at_most("unplanned changes of mode", Some(unplanned.len() as f64), 0.0, ""),
+        at_most("unplanned changes of mode", Some(unplanned as f64), 0.0, ""),
         at_most(
             "farthest landing from its spot",
             farthest(&mut landings.iter().map(|(_, m)| *m)),
@@ -143,7 +136,20 @@ pub fn make(
             f64::from(arguments.vehicles),
             "",
         ),
-    ];
+    ]
+}
+
+/// Makes the report from the referee's figures.
+pub fn make(
+    arguments: &DemoArguments,
+    director: &Director<'_>,
+    referee: &Referee,
+    broke_off: Option<&anyhow::Error>,
+) -> Report {
+    let figures = referee.figures();
+    let truth = referee.truth();
+    let unplanned = referee::unplanned_mode_changes(&truth);
+    let criteria = criteria(arguments, &figures, &truth, unplanned.len());
     Report {
         passed: broke_off.is_none() && criteria.iter().all(|c| c.met),
         broke_off: broke_off.map(|e| format!("{e:#}")),

@@ -165,7 +165,7 @@ fn a_velocity_setpoint_is_flown_and_the_nose_turns() {
     );
     assert!((truth.yaw_rad - 1.5).abs() < 0.05);
     // In the body frame forward is where the nose points.
-    #[allow(deprecated)]
+    #[expect(deprecated, reason = "PX4 still understands this frame")]
     {
         setpoint.coordinate_frame = MavFrame::MAV_FRAME_BODY_NED;
     }

@@ -1,0 +1,86 @@
+//! What endpoints notice, carried to the fleet and the event log. Runs on the endpoints' tasks: must never wait.
+
+use crate::board::Board;
+use crate::fleet::{Discovery, FleetMessage};
+use crate::node::Parts;
+use crate::snapshot::{EventKind, UnadoptedVehicle};
+use skein_domain::SystemId;
+use skein_domain::exchange::Severity;
+use skein_link_px4::{EndpointEvent, EventSink};
+use std::sync::Arc;
+
+/// Where an endpoint's events go.
+pub fn sink(board: &Arc<Board>, parts: &Arc<Parts>) -> EventSink {
+    let (board, parts) = (board.clone(), parts.clone());
+    Arc::new(move |event| noticed(&board, &parts, event))
+}
+
+fn noticed(board: &Board, parts: &Parts, event: EndpointEvent) {
+    let (severity, text) = match event {
+        EndpointEvent::Discovered {
+            link,
+            system_id,
+            source,
+            ..
+        } => {
+            let (endpoint, system_id) = (source.endpoint.to_string(), SystemId(system_id));
+            return tell(
+                parts,
+                FleetMessage::Discovered(Discovery {
+                    endpoint,
+                    link,
+                    system_id,
+                }),
+            );
+        }
+        EndpointEvent::Duplicate {
+            system_id,
+            first,
+            second,
+        } => {
+            let why = format!("two vehicles use this system id ({first} and {second}); give one another MAV_SYS_ID");
+            let (endpoint, system_id) = (second.endpoint.to_string(), SystemId(system_id));
+            return tell(
+                parts,
+                FleetMessage::Trouble(UnadoptedVehicle {
+                    system_id,
+                    endpoint,
+                    why,
+                }),
+            );
+        }
+        EndpointEvent::Bound { endpoint, local_addr } => {
+            let Some(address) = local_addr else { return };
+            parts.bound.lock().insert(endpoint.to_string(), address);
+            (Severity::Info, format!("endpoint {endpoint} receives on {address}"))
+        }
+        EndpointEvent::Down { endpoint, reason } => {
+            (Severity::Warning, format!("endpoint {endpoint} is down: {reason}"))
+        }
+        EndpointEvent::DuplicateCleared { system_id, remaining } => {
+            board.unadopted.lock().retain(|u| u.system_id.0 != system_id);
+            (
+                Severity::Advisory,
+                format!("system id {system_id} is unique again, heard from {remaining}"),
+            )
+        }
+        EndpointEvent::Moved { system_id, from, to } => (
+            Severity::Advisory,
+            format!("system id {system_id} moved from {from} to {to}"),
+        ),
+        EndpointEvent::SystemIdChanged { from, to, source } => (
+            Severity::Warning,
+            format!("the vehicle at {source} changed its system id from {from} to {to}"),
+        ),
+    };
+    board
+        .events
+        .record(board.now(), None, severity, EventKind::Notice, text);
+}
+
+fn tell(parts: &Parts, message: FleetMessage) {
+    if let Some(fleet) = parts.fleet.load_full() {
+        // A fleet that has just ended finds its vehicles on the board; what it misses here is heard again.
+        let _ = fleet.cast(message);
+    }
+}
