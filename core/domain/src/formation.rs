@@ -82,3 +82,18 @@ pub struct FormationRequest {
     #[serde(default)]
     pub members: Option<Vec<VehicleId>>,
 }
+
+impl FormationRequest {
+    /// A level formation of everyone available, with automatic heading and leader.
+    #[must_use]
+    pub fn new(shape: Shape, spacing_m: f64) -> Self {
+        Self {
+            shape,
+            spacing_m,
+            heading: HeadingRequest::Auto,
+            altitude_step_m: 0.0,
+            leader: None,
+            members: None,
+        }
+    }
+}

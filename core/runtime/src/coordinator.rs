@@ -198,18 +198,16 @@ impl CoordinatorState {
     }
 
     fn set_route(&self, route: Route) -> Result<(), Refusal> {
-        self.board.gate.route(&route)?;
-        {
-            let mut coordination = self.board.coordination.lock();
-            if coordination.formation.is_none() {
-                return Err(Refusal::NotEnoughVehicles { have: 0, need: 1 });
-            }
-            coordination.route = Some(ActiveRoute {
-                route,
-                next: 0,
-                finished: false,
-            });
-        }
+        let leader = self.board.coordination.lock().formation.as_ref().map(|f| f.leader);
+        let leader = leader.ok_or(Refusal::NotEnoughVehicles { have: 0, need: 1 })?;
+        let kinematics = self.board.peers.load().entry(leader).and_then(|e| e.kinematics);
+        let start = kinematics.ok_or(Refusal::NoPosition)?.position;
+        self.board.gate.route_from(&start, &route)?;
+        self.board.coordination.lock().route = Some(ActiveRoute {
+            route,
+            next: 0,
+            finished: false,
+        });
         for cell in self.board.cells() {
             cell.state.lock().route_finished = None;
         }

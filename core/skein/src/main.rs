@@ -12,11 +12,16 @@ fn main() -> ExitCode {
         eprintln!("skein: {error}");
         return ExitCode::from(2);
     }
-    match execute(arguments.command) {
-        Ok(code) => code,
-        Err(error) => {
+    // Actors and plugins are caught where they run; what comes through to here is a fault of the program itself.
+    match std::panic::catch_unwind(|| execute(arguments.command)) {
+        Ok(Ok(code)) => code,
+        Ok(Err(error)) => {
             eprintln!("skein: {error:#}");
             exit::code(&error)
+        }
+        Err(_) => {
+            eprintln!("skein: this is a fault of the program; please report it with the lines above");
+            ExitCode::from(exit::INTERNAL)
         }
     }
 }

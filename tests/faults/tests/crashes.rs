@@ -1,6 +1,6 @@
 //! Killing a plugin, a vehicle's actor or the coordinator in flight: the setpoints go on, the state comes back.
 
-use skein_domain::{FlightMode, FlightState, FormationRequest, HeadingRequest, Shape, VehicleId};
+use skein_domain::{FlightMode, FlightState, FormationRequest, Shape, VehicleId};
 use skein_runtime::{Fault, FleetSnapshot};
 use skein_testkit::Swarm;
 use std::time::Duration;
@@ -11,14 +11,7 @@ const LONGEST_GAP_S: f64 = 0.2;
 async fn in_a_wedge(vehicles: usize) -> Swarm {
     let swarm = Swarm::start(vehicles).await;
     swarm.take_off(6.0).await;
-    let request = FormationRequest {
-        shape: Shape::Wedge,
-        spacing_m: 5.0,
-        heading: HeadingRequest::Auto,
-        altitude_step_m: 0.0,
-        leader: None,
-        members: None,
-    };
+    let request = FormationRequest::new(Shape::Wedge, 5.0);
     swarm.node().set_formation(request).await.expect("is flown");
     swarm
         .until("everyone in its slot", Duration::from_secs(15), settled)

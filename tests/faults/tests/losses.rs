@@ -1,22 +1,11 @@
 //! Vehicles that vanish, and frames that are no frames: the others go on.
 
-use skein_domain::{FlightState, FormationRequest, HeadingRequest, Shape, VehicleId};
+use skein_domain::{FlightState, FormationRequest, Shape, VehicleId};
 use skein_runtime::{EventKind, FleetSnapshot};
 use skein_sim::VehicleStart;
 use skein_testkit::Swarm;
 use std::net::UdpSocket;
 use std::time::Duration;
-
-fn wedge() -> FormationRequest {
-    FormationRequest {
-        shape: Shape::Wedge,
-        spacing_m: 5.0,
-        heading: HeadingRequest::Auto,
-        altitude_step_m: 0.0,
-        leader: None,
-        members: None,
-    }
-}
 
 fn members(fleet: &FleetSnapshot) -> Vec<u16> {
     let mut ids: Vec<u16> = fleet
@@ -28,11 +17,44 @@ fn members(fleet: &FleetSnapshot) -> Vec<u16> {
     ids
 }
 
+/// A vehicle that was not there before comes up and takes a slot behind the new leader.
+async fn a_newcomer_joins(swarm: &Swarm) {
+    let start = VehicleStart {
+        position: skein_domain::PositionNed::new(-25.0, 0.0, 0.0),
+        ..VehicleStart::default()
+    };
+    let newcomer = u16::from(swarm.simulation().add(start).expect("is added"));
+    swarm
+        .until("the newcomer ready", Duration::ZERO, |fleet| {
+            fleet
+                .vehicles
+                .iter()
+                .any(|v| v.id.0 == newcomer && v.ready_to_arm == Some(true))
+        })
+        .await;
+    let targets = skein_runtime::Targets::Vehicles(vec![VehicleId(newcomer)]);
+    let command = skein_domain::VehicleCommand::TakeOff { height_m: 6.0 };
+    assert_eq!(swarm.node().command(&targets, command).await[0].refusal, None);
+    swarm
+        .until("the newcomer in the formation", Duration::from_secs(30), |fleet| {
+            members(fleet) == [2, 3, 4, newcomer]
+                && fleet
+                    .vehicles
+                    .iter()
+                    .any(|v| v.id.0 == newcomer && v.flight_state == FlightState::Following)
+        })
+        .await;
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn a_vehicle_that_vanishes_is_lost_within_three_seconds_and_a_new_one_joins() {
     let swarm = Swarm::start(4).await;
     swarm.take_off(6.0).await;
-    swarm.node().set_formation(wedge()).await.expect("is flown");
+    swarm
+        .node()
+        .set_formation(FormationRequest::new(Shape::Wedge, 5.0))
+        .await
+        .expect("is flown");
     swarm
         .until("four fly the wedge", Duration::from_secs(10), |f| {
             members(f) == [1, 2, 3, 4]
@@ -66,31 +88,7 @@ async fn a_vehicle_that_vanishes_is_lost_within_three_seconds_and_a_new_one_join
     let after_s = lost.time.seconds_since(killed);
     assert!(after_s < 3.0, "declared lost after {after_s:.1} s");
 
-    let start = VehicleStart {
-        position: skein_domain::PositionNed::new(-25.0, 0.0, 0.0),
-        ..VehicleStart::default()
-    };
-    let newcomer = u16::from(swarm.simulation().add(start).expect("is added"));
-    swarm
-        .until("the newcomer ready", Duration::ZERO, |fleet| {
-            fleet
-                .vehicles
-                .iter()
-                .any(|v| v.id.0 == newcomer && v.ready_to_arm == Some(true))
-        })
-        .await;
-    let targets = skein_runtime::Targets::Vehicles(vec![VehicleId(newcomer)]);
-    let command = skein_domain::VehicleCommand::TakeOff { height_m: 6.0 };
-    assert_eq!(swarm.node().command(&targets, command).await[0].refusal, None);
-    swarm
-        .until("the newcomer in the formation", Duration::from_secs(30), |fleet| {
-            members(fleet) == [2, 3, 4, newcomer]
-                && fleet
-                    .vehicles
-                    .iter()
-                    .any(|v| v.id.0 == newcomer && v.flight_state == FlightState::Following)
-        })
-        .await;
+    a_newcomer_joins(&swarm).await;
     let smallest_m = swarm.simulation().truth().smallest_distance_m().expect("several fly");
     assert!(smallest_m > 2.0, "{smallest_m}");
     swarm.stop().await;

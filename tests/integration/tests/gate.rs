@@ -1,9 +1,7 @@
 //! What the safety gate refuses comes back to the asker with its reason, and nothing moves.
 
 use skein_config::FenceSettings;
-use skein_domain::{
-    FlightState, FormationRequest, HeadingRequest, PositionNed, Refusal, Route, Shape, VehicleCommand, VehicleId,
-};
+use skein_domain::{FlightState, FormationRequest, PositionNed, Refusal, Route, Shape, VehicleCommand, VehicleId};
 use skein_runtime::Targets;
 use skein_testkit::Swarm;
 
@@ -13,17 +11,6 @@ fn fenced(config: &mut skein_config::NodeConfig) {
         floor_m: -5.0,
         ceiling_m: 30.0,
     });
-}
-
-fn line(spacing_m: f64) -> FormationRequest {
-    FormationRequest {
-        shape: Shape::Line,
-        spacing_m,
-        heading: HeadingRequest::Auto,
-        altitude_step_m: 0.0,
-        leader: None,
-        members: None,
-    }
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -69,11 +56,25 @@ async fn goals_outside_the_fence_are_refused_by_reason() {
         matches!(receipts[0].refusal, Some(Refusal::TooFast { .. })),
         "{receipts:?}"
     );
+    formations_and_routes_too(&swarm).await;
+    swarm.stop().await;
+}
+
+/// What the coordinator is asked passes the same gate.
+async fn formations_and_routes_too(swarm: &Swarm) {
     assert!(
-        swarm.node().set_formation(line(0.5)).await.is_err(),
+        swarm
+            .node()
+            .set_formation(FormationRequest::new(Shape::Line, 0.5))
+            .await
+            .is_err(),
         "closer than vehicles may be"
     );
-    swarm.node().set_formation(line(5.0)).await.expect("is flown");
+    swarm
+        .node()
+        .set_formation(FormationRequest::new(Shape::Line, 5.0))
+        .await
+        .expect("is flown");
     let route = Route {
         waypoints: vec![PositionNed::new(0.0, 90.0, -6.0)],
         speed_m_s: 5.0,
@@ -83,5 +84,4 @@ async fn goals_outside_the_fence_are_refused_by_reason() {
         swarm.node().set_route(route).await,
         Err(Refusal::OutsideFence { .. })
     ));
-    swarm.stop().await;
 }

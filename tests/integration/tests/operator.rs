@@ -1,22 +1,9 @@
 //! An operator's command outranks the formation: whoever is told to hold holds, and stays told.
 
-use skein_domain::{
-    FlightState, FormationRequest, HeadingRequest, PositionNed, Route, Shape, VehicleCommand, VehicleId,
-};
+use skein_domain::{FlightState, FormationRequest, PositionNed, Route, Shape, VehicleCommand, VehicleId};
 use skein_runtime::{FleetSnapshot, Targets};
 use skein_testkit::Swarm;
 use std::time::Duration;
-
-fn wedge() -> FormationRequest {
-    FormationRequest {
-        shape: Shape::Wedge,
-        spacing_m: 5.0,
-        heading: HeadingRequest::Auto,
-        altitude_step_m: 0.0,
-        leader: None,
-        members: None,
-    }
-}
 
 fn state(fleet: &FleetSnapshot, id: u16) -> FlightState {
     fleet
@@ -39,7 +26,9 @@ async fn whoever_is_told_to_hold_holds_whatever_the_formation_does() {
     let swarm = Swarm::start(5).await;
     swarm.take_off(6.0).await;
     let node = swarm.node();
-    node.set_formation(wedge()).await.expect("is flown");
+    node.set_formation(FormationRequest::new(Shape::Wedge, 5.0))
+        .await
+        .expect("is flown");
     swarm
         .until("everyone in the formation", Duration::from_secs(10), |fleet| {
             state(fleet, 1) == FlightState::Leading && (2..=5).all(|id| state(fleet, id) == FlightState::Following)
@@ -77,7 +66,10 @@ async fn whoever_is_told_to_hold_holds_whatever_the_formation_does() {
     );
 
     // And the operator calls them together again.
-    let receipt = node.set_formation(wedge()).await.expect("is flown");
+    let receipt = node
+        .set_formation(FormationRequest::new(Shape::Wedge, 5.0))
+        .await
+        .expect("is flown");
     assert_eq!(receipt.members.len(), 5);
     swarm.stop().await;
 }

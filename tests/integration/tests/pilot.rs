@@ -1,26 +1,19 @@
 //! A human on the remote control always wins, and only an operator's command takes the vehicle back.
 
-use skein_domain::{FlightMode, FlightState, FormationRequest, HeadingRequest, Shape, VehicleCommand, VehicleId};
+use skein_domain::{FlightMode, FlightState, FormationRequest, Shape, VehicleCommand, VehicleId};
 use skein_runtime::Targets;
 use skein_testkit::Swarm;
 use std::time::Duration;
-
-fn line(spacing_m: f64) -> FormationRequest {
-    FormationRequest {
-        shape: Shape::Line,
-        spacing_m,
-        heading: HeadingRequest::Auto,
-        altitude_step_m: 0.0,
-        leader: None,
-        members: None,
-    }
-}
 
 #[tokio::test(flavor = "multi_thread")]
 async fn the_pilot_takes_a_vehicle_out_and_the_others_close_up() {
     let swarm = Swarm::start(4).await;
     swarm.take_off(6.0).await;
-    swarm.node().set_formation(line(5.0)).await.expect("is flown");
+    swarm
+        .node()
+        .set_formation(FormationRequest::new(Shape::Line, 5.0))
+        .await
+        .expect("is flown");
     let following = |id: u16, fleet: &skein_runtime::FleetSnapshot| {
         fleet
             .vehicles

@@ -29,14 +29,7 @@ fn peers(count: u16) -> PeerSnapshot {
 }
 
 fn request() -> FormationRequest {
-    FormationRequest {
-        shape: Shape::Wedge,
-        spacing_m: 5.0,
-        heading: HeadingRequest::Auto,
-        altitude_step_m: 0.0,
-        leader: None,
-        members: None,
-    }
+    FormationRequest::new(Shape::Wedge, 5.0)
 }
 
 fn input(request: FormationRequest, before: Option<Formation>) -> PlanInput {

@@ -4,9 +4,7 @@
 use super::layout::{self, Layout};
 use super::referee::{Landing, Referee};
 use anyhow::{Context, bail};
-use skein_domain::{
-    FlightState, FormationRequest, HeadingRequest, PositionNed, Refusal, Shape, SwarmFrame, VehicleCommand, VehicleId,
-};
+use skein_domain::{FlightState, FormationRequest, PositionNed, Refusal, Shape, SwarmFrame, VehicleCommand, VehicleId};
 use skein_runtime::{FleetSnapshot, NodeHandle, Targets};
 use std::time::Duration;
 use tokio::time::Instant;
@@ -94,14 +92,7 @@ impl<'a> Director<'a> {
     }
 
     async fn form(&self, shape: Shape) -> anyhow::Result<()> {
-        let request = FormationRequest {
-            shape,
-            spacing_m: layout::SPACING_M,
-            heading: HeadingRequest::Auto,
-            altitude_step_m: 0.0,
-            leader: None,
-            members: None,
-        };
+        let request = FormationRequest::new(shape, layout::SPACING_M);
         let receipt = self.retried(|| self.node.set_formation(request.clone())).await?;
         self.say(&format!(
             "{shape:?} behind vehicle {}: {:.1} s, at least {:.1} m apart on the way",
