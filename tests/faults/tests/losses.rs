@@ -20,6 +20,7 @@ fn members(fleet: &FleetSnapshot) -> Vec<u16> {
 /// A vehicle that was not there before comes up and takes a slot behind the new leader.
 async fn a_newcomer_joins(swarm: &Swarm) {
     let start = VehicleStart {
+        system_id: Some(9),
         position: skein_domain::PositionNed::new(-25.0, 0.0, 0.0),
         ..VehicleStart::default()
     };
