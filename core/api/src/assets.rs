@@ -11,9 +11,9 @@ use rust_embed::{EmbeddedFile, RustEmbed};
 #[folder = "../../web-ui/dist"]
 struct Dashboard;
 
-/// What a page from here may load: its own files only. Styles may stand in the page, because Svelte sets some by attribute.
-pub const CONTENT_SECURITY_POLICY: &str = "default-src 'self'; img-src 'self' data:; style-src 'self' 'unsafe-inline'; \
-     object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+/// What a page from here may load: its own files only.
+pub const CONTENT_SECURITY_POLICY: &str =
+    "default-src 'self'; object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 const NOT_BUILT: &str = "<!doctype html>
 <html lang=\"en\">
@@ -75,7 +75,11 @@ fn answer(name: &str, file: EmbeddedFile, headers: &HeaderMap) -> Response {
     };
     let known = headers.get(header::IF_NONE_MATCH).and_then(|value| value.to_str().ok());
     let mut response = if known.is_some_and(|known| known.split(',').any(|one| one.trim() == tag)) {
-        StatusCode::NOT_MODIFIED.into_response()
+        // With the page's own policy: a browser puts the headers of this answer in the place of those it has kept.
+        let policy = HeaderValue::from_static(CONTENT_SECURITY_POLICY);
+        let mut unchanged = StatusCode::NOT_MODIFIED.into_response();
+        unchanged.headers_mut().insert(header::CONTENT_SECURITY_POLICY, policy);
+        unchanged
     } else if name == "index.html" {
         html(file.data.into_owned())
     } else {
