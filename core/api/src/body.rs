@@ -11,6 +11,7 @@ use axum::http::{HeaderMap, header};
 use serde::Serialize;
 use serde::de::{DeserializeOwned, IgnoredAny};
 use serde_json::Value;
+use skein_domain::payload::Target;
 use skein_domain::{FormationRequest, HeadingRequest, PositionNed, Route, VehicleCommand, VehicleId};
 use skein_runtime::{Fault, Targets};
 use std::time::Duration;
@@ -226,7 +227,7 @@ impl MakesSense for Targets {
 impl MakesSense for VehicleCommand {
     fn check(&self, place: &Place<'_>) -> Result<(), ApiError> {
         match self {
-            Self::Arm | Self::Disarm | Self::Land | Self::Hold | Self::Return => Ok(()),
+            Self::Arm | Self::Disarm | Self::Land | Self::Hold | Self::Return | Self::StopObserving => Ok(()),
             Self::TakeOff { height_m } => place.field("height_m").positive(*height_m, MAX_HEIGHT_M),
             Self::LandAt { spot } => place.field("spot").position(spot),
             Self::GoTo {
@@ -240,6 +241,29 @@ impl MakesSense for VehicleCommand {
                 }
                 speed_m_s.map_or(Ok(()), |speed| place.field("speed_m_s").positive(speed, MAX_SPEED_M_S))
             }
+            Self::Observe {
+                target,
+                stand_off_m,
+                height_m,
+            } => {
+                if let Some(stand_off_m) = stand_off_m {
+                    place.field("stand_off_m").number(*stand_off_m, 0.0, MAX_DISTANCE_M)?;
+                }
+                if let Some(height_m) = height_m {
+                    place.field("height_m").number(*height_m, -MAX_HEIGHT_M, MAX_HEIGHT_M)?;
+                }
+                target.check(&place.field("target"))
+            }
+            Self::LookAt { target } => target.check(&place.field("target")),
+        }
+    }
+}
+
+impl MakesSense for Target {
+    fn check(&self, place: &Place<'_>) -> Result<(), ApiError> {
+        match self {
+            Self::Place { position } => place.field("position").position(position),
+            Self::Vehicle { .. } | Self::Track { .. } => Ok(()),
         }
     }
 }

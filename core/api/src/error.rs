@@ -186,7 +186,9 @@ impl IntoResponse for ApiError {
 /// Which status a refusal is: a conflict with the state of things, unless it is something else.
 fn refusal_status(refusal: &Refusal) -> StatusCode {
     match refusal {
-        Refusal::UnknownVehicle { .. } => StatusCode::NOT_FOUND,
+        Refusal::UnknownVehicle { .. } | Refusal::UnknownPayload { .. } | Refusal::UnknownTrack { .. } => {
+            StatusCode::NOT_FOUND
+        }
         Refusal::NotPermitted { .. } => StatusCode::FORBIDDEN,
         Refusal::NotRunning { .. } => StatusCode::SERVICE_UNAVAILABLE,
         Refusal::InvalidValue { .. } => StatusCode::UNPROCESSABLE_ENTITY,
@@ -204,6 +206,7 @@ fn refusal_status(refusal: &Refusal) -> StatusCode {
         | Refusal::NoPosition
         | Refusal::NotEnoughVehicles { .. }
         | Refusal::StaleIncarnation { .. }
+        | Refusal::NotSupported { .. }
         | Refusal::DuplicateSystemId { .. } => StatusCode::CONFLICT,
     }
 }

@@ -1,5 +1,6 @@
 //! Commands: what an operator asks of a vehicle, and what a vehicle's model asks of its autopilot.
 
+use crate::payload::Target;
 use crate::{FlightMode, PositionNed};
 use minicbor::{Decode, Encode};
 use serde::{Deserialize, Serialize};
@@ -61,6 +62,29 @@ pub enum VehicleCommand {
         #[n(2)]
         speed_m_s: Option<f64>,
     },
+    /// Keep a target in view: fly to a stand-off distance from it, stay there, and point the gimbal at it.
+    #[n(8)]
+    Observe {
+        /// What is to be kept in view.
+        #[n(0)]
+        target: Target,
+        /// Horizontal distance to keep in metres; the model's own if left out.
+        #[n(1)]
+        stand_off_m: Option<f64>,
+        /// Height above the target to keep in metres; the present one if left out.
+        #[n(2)]
+        height_m: Option<f64>,
+    },
+    /// Point the gimbal at a target (region of interest) without moving the vehicle for it.
+    #[n(9)]
+    LookAt {
+        /// What is to be looked at.
+        #[n(0)]
+        target: Target,
+    },
+    /// End `observe` or `look_at`: hold, gimbal ahead.
+    #[n(10)]
+    StopObserving,
 }
 
 impl VehicleCommand {
@@ -76,6 +100,9 @@ impl VehicleCommand {
             Self::Hold => "hold",
             Self::Return => "return",
             Self::GoTo { .. } => "go_to",
+            Self::Observe { .. } => "observe",
+            Self::LookAt { .. } => "look_at",
+            Self::StopObserving => "stop_observing",
         }
     }
 }

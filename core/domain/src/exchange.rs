@@ -1,24 +1,25 @@
 //! What crosses the plugin boundary, as CBOR with numbered fields: events in, effects out. Numbers are never reused; a reader
 //! skips numbers it does not know, so that an older plugin works with a newer host and the other way round.
 
+use crate::payload::{CoordinatorCapability, FrameHeader, MavlinkMessage, PayloadKind, Track};
 use crate::telemetry::VehicleKinematics;
 use crate::{
-    AnchorReference, AutopilotCommand, Battery, CommandId, FlightMode, FlightState, Incarnation, LandedState, NodeTime,
-    PositionNed, Refusal, RequestId, Setpoint, VehicleCommand, VehicleId, VehicleTask,
+    AnchorReference, AutopilotCommand, Battery, CommandId, FlightMode, FlightState, Geodetic, Incarnation, LandedState,
+    NodeTime, PositionNed, Refusal, RequestId, Setpoint, SystemId, VehicleCommand, VehicleId, VehicleTask,
 };
 use minicbor::{Decode, Encode};
 
-/// Schema id of [`CreateUav`].
-pub const CREATE_UAV_SCHEMA: u32 = 1;
+/// Schema id of [`Create`].
+pub const CREATE_SCHEMA: u32 = 1;
 /// Schema id of [`EventBatch`]: changes only when the meaning of a number changes.
 pub const EVENT_BATCH_SCHEMA: u32 = 1;
 /// Schema id of [`EffectBatch`].
 pub const EFFECT_BATCH_SCHEMA: u32 = 1;
 
-/// What a UAV-model instance is told when it is created.
+/// What an instance is told when it is created.
 #[derive(Debug, Clone, PartialEq, Encode, Decode)]
-pub struct CreateUav {
-    /// The vehicle it flies.
+pub struct Create {
+    /// The vehicle it flies, or that carries it.
     #[n(0)]
     pub vehicle: VehicleId,
     /// The instance's incarnation, from 1.
@@ -34,6 +35,12 @@ pub struct CreateUav {
     /// Now.
     #[n(4)]
     pub now: NodeTime,
+    /// The payload's name on its vehicle; absent for a UAV model.
+    #[n(5)]
+    pub payload: Option<String>,
+    /// System id of the vehicle on its link; absent if it has none.
+    #[n(6)]
+    pub system_id: Option<SystemId>,
 }
 
 /// All events of one period.
@@ -110,6 +117,77 @@ pub enum Event {
     /// A drill: fail in this way, on purpose. Handled by the SDK before the plugin sees it.
     #[n(10)]
     FaultDrill(#[n(0)] FaultDrill),
+    /// A command to this payload, as its command schema has it; the host has checked it against that.
+    #[n(11)]
+    PayloadCommand {
+        /// Its id, for the outcome.
+        #[n(0)]
+        id: CommandId,
+        /// The command as JSON text.
+        #[n(1)]
+        command_json: String,
+    },
+    /// A MAVLink message that the manifest asks for arrived from this vehicle's system.
+    #[n(12)]
+    Mavlink(#[n(0)] MavlinkMessage),
+    /// Bytes arrived on the payload's own transport: a datagram, or what a serial line gave.
+    #[n(13)]
+    Received {
+        /// The bytes.
+        #[n(0)]
+        #[cbor(with = "minicbor::bytes")]
+        bytes: Vec<u8>,
+    },
+    /// A payload of the same vehicle reports its state: when it changes, and to a new instance.
+    #[n(14)]
+    Payload(#[n(0)] PayloadReport),
+    /// Where the other vehicles are, once per period before the tick; those with a position, by ascending id.
+    #[n(15)]
+    Peers(#[n(0)] Vec<PeerState>),
+    /// A frame of a camera of the same vehicle. Its bytes can be read during this call.
+    #[n(16)]
+    Frame(#[n(0)] FrameHeader),
+    /// Everything tracked, when it changes.
+    #[n(17)]
+    Tracks(#[n(0)] Vec<Track>),
+    /// A payload's answer to a request of the UAV model: accepted and begun, or why not.
+    #[n(18)]
+    PayloadResult {
+        /// Which request.
+        #[n(0)]
+        request: RequestId,
+        /// Why not; absent if accepted.
+        #[n(1)]
+        refusal: Option<Refusal>,
+    },
+}
+
+/// What a payload last reported.
+#[derive(Debug, Clone, PartialEq, Encode, Decode)]
+pub struct PayloadReport {
+    /// Its name on the vehicle.
+    #[n(0)]
+    pub name: String,
+    /// What it is.
+    #[n(1)]
+    pub kind: PayloadKind,
+    /// Its state as JSON text; absent while it has not reported or is not running.
+    #[n(2)]
+    pub state_json: Option<String>,
+}
+
+/// Another vehicle as a plugin sees it.
+#[derive(Debug, Clone, Copy, PartialEq, Encode, Decode)]
+pub struct PeerState {
+    /// Which.
+    #[n(0)]
+    pub id: VehicleId,
+    /// Position, velocity and yaw in the swarm frame.
+    #[n(1)]
+    pub kinematics: VehicleKinematics,
+    /// It flies.
+    #[n(2)]
+    pub airborne: bool,
 }
 
 /// How to fail in a drill.
@@ -122,6 +200,9 @@ pub enum FaultDrill {
     /// Never return.
     #[n(1)]
     Hang,
+    /// End the process. In the node's own process this is the end of the node: only ever given to instances in a child process.
+    #[n(2)]
+    Abort,
 }
 
 /// The vehicle's own state as its model sees it.
@@ -151,6 +232,18 @@ pub struct OwnState {
     /// Frames arrive.
     #[n(7)]
     pub link_connected: bool,
+    /// Roll in radians.
+    #[n(8)]
+    pub roll_rad: Option<f64>,
+    /// Pitch in radians.
+    #[n(9)]
+    pub pitch_rad: Option<f64>,
+    /// Place on Earth.
+    #[n(10)]
+    pub global: Option<Geodetic>,
+    /// Origin of the swarm frame, so that a position in it can be turned into a place on Earth.
+    #[n(11)]
+    pub frame_origin: Option<Geodetic>,
 }
 
 /// All effects of one period.
@@ -223,6 +316,50 @@ pub enum Effect {
     /// The leader has come to the end of its route.
     #[n(8)]
     RouteFinished,
+    /// Send a MAVLink message to this vehicle's system. The gate lets through only what payloads of this kind are for.
+    #[n(9)]
+    Mavlink(#[n(0)] MavlinkMessage),
+    /// Send bytes on the payload's own transport.
+    #[n(10)]
+    Transmit {
+        /// The bytes; one datagram where the transport has such.
+        #[n(0)]
+        #[cbor(with = "minicbor::bytes")]
+        bytes: Vec<u8>,
+    },
+    /// The plugin's own state, as its state schema has it. Latest wins; say it when it changes.
+    #[n(11)]
+    Report {
+        /// As JSON text.
+        #[n(0)]
+        state_json: String,
+    },
+    /// Something happened that is worth a record, as the plugin's event schema has it.
+    #[n(12)]
+    Occurrence {
+        /// As JSON text.
+        #[n(0)]
+        event_json: String,
+    },
+    /// A UAV model asks a payload of its own vehicle for something.
+    #[n(13)]
+    PayloadCommand {
+        /// Chosen by the model; the result refers to it.
+        #[n(0)]
+        request: RequestId,
+        /// The payload's name on the vehicle.
+        #[n(1)]
+        payload: String,
+        /// The command as JSON text.
+        #[n(2)]
+        command_json: String,
+    },
+    /// A camera gives a frame.
+    #[n(14)]
+    Frame(#[n(0)] FrameHeader),
+    /// Whether the vehicle can host the coordinator.
+    #[n(15)]
+    Capability(#[n(0)] CoordinatorCapability),
 }
 
 /// How a command goes on.

@@ -12,6 +12,7 @@ pub mod ids;
 pub mod intent;
 pub mod link;
 pub mod manifest;
+pub mod payload;
 pub mod refusal;
 pub mod setpoint;
 pub mod telemetry;

@@ -3,8 +3,10 @@
 //! Implementations hold the safety rules that live on the link: OFFBOARD only with the stream already running, setpoint
 //! expiry (hold, then stop on purpose), pilot wins.
 
+use crate::payload::MavlinkMessage;
 use crate::setpoint::LocalSetpoint;
 use crate::{AutopilotCommand, FlightMode, LinkHealth, NodeTime, Refusal, RequestId, SystemId, Telemetry};
+use std::sync::Weak;
 
 /// What happened on a link since it was last asked; drained by the vehicle actor once per period.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,6 +62,16 @@ pub enum StreamState {
     GivenUp,
 }
 
+/// Where the messages that a payload wants to see are put. Called while the link is locked: must return at once, and bounds what it
+/// keeps by itself.
+pub trait MessageTap: Send + Sync + 'static {
+    /// Whether it wants messages with this id.
+    fn wants(&self, message_id: u32) -> bool;
+
+    /// Takes one.
+    fn take(&self, message: MavlinkMessage);
+}
+
 /// One vehicle's link. All calls return at once; nothing waits for the vehicle.
 pub trait VehicleLink: Send + Sync + 'static {
     /// The system id the vehicle uses on this link.
@@ -79,4 +91,13 @@ pub trait VehicleLink: Send + Sync + 'static {
 
     /// End the stream on purpose (after landing, or when the pilot has taken over).
     fn stop_stream(&self, now: NodeTime);
+
+    /// From now on gives messages of all components of the vehicle's system to a tap, until that is dropped.
+    fn tap(&self, tap: Weak<dyn MessageTap>);
+
+    /// Sends a payload's message to the vehicle's system. The caller has had it pass the gate.
+    ///
+    /// # Errors
+    /// When it is no message of the dialect, or the link is lost.
+    fn send_payload(&self, now: NodeTime, message: &MavlinkMessage) -> Result<(), Refusal>;
 }

@@ -23,6 +23,22 @@ pub struct PluginManifest {
     /// can name one it does not know.
     #[n(4)]
     pub effects: Vec<u32>,
+    /// JSON Schema of the commands it takes, as text; absent if it takes none of its own.
+    #[n(5)]
+    pub command_schema_json: Option<String>,
+    /// JSON Schema of the state it reports, as text; absent if it reports none.
+    #[n(6)]
+    pub state_schema_json: Option<String>,
+    /// JSON Schema of the events it tells, as text; absent if it tells none.
+    #[n(7)]
+    pub event_schema_json: Option<String>,
+    /// MAVLink messages it wants to see, by id.
+    #[n(8)]
+    pub mavlink_messages: Option<Vec<u32>>,
+    /// How often a payload wants to be called without an occasion, per second; absent for a UAV model, which is called in every
+    /// control period.
+    #[n(9)]
+    pub tick_rate_hz: Option<u16>,
 }
 
 macro_rules! effect_kinds {
@@ -79,6 +95,20 @@ effect_kinds!(
     7 TrackingError "tracking_error" Effect::TrackingError { .. },
     /// Reports the end of the route.
     8 RouteFinished "route_finished" Effect::RouteFinished,
+    /// Sends a MAVLink message to its vehicle's payload components.
+    9 Mavlink "mavlink" Effect::Mavlink(_),
+    /// Sends bytes on the payload's own transport.
+    10 Transmit "transmit" Effect::Transmit { .. },
+    /// Reports its own state.
+    11 Report "report" Effect::Report { .. },
+    /// Tells of something that happened.
+    12 Occurrence "occurrence" Effect::Occurrence { .. },
+    /// Commands a payload of its vehicle.
+    13 PayloadCommand "payload_command" Effect::PayloadCommand { .. },
+    /// Gives a frame.
+    14 Frame "frame" Effect::Frame(_),
+    /// Says whether the vehicle can host the coordinator.
+    15 Capability "capability" Effect::Capability(_),
 );
 
 impl EffectKind {
@@ -86,6 +116,27 @@ impl EffectKind {
     #[must_use]
     pub const fn code(self) -> u32 {
         self as u32
+    }
+
+    /// Whether a UAV model may name it in its manifest.
+    #[must_use]
+    pub const fn is_for_uav_models(self) -> bool {
+        !matches!(self, Self::Mavlink | Self::Transmit | Self::Frame)
+    }
+
+    /// Whether a payload may name it in its manifest. Nothing that moves a vehicle is among them.
+    #[must_use]
+    pub const fn is_for_payloads(self) -> bool {
+        matches!(
+            self,
+            Self::CommandProgress
+                | Self::Notice
+                | Self::Mavlink
+                | Self::Transmit
+                | Self::Report
+                | Self::Occurrence
+                | Self::Frame
+        )
     }
 }
 

@@ -180,6 +180,33 @@ pub enum Refusal {
         #[n(0)]
         detail: String,
     },
+    /// What was asked cannot be done by this vehicle, model or payload at all.
+    #[error("not supported: {detail}")]
+    #[n(19)]
+    NotSupported {
+        /// What cannot be done, and by what.
+        #[n(0)]
+        detail: String,
+    },
+    /// No payload of that name is on the vehicle.
+    #[error("vehicle {vehicle} has no payload \"{payload}\"")]
+    #[n(20)]
+    UnknownPayload {
+        /// The vehicle.
+        #[n(0)]
+        vehicle: VehicleId,
+        /// The name asked for.
+        #[n(1)]
+        payload: String,
+    },
+    /// Nothing with that number is tracked.
+    #[error("there is no track {track}")]
+    #[n(21)]
+    UnknownTrack {
+        /// The number asked for.
+        #[n(0)]
+        track: u64,
+    },
 }
 
 impl Refusal {
@@ -206,6 +233,9 @@ impl Refusal {
             Self::DuplicateSystemId { .. } => "duplicate_system_id",
             Self::NotRunning { .. } => "not_running",
             Self::NotPermitted { .. } => "not_permitted",
+            Self::NotSupported { .. } => "not_supported",
+            Self::UnknownPayload { .. } => "unknown_payload",
+            Self::UnknownTrack { .. } => "unknown_track",
         }
     }
 }

@@ -11,11 +11,12 @@ use crate::vehicle::parameters::{ParameterError, ParameterEvent, ParameterValue}
 use crate::vehicle::plan::Command;
 use crate::vehicle::{AUTOPILOT_COMPONENT, AutopilotIdentity, VehicleCore};
 use parking_lot::Mutex;
-use skein_domain::link::{LinkEvent, StreamState, VehicleLink};
+use skein_domain::link::{LinkEvent, MessageTap, StreamState, VehicleLink};
+use skein_domain::payload::MavlinkMessage;
 use skein_domain::setpoint::LocalSetpoint;
 use skein_domain::{AutopilotCommand, LinkHealth, NodeTime, Refusal, RequestId, SystemId, Telemetry};
 use std::net::SocketAddr;
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 
 /// Where a vehicle is heard and answered. Two are the same place if endpoint and address are.
 #[derive(Debug, Clone)]
@@ -283,5 +284,13 @@ impl VehicleLink for Px4Link {
         let mut inner = self.inner.lock();
         inner.core.stop_stream(now);
         inner.flush();
+    }
+
+    fn tap(&self, _tap: Weak<dyn MessageTap>) {}
+
+    fn send_payload(&self, _now: NodeTime, _message: &MavlinkMessage) -> Result<(), Refusal> {
+        Err(Refusal::NotSupported {
+            detail: "payload messages".to_owned(),
+        })
     }
 }

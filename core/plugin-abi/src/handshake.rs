@@ -3,7 +3,7 @@
 use crate::{EntryPoints, PluginTable};
 
 /// Version of the binary interface; see `ABI.md` for its history and when it changes. Apart from the crates' versions.
-pub const ABI_VERSION: u32 = 1;
+pub const ABI_VERSION: u32 = 2;
 
 /// First bytes of every handshake, of every version.
 pub const MAGIC: [u8; 8] = *b"SKEINPLG";

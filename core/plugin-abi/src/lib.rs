@@ -24,6 +24,6 @@ pub use handshake::{
     PANIC_UNWIND, PluginKind, TARGET_LEN, target,
 };
 pub use table::{
-    CreateFn, CreateOutcome, DestroyFn, EntryPoints, FreeFn, HostSink, InvokeFn, LogLevel, ManifestFn, Outcome,
-    PluginHandle, PluginTable, Status, method,
+    CreateFn, CreateOutcome, DestroyFn, EntryPoints, FrameBuffer, FreeFn, HostServices, InvokeFn, LogLevel, ManifestFn,
+    Outcome, PluginHandle, PluginTable, Status, method,
 };

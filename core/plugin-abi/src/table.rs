@@ -46,23 +46,53 @@ impl LogLevel {
 /// An instance, as the plugin that made it knows it. The host only keeps it and gives it back.
 pub type PluginHandle = *mut c_void;
 
-/// Where an instance sends its log lines. Given to `create`, so that it is there before any code of the instance runs. The struct is
-/// borrowed for the call; what it holds is valid until `create` has failed or `destroy` has returned, from any thread.
+/// A frame buffer that the host lends to an instance to write a frame into.
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
-pub struct HostSink {
+pub struct FrameBuffer {
+    /// Names it in what is said of the frame later; 0 if there was none to lend.
+    pub id: u64,
+    /// First byte; null if there was none to lend.
+    pub data: *mut u8,
+    /// Number of bytes, at least as many as were asked for.
+    pub len: usize,
+}
+
+impl FrameBuffer {
+    /// There was none to lend.
+    pub const NONE: Self = Self {
+        id: 0,
+        data: std::ptr::null_mut(),
+        len: 0,
+    };
+}
+
+/// What the host does for an instance. Given to `create`, so that it is there before any code of the instance runs. The struct is
+/// borrowed for the call; what it holds is valid until `create` has failed or `destroy` has returned, from any thread.
+///
+/// Frames never cross as copies: a camera asks for a buffer, writes into it and names it in an effect, from when on it is the host's;
+/// whoever gets an event about the frame reads the same bytes.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub struct HostServices {
     /// Size of this struct in bytes.
     pub size: usize,
     /// The host's; given back in every call.
     pub context: *mut c_void,
-    /// Takes one line: context, a [`LogLevel`], UTF-8 text.
+    /// Takes one log line: context, a [`LogLevel`], UTF-8 text.
     pub log: unsafe extern "C" fn(context: *mut c_void, level: u32, text: Slice),
+    /// Lends a buffer of at least `len` bytes. None is lent while all of the instance's are in use: the frame is to be dropped then.
+    pub acquire_frame: unsafe extern "C" fn(context: *mut c_void, len: usize) -> FrameBuffer,
+    /// Takes back a lent buffer that was not named in an effect.
+    pub release_frame: unsafe extern "C" fn(context: *mut c_void, id: u64),
+    /// The bytes of a frame that an event of the call being made names; empty for any other. Only during that call.
+    pub read_frame: unsafe extern "C" fn(context: *mut c_void, id: u64) -> Slice,
 }
 
-// SAFETY: the host promises that `log` may be called with `context` from any thread.
-unsafe impl Send for HostSink {}
+// SAFETY: the host promises that the functions may be called with `context` from any thread.
+unsafe impl Send for HostServices {}
 // SAFETY: as above.
-unsafe impl Sync for HostSink {}
+unsafe impl Sync for HostServices {}
 
 /// How a call ended, with its answer.
 #[derive(Debug)]
@@ -114,8 +144,8 @@ pub struct CreateOutcome {
 
 /// Gives the manifest (`skein_domain::manifest::PluginManifest`) as CBOR.
 pub type ManifestFn = unsafe extern "C" fn() -> Outcome;
-/// Makes an instance: where it logs to, schema of the bytes, the bytes (what they are depends on the kind of plugin).
-pub type CreateFn = unsafe extern "C" fn(sink: *const HostSink, schema: u32, bytes: Slice) -> CreateOutcome;
+/// Makes an instance: what the host does for it, schema of the bytes, the bytes (what they are depends on the kind of plugin).
+pub type CreateFn = unsafe extern "C" fn(host: *const HostServices, schema: u32, bytes: Slice) -> CreateOutcome;
 /// Calls a method of an instance: a number from [`method`], schema of the bytes, the bytes.
 pub type InvokeFn = unsafe extern "C" fn(handle: PluginHandle, method: u32, schema: u32, bytes: Slice) -> Outcome;
 /// Ends an instance; the handle is not used again.
@@ -173,6 +203,6 @@ impl PluginTable {
 pub mod method {
     /// Every kind: the state to go on from after a restart; takes nothing, gives the plugin's own bytes (schema 0).
     pub const SNAPSHOT: u32 = 1;
-    /// UAV model: takes an event batch, gives an effect batch.
+    /// Every kind: takes an event batch, gives an effect batch.
     pub const HANDLE_EVENTS: u32 = 2;
 }

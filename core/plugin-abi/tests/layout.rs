@@ -3,8 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
 use skein_plugin_abi::{
-    ABI_VERSION, Buffer, CreateOutcome, Handshake, HandshakeMismatch, HostSink, LogLevel, Outcome, PluginKind,
-    PluginTable, Slice, Status, method,
+    ABI_VERSION, Buffer, CreateOutcome, FrameBuffer, Handshake, HandshakeMismatch, HostServices, LogLevel, Outcome,
+    PluginKind, PluginTable, Slice, Status, method,
 };
 use std::fmt::Write;
 use std::mem::{align_of, offset_of, size_of};
@@ -32,7 +32,18 @@ fn layout() -> String {
             buffer
         }
     );
-    describe!(out, HostSink { size, context, log });
+    describe!(out, FrameBuffer { id, data, len });
+    describe!(
+        out,
+        HostServices {
+            size,
+            context,
+            log,
+            acquire_frame,
+            release_frame,
+            read_frame
+        }
+    );
     describe!(
         out,
         PluginTable {
@@ -122,7 +133,7 @@ fn every_version_has_a_row_in_the_history() {
 unsafe extern "C" fn no_manifest() -> Outcome {
     Outcome::ok(0, vec![])
 }
-unsafe extern "C" fn no_create(_: *const HostSink, _: u32, _: Slice) -> CreateOutcome {
+unsafe extern "C" fn no_create(_: *const HostServices, _: u32, _: Slice) -> CreateOutcome {
     CreateOutcome {
         status: Status::REFUSED.0,
         reserved: 0,
@@ -155,7 +166,7 @@ fn a_handshake_is_judged_field_by_field() {
     type Change = fn(&mut Handshake);
     let cases: &[(Change, &str)] = &[
         (|h| h.magic = *b"SOMETHIN", "is not a handshake"),
-        (|h| h.abi_version = 9, "ABI version 9, this host has 1"),
+        (|h| h.abi_version = 9, "ABI version 9, this host has 2"),
         (|h| h.table_size = 8, "its table has 8 bytes instead of 40"),
         (|h| h.handshake_size = 8, "its handshake has 8 bytes instead of 72"),
         (|h| h.pointer_bits = 16, "built for"),

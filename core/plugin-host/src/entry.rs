@@ -3,7 +3,7 @@
 //! Must never do: let a plugin's buffer be freed by anyone but the plugin, or look at it further than its length says.
 
 use crate::PluginError;
-use skein_plugin_abi::{Buffer, EntryPoints, FreeFn, HostSink, Outcome, PluginHandle, Slice, Status};
+use skein_plugin_abi::{Buffer, EntryPoints, FreeFn, HostServices, Outcome, PluginHandle, Slice, Status};
 use std::mem::ManuallyDrop;
 
 /// A reason a plugin gives is cut at this length in bytes.
@@ -80,7 +80,7 @@ impl Entry {
     }
 
     /// Makes an instance. What `sink` holds must stay valid until the instance is destroyed.
-    pub(crate) fn create(&self, sink: &HostSink, schema: u32, bytes: &[u8]) -> Result<Handle, PluginError> {
+    pub(crate) fn create(&self, sink: &HostServices, schema: u32, bytes: &[u8]) -> Result<Handle, PluginError> {
         // SAFETY: as in `manifest`; sink and bytes are borrowed for the call.
         let outcome = unsafe { (self.0.create)(sink, schema, Slice::of(bytes)) };
         let bytes = PluginBytes::new(outcome.buffer, self.0.free);

@@ -45,6 +45,7 @@ impl Manifest {
             description,
             config_schema_json,
             effects,
+            ..
         } = minicbor::decode(bytes).map_err(|e| bad(format!("not decodable: {e}")))?;
         let name_letter = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
         if name.is_empty() || name.len() > MAX_NAME_BYTES || !name.chars().all(name_letter) {

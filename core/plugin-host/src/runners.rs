@@ -3,7 +3,7 @@
 use crate::body::{Answer, InstanceBody};
 use crate::lane::{Job, Lane, Task};
 use crate::{Instance, Plugin, PluginError, watchdog};
-use skein_domain::exchange::{CREATE_UAV_SCHEMA, CreateUav};
+use skein_domain::exchange::{CREATE_SCHEMA, Create};
 use skein_plugin_abi::PluginKind;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -109,14 +109,14 @@ impl Runners {
     }
 
     /// Makes an instance that flies one vehicle. In logs it is called `vehicle-<id>`.
-    pub async fn create(self: &Arc<Self>, plugin: Arc<Plugin>, create: CreateUav) -> Result<Instance, PluginError> {
+    pub async fn create(self: &Arc<Self>, plugin: Arc<Plugin>, create: Create) -> Result<Instance, PluginError> {
         let (expected, found) = (PluginKind::UAV_MODEL, plugin.manifest().kind);
         if expected != found {
             return Err(PluginError::WrongKind { expected, found });
         }
         let bytes = encode(&create)?;
         let name = format!("vehicle-{}", create.vehicle);
-        let calls = Calls::create(self, plugin, name, CREATE_UAV_SCHEMA, bytes).await?;
+        let calls = Calls::create(self, plugin, name, CREATE_SCHEMA, bytes).await?;
         Ok(Instance::new(calls))
     }
 

@@ -3,7 +3,7 @@
 //! Must never do: unwind into the plugin, or let a plugin that writes without end fill the node's log.
 
 use parking_lot::Mutex;
-use skein_plugin_abi::{HostSink, LogLevel, Slice};
+use skein_plugin_abi::{FrameBuffer, HostServices, LogLevel, Slice};
 use std::ffi::c_void;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
@@ -48,11 +48,14 @@ impl LogSink {
     }
 
     /// What a plugin is given. `self` must stay where it is for as long as the plugin may use it.
-    pub(crate) fn for_plugin(&self) -> HostSink {
-        HostSink {
-            size: size_of::<HostSink>(),
+    pub(crate) fn for_plugin(&self) -> HostServices {
+        HostServices {
+            size: size_of::<HostServices>(),
             context: std::ptr::from_ref(self).cast_mut().cast(),
             log,
+            acquire_frame,
+            release_frame,
+            read_frame,
         }
     }
 
@@ -100,6 +103,16 @@ impl LogSink {
         self.dropped.fetch_add(1, Ordering::Relaxed);
         (false, dropped_before)
     }
+}
+
+unsafe extern "C" fn acquire_frame(_: *mut c_void, _: usize) -> FrameBuffer {
+    FrameBuffer::NONE
+}
+
+unsafe extern "C" fn release_frame(_: *mut c_void, _: u64) {}
+
+unsafe extern "C" fn read_frame(_: *mut c_void, _: u64) -> Slice {
+    Slice::of(&[])
 }
 
 /// Called by plugins.

@@ -1,6 +1,9 @@
 //! What a model wants done, collected over one batch of events.
 
+use crate::frames::FrameMut;
+use serde::Serialize;
 use skein_domain::exchange::{CommandProgress, Effect, EffectBatch, Severity};
+use skein_domain::payload::{CoordinatorCapability, FrameHeader, MavlinkMessage};
 use skein_domain::{AnchorReference, AutopilotCommand, CommandId, FlightState, Refusal, RequestId, Setpoint};
 
 /// The effects of one batch, in the order they are to be carried out.
@@ -81,6 +84,60 @@ impl Effects {
     /// The leader has come to the end of its route.
     pub fn route_finished(&mut self) {
         self.push(Effect::RouteFinished);
+    }
+
+    /// Reports the plugin's own state, as its state schema has it. A state that cannot be written as JSON (a map whose keys are no
+    /// texts) is left out, with a line in the log.
+    pub fn report<S: Serialize>(&mut self, state: &S) {
+        match serde_json::to_string(state) {
+            Ok(state_json) => self.push(Effect::Report { state_json }),
+            Err(error) => crate::log::error!("the state cannot be written as JSON: {error}"),
+        }
+    }
+
+    /// Tells of something that happened, as the plugin's event schema has it.
+    pub fn occurrence<E: Serialize>(&mut self, event: &E) {
+        match serde_json::to_string(event) {
+            Ok(event_json) => self.push(Effect::Occurrence { event_json }),
+            Err(error) => crate::log::error!("the event cannot be written as JSON: {error}"),
+        }
+    }
+
+    /// Sends a MAVLink message to the vehicle's payload components.
+    pub fn mavlink(&mut self, message_id: u32, payload: Vec<u8>) {
+        self.push(Effect::Mavlink(MavlinkMessage {
+            message_id,
+            payload,
+            ..MavlinkMessage::default()
+        }));
+    }
+
+    /// Sends bytes on the payload's own transport.
+    pub fn transmit(&mut self, bytes: Vec<u8>) {
+        self.push(Effect::Transmit { bytes });
+    }
+
+    /// Asks a payload of the same vehicle; the result will carry `request`.
+    pub fn payload_command<C: Serialize>(&mut self, request: RequestId, payload: &str, command: &C) {
+        match serde_json::to_string(command) {
+            Ok(command_json) => self.push(Effect::PayloadCommand {
+                request,
+                payload: payload.to_owned(),
+                command_json,
+            }),
+            Err(error) => crate::log::error!("the command cannot be written as JSON: {error}"),
+        }
+    }
+
+    /// Gives a frame away. `id` and `len` of the header are filled in.
+    pub fn frame(&mut self, frame: FrameMut, header: FrameHeader) {
+        let (id, len) = frame.into_id();
+        self.push(Effect::Frame(FrameHeader { id, len, ..header }));
+    }
+
+    /// Says whether the vehicle can host the coordinator.
+    pub fn capability(&mut self, capability: CoordinatorCapability) {
+        self.push(Effect::Capability(capability));
     }
 
     /// What was collected so far.

@@ -2,15 +2,15 @@
 //!
 //! Must never do: run any code of the plugin outside of a guard.
 
+mod behaviour;
+
 use crate::guard::guard;
-use crate::log::Logger;
-use crate::uav_model::manifest;
-use crate::{Effects, UavModel, decode, log};
-use skein_domain::exchange::{
-    CREATE_UAV_SCHEMA, CreateUav, EFFECT_BATCH_SCHEMA, EVENT_BATCH_SCHEMA, Event, FaultDrill,
-};
+use crate::host::Host;
+use crate::{Effects, Payload, UavModel, decode, log};
+use behaviour::{Behaviour, Carried, Flying};
+use skein_domain::exchange::{CREATE_SCHEMA, Create, EFFECT_BATCH_SCHEMA, EVENT_BATCH_SCHEMA, Event, FaultDrill};
 use skein_plugin_abi::{
-    Buffer, CreateOutcome, Handshake, HostSink, Outcome, PluginHandle, PluginKind, PluginTable, Slice, Status, method,
+    Buffer, CreateOutcome, Handshake, HostServices, Outcome, PluginHandle, PluginTable, Slice, Status, method,
 };
 use std::marker::PhantomData;
 
@@ -24,28 +24,44 @@ macro_rules! export_uav_model {
     };
 }
 
+/// Exports a [`Payload`] as this library's plugin. The one line of a shim crate.
+#[macro_export]
+macro_rules! export_payload {
+    ($payload:ty) => {
+        /// What the host looks for.
+        #[unsafe(no_mangle)]
+        pub static SKEIN_PLUGIN: $crate::abi::Handshake = $crate::export::payload::<$payload>();
+    };
+}
+
 /// The handshake of a UAV model.
 #[must_use]
 pub const fn uav_model<M: UavModel>() -> Handshake {
-    Handshake::new(PluginKind::UAV_MODEL, Exported::<M>::TABLE)
+    Handshake::new(Flying::<M>::KIND, Exported::<Flying<M>>::TABLE)
 }
 
-struct Exported<M>(PhantomData<M>);
+/// The handshake of a payload.
+#[must_use]
+pub const fn payload<P: Payload>() -> Handshake {
+    Handshake::new(Carried::<P>::KIND, Exported::<Carried<P>>::TABLE)
+}
 
-impl<M: UavModel> Exported<M> {
+struct Exported<B>(PhantomData<B>);
+
+impl<B: Behaviour> Exported<B> {
     const TABLE: &'static PluginTable = &PluginTable {
-        manifest: Some(manifest_entry::<M>),
-        create: Some(create_entry::<M>),
-        invoke: Some(invoke_entry::<M>),
-        destroy: Some(destroy_entry::<M>),
+        manifest: Some(manifest_entry::<B>),
+        create: Some(create_entry::<B>),
+        invoke: Some(invoke_entry::<B>),
+        destroy: Some(destroy_entry::<B>),
         free: Some(free_entry),
     };
 }
 
 /// What a handle points to.
-struct Living<M> {
-    model: M,
-    logger: Option<Logger>,
+struct Living<B> {
+    behaviour: B,
+    host: Option<Host>,
     /// It panicked: only `destroy` may follow.
     poisoned: bool,
 }
@@ -53,8 +69,8 @@ struct Living<M> {
 /// A failure on the way through an entry.
 type Failure = (Status, String);
 
-unsafe extern "C" fn manifest_entry<M: UavModel>() -> Outcome {
-    let bytes = guard(|| minicbor::to_vec(manifest::<M>()));
+unsafe extern "C" fn manifest_entry<B: Behaviour>() -> Outcome {
+    let bytes = guard(|| minicbor::to_vec(B::manifest()));
     match bytes {
         Ok(Ok(bytes)) => Outcome::ok(0, bytes),
         Ok(Err(error)) => Outcome::failed(Status::REFUSED, error.to_string()),
@@ -62,18 +78,22 @@ unsafe extern "C" fn manifest_entry<M: UavModel>() -> Outcome {
     }
 }
 
-unsafe extern "C" fn create_entry<M: UavModel>(sink: *const HostSink, schema: u32, bytes: Slice) -> CreateOutcome {
-    // SAFETY: the host keeps the sink valid until `destroy`, or until this call has failed; both close the logger.
-    let logger = unsafe { Logger::new(sink) };
-    let entered = Logger::enter(logger.clone());
+unsafe extern "C" fn create_entry<B: Behaviour>(
+    services: *const HostServices,
+    schema: u32,
+    bytes: Slice,
+) -> CreateOutcome {
+    // SAFETY: the host keeps its services valid until `destroy`, or until this call has failed; both close them here.
+    let host = unsafe { Host::new(services) };
+    let entered = Host::enter(host.clone());
     // SAFETY: the host lends the bytes for the call.
-    let result = guard(|| create::<M>(schema, unsafe { bytes.as_bytes() }));
+    let result = guard(|| create::<B>(schema, unsafe { bytes.as_bytes() }));
     drop(entered);
     let (status, reason) = match result {
-        Ok(Ok(model)) => {
+        Ok(Ok(behaviour)) => {
             let living = Box::new(Living {
-                model,
-                logger,
+                behaviour,
+                host,
                 poisoned: false,
             });
             let handle = Box::into_raw(living).cast();
@@ -87,8 +107,8 @@ unsafe extern "C" fn create_entry<M: UavModel>(sink: *const HostSink, schema: u3
         Ok(Err(failure)) => failure,
         Err(message) => (Status::PANICKED, message),
     };
-    if let Some(logger) = logger {
-        logger.close();
+    if let Some(host) = host {
+        host.close();
     }
     let buffer = Buffer::from_vec(reason.into_bytes());
     CreateOutcome {
@@ -99,32 +119,30 @@ unsafe extern "C" fn create_entry<M: UavModel>(sink: *const HostSink, schema: u3
     }
 }
 
-fn create<M: UavModel>(schema: u32, bytes: &[u8]) -> Result<M, Failure> {
-    if schema != CREATE_UAV_SCHEMA {
-        return Err((Status::UNKNOWN_SCHEMA, format!("{schema}, not {CREATE_UAV_SCHEMA}")));
+fn create<B: Behaviour>(schema: u32, bytes: &[u8]) -> Result<B, Failure> {
+    if schema != CREATE_SCHEMA {
+        return Err((Status::UNKNOWN_SCHEMA, format!("{schema}, not {CREATE_SCHEMA}")));
     }
-    let create: CreateUav = minicbor::decode(bytes).map_err(|e| (Status::UNDECODABLE, e.to_string()))?;
-    let config =
-        serde_json::from_str(&create.config_json).map_err(|e| (Status::REFUSED, format!("configuration: {e}")))?;
-    M::create(create, config).map_err(|e| (Status::REFUSED, e.to_string()))
+    let create: Create = minicbor::decode(bytes).map_err(|e| (Status::UNDECODABLE, e.to_string()))?;
+    B::create(create)
 }
 
-unsafe extern "C" fn invoke_entry<M: UavModel>(
+unsafe extern "C" fn invoke_entry<B: Behaviour>(
     handle: PluginHandle,
     method: u32,
     schema: u32,
     bytes: Slice,
 ) -> Outcome {
-    // SAFETY: the host gives back a handle of `create_entry::<M>`, not destroyed, used by this thread alone.
-    let Some(living) = (unsafe { handle.cast::<Living<M>>().as_mut() }) else {
+    // SAFETY: the host gives back a handle of `create_entry::<B>`, not destroyed, used by this thread alone.
+    let Some(living) = (unsafe { handle.cast::<Living<B>>().as_mut() }) else {
         return Outcome::failed(Status::UNDECODABLE, "the handle is null".to_owned());
     };
     if living.poisoned {
         return Outcome::failed(Status::POISONED, String::new());
     }
-    let _entered = Logger::enter(living.logger.clone());
+    let _entered = Host::enter(living.host.clone());
     // SAFETY: the host lends the bytes for the call.
-    let result = guard(|| invoke(&mut living.model, method, schema, unsafe { bytes.as_bytes() }));
+    let result = guard(|| invoke(&mut living.behaviour, method, schema, unsafe { bytes.as_bytes() }));
     match result {
         Ok(Ok((schema, bytes))) => Outcome::ok(schema, bytes),
         Ok(Err((status, reason))) => Outcome::failed(status, reason),
@@ -135,7 +153,7 @@ unsafe extern "C" fn invoke_entry<M: UavModel>(
     }
 }
 
-fn invoke<M: UavModel>(model: &mut M, method: u32, schema: u32, bytes: &[u8]) -> Result<(u32, Vec<u8>), Failure> {
+fn invoke<B: Behaviour>(behaviour: &mut B, method: u32, schema: u32, bytes: &[u8]) -> Result<(u32, Vec<u8>), Failure> {
     match method {
         method::HANDLE_EVENTS if schema == EVENT_BATCH_SCHEMA => {
             let batch = decode::event_batch(bytes).map_err(|e| (Status::UNDECODABLE, e.to_string()))?;
@@ -145,12 +163,12 @@ fn invoke<M: UavModel>(model: &mut M, method: u32, schema: u32, bytes: &[u8]) ->
                 }
             }
             let mut effects = Effects::default();
-            model.handle(batch.now, &batch.events, &mut effects);
+            behaviour.handle(batch.now, &batch.events, &mut effects);
             let bytes = minicbor::to_vec(effects.into_batch()).map_err(|e| (Status::REFUSED, e.to_string()))?;
             Ok((EFFECT_BATCH_SCHEMA, bytes))
         }
         method::HANDLE_EVENTS => Err((Status::UNKNOWN_SCHEMA, format!("{schema}, not {EVENT_BATCH_SCHEMA}"))),
-        method::SNAPSHOT => Ok((0, model.snapshot())),
+        method::SNAPSHOT => Ok((0, behaviour.snapshot())),
         other => Err((Status::UNKNOWN_METHOD, other.to_string())),
     }
 }
@@ -163,21 +181,22 @@ fn fail_on_purpose(drill: FaultDrill) {
         FaultDrill::Hang => loop {
             std::thread::park();
         },
+        FaultDrill::Abort => std::process::abort(),
     }
 }
 
-unsafe extern "C" fn destroy_entry<M: UavModel>(handle: PluginHandle) -> Outcome {
+unsafe extern "C" fn destroy_entry<B: Behaviour>(handle: PluginHandle) -> Outcome {
     if handle.is_null() {
         return Outcome::ok(0, Vec::new());
     }
-    // SAFETY: the host gives back a handle of `create_entry::<M>` for the last time.
-    let living = unsafe { Box::from_raw(handle.cast::<Living<M>>()) };
-    let Living { model, logger, .. } = *living;
-    let entered = Logger::enter(logger.clone());
-    let result = guard(|| drop(model));
+    // SAFETY: the host gives back a handle of `create_entry::<B>` for the last time.
+    let living = unsafe { Box::from_raw(handle.cast::<Living<B>>()) };
+    let Living { behaviour, host, .. } = *living;
+    let entered = Host::enter(host.clone());
+    let result = guard(|| drop(behaviour));
     drop(entered);
-    if let Some(logger) = logger {
-        logger.close();
+    if let Some(host) = host {
+        host.close();
     }
     match result {
         Ok(()) => Outcome::ok(0, Vec::new()),

@@ -5,7 +5,7 @@
 //! # A whole UAV model
 //!
 //! ```
-//! use skein_plugin_sdk::domain::exchange::{CreateUav, Event};
+//! use skein_plugin_sdk::domain::exchange::{Create, Event};
 //! use skein_plugin_sdk::domain::{NodeTime, Setpoint, manifest::EffectKind};
 //! use skein_plugin_sdk::{CreateError, Effects, UavManifest, UavModel, log};
 //!
@@ -39,7 +39,7 @@
 //!         effects: &[EffectKind::Setpoint],
 //!     };
 //!
-//!     fn create(create: CreateUav, settings: Settings) -> Result<Self, CreateError> {
+//!     fn create(create: Create, settings: Settings) -> Result<Self, CreateError> {
 //!         if settings.above_m < 0.0 {
 //!             return Err(CreateError::new("above_m must not be negative"));
 //!         }
@@ -75,11 +75,16 @@
 mod decode;
 mod effects;
 pub mod export;
+pub mod frames;
 mod guard;
+mod host;
 pub mod log;
+mod payload;
 mod uav_model;
 
 pub use effects::Effects;
+pub use payload::{Payload, PayloadManifest};
 pub use skein_domain as domain;
 pub use skein_plugin_abi as abi;
+pub use skein_plugin_abi::PluginKind;
 pub use uav_model::{CreateError, UavManifest, UavModel};

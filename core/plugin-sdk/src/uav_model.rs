@@ -4,7 +4,7 @@ use crate::Effects;
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 use skein_domain::NodeTime;
-use skein_domain::exchange::{CreateUav, Event};
+use skein_domain::exchange::{Create, Event};
 use skein_domain::manifest::{EffectKind, PluginManifest};
 
 /// Flies one vehicle: events in, effects out. It does no I/O, reads no clock and draws no random numbers, so that the same events give
@@ -18,13 +18,20 @@ pub trait UavModel: Sized + Send + 'static {
 
     /// Makes an instance. With `create.snapshot` it goes on from there, in flight and without a jump; a snapshot it does not
     /// understand must not keep it from starting in a safe state.
-    fn create(create: CreateUav, config: Self::Config) -> Result<Self, CreateError>;
+    fn create(create: Create, config: Self::Config) -> Result<Self, CreateError>;
 
     /// Takes the events of one period, oldest first, and says what is to be done. Must return within a few milliseconds.
     fn handle(&mut self, now: NodeTime, events: &[Event], effects: &mut Effects);
 
-    /// Everything a new instance needs to go on after this one, as bytes of its own. Asked for every period: keep it small.
+    /// Everything a new instance needs to go on after this one, as bytes of its own. Asked for after every call: keep it small. An
+    /// instance made from it gives the same bytes again until its first event.
     fn snapshot(&self) -> Vec<u8>;
+
+    /// Schema of the state it reports with [`Effects::report`], if it does.
+    #[must_use]
+    fn state_schema() -> Option<schemars::Schema> {
+        None
+    }
 }
 
 /// What a UAV model says of itself.
@@ -68,5 +75,7 @@ pub(crate) fn manifest<M: UavModel>() -> PluginManifest {
         description: description.to_owned(),
         config_schema_json: schema.to_value().to_string(),
         effects: effects.iter().map(|effect| effect.code()).collect(),
+        state_schema_json: M::state_schema().map(|schema| schema.to_value().to_string()),
+        ..PluginManifest::default()
     }
 }

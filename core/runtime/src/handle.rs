@@ -273,12 +273,16 @@ impl NodeHandle {
     fn withdraw(&self, ids: &[VehicleId], command: &VehicleCommand) {
         let mut withdrawn = self.board.withdrawn.lock();
         match command {
-            VehicleCommand::Arm | VehicleCommand::Disarm => {}
+            VehicleCommand::Arm
+            | VehicleCommand::Disarm
+            | VehicleCommand::LookAt { .. }
+            | VehicleCommand::StopObserving => {}
             VehicleCommand::TakeOff { .. } => withdrawn.retain(|id| !ids.contains(id)),
             VehicleCommand::Land
             | VehicleCommand::LandAt { .. }
             | VehicleCommand::Hold
             | VehicleCommand::Return
+            | VehicleCommand::Observe { .. }
             | VehicleCommand::GoTo { .. } => withdrawn.extend(ids),
         }
     }

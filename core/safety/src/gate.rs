@@ -2,6 +2,7 @@
 
 use crate::fence::{Excess, Fence};
 use crate::separation::{Motion, Peer};
+use skein_domain::payload::Target;
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{
     AutopilotCommand, FlightMode, NodeTime, PositionNed, Refusal, Route, Setpoint, VehicleCommand, VehicleId,
@@ -67,6 +68,16 @@ const ROUNDING: f64 = 1.0 + 1e-9;
 pub struct Gate {
     limits: Limits,
     fence: Option<Fence>,
+}
+
+/// Nothing is observed from further away.
+const MAX_STAND_OFF_M: f64 = 10_000.0;
+
+fn finite_target(target: &Target) -> Result<(), Refusal> {
+    match target {
+        Target::Place { position } if !position.is_finite() => Err(invalid("the target is not finite")),
+        _ => Ok(()),
+    }
 }
 
 impl Gate {
@@ -211,7 +222,21 @@ impl Gate {
                 speed_m_s.map_or(Ok(()), |speed| self.cruise_speed(speed))?;
                 self.goal(position)
             }
+            VehicleCommand::Observe {
+                target,
+                stand_off_m,
+                height_m,
+            } => {
+                let sensible =
+                    |value: &Option<f64>| value.is_none_or(|v| v.is_finite() && (0.0..=MAX_STAND_OFF_M).contains(&v));
+                if !sensible(stand_off_m) || !height_m.is_none_or(|v| v.is_finite() && v.abs() <= MAX_STAND_OFF_M) {
+                    return Err(invalid("stand-off and height must be finite and no more than 10 km"));
+                }
+                finite_target(target)
+            }
+            VehicleCommand::LookAt { target } => finite_target(target),
             VehicleCommand::Arm
+            | VehicleCommand::StopObserving
             | VehicleCommand::Disarm
             | VehicleCommand::Land
             | VehicleCommand::Hold

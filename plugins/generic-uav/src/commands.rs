@@ -91,6 +91,8 @@ impl GenericUav {
                     out,
                 );
             }
+            // Never admitted.
+            VehicleCommand::Observe { .. } | VehicleCommand::LookAt { .. } | VehicleCommand::StopObserving => {}
         }
     }
 
@@ -170,6 +172,14 @@ impl GenericUav {
                 }
                 finite("the goal", position)
             }
+            VehicleCommand::Observe { .. } | VehicleCommand::LookAt { .. } | VehicleCommand::StopObserving => {
+                Err(Refusal::NotSupported {
+                    detail: format!(
+                        "{} needs a model with payloads, such as observation-uav",
+                        command.name()
+                    ),
+                })
+            }
             _ => Ok(()),
         }
     }
@@ -199,6 +209,8 @@ impl GenericUav {
             VehicleCommand::GoTo { .. } | VehicleCommand::LandAt { .. } => {
                 airborne && (in_nobodys_hands || matches!(phase, Phase::Flying(_) | Phase::Landing(_)))
             }
+            // Refused for what they are, before.
+            VehicleCommand::Observe { .. } | VehicleCommand::LookAt { .. } | VehicleCommand::StopObserving => false,
         };
         if !fits {
             return Err(Refusal::WrongState {

@@ -5,7 +5,7 @@ use crate::flight::{Flight, Flying, Phase, Plan, Purpose, Reference, Told};
 use crate::plan::Track;
 use crate::settings::Settings;
 use crate::snapshot;
-use skein_domain::exchange::{CreateUav, Event, OwnState};
+use skein_domain::exchange::{Create, Event, OwnState};
 use skein_domain::manifest::EffectKind;
 use skein_domain::{FlightMode, LandedState, NodeTime, Refusal, RequestId, Setpoint, VehicleId};
 use skein_plugin_sdk::{CreateError, Effects, UavManifest, UavModel, log};
@@ -39,7 +39,7 @@ impl UavModel for GenericUav {
         effects: EffectKind::ALL,
     };
 
-    fn create(create: CreateUav, settings: Settings) -> Result<Self, CreateError> {
+    fn create(create: Create, settings: Settings) -> Result<Self, CreateError> {
         settings.check().map_err(CreateError::new)?;
         let restored = create.snapshot.as_deref().map(snapshot::decode);
         let flight = match restored {
@@ -108,6 +108,15 @@ impl GenericUav {
             Event::Rebooted => self.rebooted(out),
             Event::Refused(refusal) => self.flight.gate_refusal = Some(refusal.clone()),
             Event::FaultDrill(_) => {} // The SDK's.
+            // Payloads and what they see are no matter of this model's.
+            Event::PayloadCommand { .. }
+            | Event::Mavlink(_)
+            | Event::Received { .. }
+            | Event::Payload(_)
+            | Event::Peers(_)
+            | Event::Frame(_)
+            | Event::Tracks(_)
+            | Event::PayloadResult { .. } => {}
         }
     }
 

@@ -4,7 +4,7 @@
 //! Must never do: stand in for host or plugin. Both sides are the real ones.
 #![forbid(unsafe_code)]
 
-use skein_domain::exchange::{CreateUav, Effect, Event, EventBatch};
+use skein_domain::exchange::{Create, Effect, Event, EventBatch};
 use skein_domain::{Incarnation, NodeTime, VehicleId};
 use skein_plugin_host::{Instance, Plugin, PluginError, Runners};
 use std::path::{Path, PathBuf};
@@ -121,13 +121,15 @@ pub fn shipped(name: &str) -> Arc<Plugin> {
 
 /// What an instance is created with.
 #[must_use]
-pub fn create_uav(id: u16, config_json: &str, snapshot: Option<Vec<u8>>) -> CreateUav {
-    CreateUav {
+pub fn create_uav(id: u16, config_json: &str, snapshot: Option<Vec<u8>>) -> Create {
+    Create {
         vehicle: VehicleId(id),
         incarnation: Incarnation(1),
         config_json: config_json.to_owned(),
         snapshot,
         now: NodeTime(0),
+        payload: None,
+        system_id: None,
     }
 }
 

@@ -5,6 +5,7 @@ use crate::{CreateError, UavManifest};
 use skein_domain::exchange::{Effect, EffectBatch, EventBatch};
 use skein_domain::manifest::{EffectKind, PluginManifest};
 use skein_domain::{Incarnation, NodeTime, VehicleId};
+use skein_plugin_abi::FrameBuffer;
 use std::ffi::c_void;
 
 #[derive(Default, serde::Deserialize, schemars::JsonSchema)]
@@ -29,7 +30,7 @@ impl UavModel for Model {
         effects: &[EffectKind::RouteFinished],
     };
 
-    fn create(create: CreateUav, config: Settings) -> Result<Self, CreateError> {
+    fn create(create: Create, config: Settings) -> Result<Self, CreateError> {
         log::info!("created as {}", create.vehicle);
         match config.fail.as_str() {
             "refuse" => Err(CreateError::new("not today")),
@@ -69,6 +70,16 @@ unsafe extern "C" fn take_line(context: *mut c_void, level: u32, text: Slice) {
     lines.lock().push((level, String::from_utf8_lossy(text).into_owned()));
 }
 
+unsafe extern "C" fn no_frame(_: *mut c_void, _: usize) -> FrameBuffer {
+    FrameBuffer::NONE
+}
+
+unsafe extern "C" fn released(_: *mut c_void, _: u64) {}
+
+unsafe extern "C" fn nothing_to_read(_: *mut c_void, _: u64) -> Slice {
+    Slice::of(&[])
+}
+
 /// A host of one instance.
 struct Host {
     table: &'static PluginTable,
@@ -83,25 +94,30 @@ fn text_of(outcome: &Outcome) -> String {
 
 impl Host {
     fn new(config: &str, snapshot: Option<Vec<u8>>) -> Result<Self, (Status, String)> {
-        let create = CreateUav {
+        let create = Create {
             vehicle: VehicleId(4),
             incarnation: Incarnation(1),
             config_json: config.to_owned(),
             snapshot,
             now: NodeTime(0),
+            payload: None,
+            system_id: None,
         };
-        Self::with(CREATE_UAV_SCHEMA, &minicbor::to_vec(create).expect("encodes"))
+        Self::with(CREATE_SCHEMA, &minicbor::to_vec(create).expect("encodes"))
     }
 
     fn with(schema: u32, bytes: &[u8]) -> Result<Self, (Status, String)> {
         let lines = Box::new(Lines::default());
         let context = std::ptr::from_ref::<Lines>(&lines).cast_mut().cast();
-        let sink = HostSink {
-            size: size_of::<HostSink>(),
+        let sink = HostServices {
+            size: size_of::<HostServices>(),
             context,
             log: take_line,
+            acquire_frame: no_frame,
+            release_frame: released,
+            read_frame: nothing_to_read,
         };
-        let table = Exported::<Model>::TABLE;
+        let table = Exported::<Flying<Model>>::TABLE;
         // SAFETY: sink and bytes live over the call; the lines live over the instance.
         let CreateOutcome {
             status, handle, buffer, ..
@@ -164,7 +180,7 @@ fn a_life_from_create_to_destroy() {
 #[test]
 fn the_manifest_crosses() {
     // SAFETY: takes nothing.
-    let outcome = unsafe { Exported::<Model>::TABLE.manifest.expect("is there")() };
+    let outcome = unsafe { Exported::<Flying<Model>>::TABLE.manifest.expect("is there")() };
     // SAFETY: not freed yet.
     let bytes = unsafe { outcome.buffer.as_slice().as_bytes() };
     let manifest: PluginManifest = minicbor::decode(bytes).expect("decodes");
@@ -195,7 +211,7 @@ fn create_says_why_not() {
         "{text}"
     );
     assert_eq!(why(Host::with(77, &[])).0, Status::UNKNOWN_SCHEMA);
-    assert_eq!(why(Host::with(CREATE_UAV_SCHEMA, b"garbage")).0, Status::UNDECODABLE);
+    assert_eq!(why(Host::with(CREATE_SCHEMA, b"garbage")).0, Status::UNDECODABLE);
 }
 
 #[test]
@@ -246,8 +262,8 @@ fn what_is_not_understood_is_said() {
 fn a_logger_that_outlives_its_instance_is_silent() {
     let host = Host::new("{}", None).expect("created");
     // SAFETY: the handle is alive and used by this thread alone.
-    let logger = unsafe { &*host.handle.cast::<Living<Model>>() }
-        .logger
+    let logger = unsafe { &*host.handle.cast::<Living<Flying<Model>>>() }
+        .host
         .clone()
         .expect("has one");
     logger.log(log::LogLevel::ERROR, "from elsewhere");
@@ -258,6 +274,6 @@ fn a_logger_that_outlives_its_instance_is_silent() {
     let (_, _, lines) = host.destroy();
     logger.log(log::LogLevel::ERROR, "too late: the host's side is gone");
     assert_eq!(lines.len(), 3);
-    assert!(Logger::current().is_none());
+    assert!(log::Logger::current().is_none());
     log::info!("from nowhere");
 }

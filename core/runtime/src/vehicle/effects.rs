@@ -56,6 +56,13 @@ impl VehicleState {
                         format!("{}: end of the route", self.cell.name),
                     );
                 }
+                Effect::Mavlink(_)
+                | Effect::Transmit { .. }
+                | Effect::Report { .. }
+                | Effect::Occurrence { .. }
+                | Effect::PayloadCommand { .. }
+                | Effect::Frame(_)
+                | Effect::Capability(_) => {}
             }
         }
     }

@@ -3,7 +3,7 @@
 use super::VehicleState;
 use crate::restart::{Decision, RestartHistory, VEHICLE_LIMITS};
 use crate::snapshot::{ActorHealth, ActorStatus, EventKind};
-use skein_domain::exchange::{CreateUav, Event, EventBatch, Severity};
+use skein_domain::exchange::{Create, Event, EventBatch, Severity};
 use skein_domain::{AutopilotCommand, CommandId, FlightMode, FlightState, Incarnation, NodeTime, Refusal, RequestId};
 use skein_plugin_host::Instance;
 
@@ -66,12 +66,14 @@ impl VehicleState {
         if self.model.start_at.is_none_or(|at| at > now) {
             return false;
         }
-        let create = CreateUav {
+        let create = Create {
             vehicle: self.cell.id,
             incarnation: self.model.incarnation,
             config_json: self.cell.model_config_json.clone(),
             snapshot: self.cell.snapshot.lock().clone(),
             now,
+            payload: None,
+            system_id: Some(self.cell.system_id),
         };
         match self.board.runners.create(self.cell.plugin.clone(), create).await {
             Ok(instance) => {

@@ -5,7 +5,7 @@ use crate::board::{PeerEntry, PeerSnapshot};
 use crate::snapshot::EventKind;
 use skein_domain::exchange::{Event, OwnState, Severity};
 use skein_domain::link::{LinkEvent, StreamState};
-use skein_domain::{FlightMode, Task};
+use skein_domain::{FlightMode, Geodetic, Task};
 
 impl VehicleState {
     /// The whole period.
@@ -26,7 +26,7 @@ impl VehicleState {
         let Some(entry) = peers.entry(self.cell.id) else {
             return events;
         };
-        let mut own = own_state(entry);
+        let mut own = own_state(entry, self.board.frame().map(|frame| frame.origin));
         let link = self.cell.link.load_full();
         for event in link.0.take_events() {
             // The peers were read before these events came: the model must not see a mode beside an older armed state.
@@ -143,7 +143,7 @@ impl VehicleState {
     }
 }
 
-fn own_state(entry: &PeerEntry) -> OwnState {
+fn own_state(entry: &PeerEntry, frame_origin: Option<Geodetic>) -> OwnState {
     OwnState {
         kinematics: entry.kinematics,
         mode: entry.telemetry.mode,
@@ -153,5 +153,9 @@ fn own_state(entry: &PeerEntry) -> OwnState {
         home: entry.home,
         battery: entry.telemetry.battery,
         link_connected: entry.link.connected,
+        roll_rad: Some(f64::from(entry.telemetry.roll_rad)),
+        pitch_rad: Some(f64::from(entry.telemetry.pitch_rad)),
+        global: entry.telemetry.global,
+        frame_origin,
     }
 }

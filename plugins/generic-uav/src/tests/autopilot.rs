@@ -104,6 +104,7 @@ impl Autopilot {
             home: Some(self.home),
             battery: Battery::default(),
             link_connected: self.link_connected,
+            ..OwnState::default()
         }
     }
 

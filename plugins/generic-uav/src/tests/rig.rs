@@ -2,7 +2,7 @@
 
 use super::autopilot::{Autopilot, PERIOD_S};
 use crate::{GenericUav, Settings};
-use skein_domain::exchange::{CommandProgress, CreateUav, Effect, Event, EventBatch};
+use skein_domain::exchange::{CommandProgress, Create, Effect, Event, EventBatch};
 use skein_domain::{
     AnchorReference, AutopilotCommand, CommandId, FlightState, Incarnation, NodeTime, PositionNed, Refusal, Setpoint,
     Task, VehicleCommand, VehicleId, VehicleTask,
@@ -36,12 +36,14 @@ pub fn create(snapshot: Option<Vec<u8>>, incarnation: u32, now: NodeTime) -> Gen
 }
 
 pub fn create_with(settings: Settings, snapshot: Option<Vec<u8>>, incarnation: u32, now: NodeTime) -> GenericUav {
-    let create = CreateUav {
+    let create = Create {
         vehicle: VEHICLE,
         incarnation: Incarnation(incarnation),
         config_json: "{}".to_owned(),
         snapshot,
         now,
+        payload: None,
+        system_id: None,
     };
     GenericUav::create(create, settings).expect("is created")
 }
