@@ -1,6 +1,6 @@
 //! What makes a configuration that parses still wrong. Every problem is listed, not only the first.
 
-use crate::settings::NodeConfig;
+use crate::settings::{AdoptionRule, NodeConfig, PayloadRule};
 use std::fmt;
 
 /// One wrong value: its key as it stands in the file, and what would be right.
@@ -81,6 +81,7 @@ impl NodeConfig {
                     &format!("there is no endpoint \"{endpoint}\""),
                 ));
             }
+            payload_problems(i, rule, problems);
         }
     }
 
@@ -95,6 +96,19 @@ impl NodeConfig {
             ("link.hold_for_s", link.hold_for_s, 0.0, 60.0),
             ("link.position_rate_hz", link.position_rate_hz, 1.0, 200.0),
             ("plugins.call_deadline_s", self.plugins.call_deadline_s, 0.001, 1.0),
+            (
+                "plugins.child_memory_mib",
+                self.plugins.child_memory_mib as f64,
+                64.0,
+                65_536.0,
+            ),
+            ("plugins.child_cpu_share", self.plugins.child_cpu_share, 0.01, 64.0),
+            (
+                "plugins.child_open_files",
+                self.plugins.child_open_files as f64,
+                16.0,
+                65_536.0,
+            ),
             ("safety.max_speed_m_s", safety.max_speed_m_s, 0.1, 60.0),
             ("safety.max_climb_m_s", safety.max_climb_m_s, 0.1, 30.0),
             ("safety.max_descent_m_s", safety.max_descent_m_s, 0.1, 30.0),
@@ -142,6 +156,47 @@ impl NodeConfig {
             ranges.push(("safety.fence.ceiling_m", fence.ceiling_m, fence.floor_m, 20_000.0));
         }
         ranges
+    }
+}
+
+fn payload_problems(at: usize, rule: &AdoptionRule, problems: &mut Vec<Problem>) {
+    for (i, payload) in rule.payloads.iter().enumerate() {
+        let key = format!("adopt[{at}].payloads[{i}]");
+        if let Err(message) = payload.check() {
+            problems.push(problem(&key, &message));
+        }
+        if rule.payloads.iter().take(i).any(|earlier| earlier.name == payload.name) {
+            problems.push(problem(&key, &format!("\"{}\" is there twice", payload.name)));
+        }
+    }
+}
+
+impl PayloadRule {
+    /// What can be said of it without its plugin.
+    ///
+    /// # Errors
+    /// What is wrong, in a sentence.
+    pub fn check(&self) -> Result<(), String> {
+        let letter = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+        if self.name.is_empty() || self.name.len() > 32 || !self.name.chars().all(letter) {
+            return Err(format!(
+                "the name {:?} is not made of 1 to 32 letters, digits, - and _",
+                self.name
+            ));
+        }
+        if self.plugin.is_empty() {
+            return Err("plugin must not be empty".into());
+        }
+        if !self.config.is_object() {
+            return Err("config must be a table".into());
+        }
+        Ok(())
+    }
+
+    /// The plugin configuration as JSON text.
+    #[must_use]
+    pub fn config_json(&self) -> String {
+        self.config.to_string()
     }
 }
 

@@ -11,8 +11,8 @@ pub mod settings;
 pub use check::Problem;
 pub use ids::SystemIdSet;
 pub use settings::{
-    AdoptionRule, CoordinatorSettings, EndpointSettings, FaultSettings, FenceSettings, LinkSettings, NodeConfig,
-    NodeSettings, PluginSettings, SafetySettings, SwarmSettings, WebSettings,
+    AdoptionRule, CoordinatorSettings, EndpointSettings, Escalation, FaultSettings, FenceSettings, Isolation,
+    LinkSettings, NodeConfig, NodeSettings, PayloadRule, PluginSettings, SafetySettings, SwarmSettings, WebSettings,
 };
 
 use std::path::{Path, PathBuf};
@@ -62,7 +62,8 @@ impl NodeConfig {
         })?;
         let mut config = Self::parse_named(&text, path)?;
         if let Some(folder) = path.parent() {
-            for directory in &mut config.plugins.directories {
+            let plugins = &mut config.plugins;
+            for directory in plugins.directories.iter_mut().chain(&mut plugins.upload_directory) {
                 if directory.is_relative() {
                     *directory = folder.join(&*directory);
                 }

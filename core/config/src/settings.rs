@@ -126,6 +126,85 @@ pub struct AdoptionRule {
     /// Configuration handed to the plugin.
     #[serde(default)]
     pub model_config: toml::Table,
+    /// Where the plugin runs.
+    #[serde(default)]
+    pub model_isolation: Isolation,
+    /// What the vehicle carries.
+    #[serde(default)]
+    pub payloads: Vec<PayloadRule>,
+}
+
+/// Where a plugin instance runs.
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Default,
+    Serialize,
+    Deserialize,
+    ts_rs::TS,
+    schemars::JsonSchema
+)]
+#[serde(rename_all = "snake_case")]
+pub enum Isolation {
+    /// In the node's own process: quickest; a panic or a hang is contained, a wild pointer is not.
+    #[default]
+    InProcess,
+    /// In a child process with limits: whatever it does, the node goes on.
+    Child,
+}
+
+/// What becomes of a vehicle when one of its payloads has failed too often.
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Default,
+    Serialize,
+    Deserialize,
+    ts_rs::TS,
+    schemars::JsonSchema
+)]
+#[serde(rename_all = "snake_case")]
+pub enum Escalation {
+    /// It is shown as degraded and flies on.
+    #[default]
+    Degrade,
+    /// It is shown as degraded, leaves the formation and holds.
+    Hold,
+    /// It is shown as degraded, leaves the formation and returns.
+    Return,
+}
+
+/// `[[adopt.payloads]]`, and what the API takes to attach one at run time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PayloadRule {
+    /// Its name on the vehicle.
+    pub name: String,
+    /// Payload plugin.
+    pub plugin: String,
+    /// Where the plugin runs.
+    #[serde(default)]
+    pub isolation: Isolation,
+    /// How its device is reached if not over the vehicle's MAVLink: `udp://ADDRESS:PORT` or `serial:///dev/ttyUSB0?baud=115200`.
+    #[serde(default)]
+    pub transport: Option<String>,
+    /// What happens when it has failed too often.
+    #[serde(default)]
+    pub on_failure: Escalation,
+    /// Configuration handed to the plugin.
+    #[serde(default = "empty_object")]
+    #[ts(type = "Record<string, unknown>")]
+    pub config: serde_json::Value,
+}
+
+fn empty_object() -> serde_json::Value {
+    serde_json::Value::Object(serde_json::Map::new())
 }
 
 impl AdoptionRule {
@@ -153,6 +232,8 @@ impl Default for AdoptionRule {
             vehicle_id_offset: 0,
             model: Self::default_model(),
             model_config: toml::Table::new(),
+            model_isolation: Isolation::default(),
+            payloads: Vec::new(),
         }
     }
 }
@@ -167,6 +248,18 @@ pub struct PluginSettings {
     pub call_deadline_s: f64,
     /// Threads the calls run on.
     pub runner_threads: usize,
+    /// SHA-256 of the only libraries that are taken; empty: any in the directories.
+    pub allow_sha256: Vec<String>,
+    /// Minisign public key; with one, only libraries with a good signature beside them are taken.
+    pub minisign_public_key: Option<String>,
+    /// Where libraries uploaded over the API go; unset: none are taken.
+    pub upload_directory: Option<PathBuf>,
+    /// Memory of a plugin in a child process, in mebibytes of address space.
+    pub child_memory_mib: u64,
+    /// Share of one core that a child process may use over ten seconds.
+    pub child_cpu_share: f64,
+    /// Files that a child process may have open.
+    pub child_open_files: u64,
 }
 
 impl Default for PluginSettings {
@@ -175,6 +268,12 @@ impl Default for PluginSettings {
             directories: vec![PathBuf::from("plugins")],
             call_deadline_s: 0.05,
             runner_threads: 2,
+            allow_sha256: Vec::new(),
+            minisign_public_key: None,
+            upload_directory: None,
+            child_memory_mib: 512,
+            child_cpu_share: 0.8,
+            child_open_files: 64,
         }
     }
 }
