@@ -4,6 +4,7 @@
 
 use crate::asking::Asking;
 use crate::flight::{ActiveCommand, Arming, Phase, Purpose, WaitingCommand};
+use crate::guidance::Guided;
 use crate::model::{GenericUav, is_airborne};
 use skein_domain::{CommandId, NodeTime, PositionNed, Refusal, VehicleCommand};
 use skein_plugin_sdk::Effects;
@@ -91,8 +92,12 @@ impl GenericUav {
                     out,
                 );
             }
+            VehicleCommand::Observe { .. } => {
+                let goal = None;
+                self.fly(Purpose::Guided(Guided { id, command, goal }), None, "observing", out);
+            }
             // Never admitted.
-            VehicleCommand::Observe { .. } | VehicleCommand::LookAt { .. } | VehicleCommand::StopObserving => {}
+            VehicleCommand::LookAt { .. } | VehicleCommand::StopObserving => {}
         }
     }
 
@@ -172,6 +177,7 @@ impl GenericUav {
                 }
                 finite("the goal", position)
             }
+            VehicleCommand::Observe { .. } if self.takes_guidance => Ok(()),
             VehicleCommand::Observe { .. } | VehicleCommand::LookAt { .. } | VehicleCommand::StopObserving => {
                 Err(Refusal::NotSupported {
                     detail: format!(
@@ -206,11 +212,11 @@ impl GenericUav {
             VehicleCommand::Hold | VehicleCommand::Return => {
                 airborne && !matches!(phase, Phase::Idle | Phase::Arming(_) | Phase::Disarming(_))
             }
-            VehicleCommand::GoTo { .. } | VehicleCommand::LandAt { .. } => {
+            VehicleCommand::GoTo { .. } | VehicleCommand::LandAt { .. } | VehicleCommand::Observe { .. } => {
                 airborne && (in_nobodys_hands || matches!(phase, Phase::Flying(_) | Phase::Landing(_)))
             }
             // Refused for what they are, before.
-            VehicleCommand::Observe { .. } | VehicleCommand::LookAt { .. } | VehicleCommand::StopObserving => false,
+            VehicleCommand::LookAt { .. } | VehicleCommand::StopObserving => false,
         };
         if !fits {
             return Err(Refusal::WrongState {
@@ -220,7 +226,10 @@ impl GenericUav {
         }
         let needs_position = matches!(
             command,
-            VehicleCommand::Hold | VehicleCommand::GoTo { .. } | VehicleCommand::LandAt { .. }
+            VehicleCommand::Hold
+                | VehicleCommand::GoTo { .. }
+                | VehicleCommand::LandAt { .. }
+                | VehicleCommand::Observe { .. }
         );
         if needs_position && self.measured().is_none() {
             return Err(Refusal::NoPosition);

@@ -4,10 +4,11 @@
 
 use crate::asking::Asking;
 use crate::blend::{Blend, Stop};
+use crate::guidance::Guided;
 use minicbor::{Decode, Encode};
 use skein_domain::{
-    AnchorReference, CommandId, FlightMode, FlightState, FormationHeading, NodeTime, PositionNed, Refusal, RequestId,
-    Route, SlotMove, VehicleCommand, VehicleId, VehicleTask, VelocityNed,
+    AccelerationNed, AnchorReference, CommandId, FlightMode, FlightState, FormationHeading, NodeTime, PositionNed,
+    Refusal, RequestId, Route, SlotMove, VehicleCommand, VehicleId, VehicleTask, VelocityNed,
 };
 
 /// Everything a new instance needs to go on.
@@ -249,6 +250,9 @@ pub(crate) enum Purpose {
     /// Follow in a slot.
     #[n(6)]
     Follow(#[n(0)] Follow),
+    /// Fly where a model that is built on this one says.
+    #[n(7)]
+    Guided(#[n(0)] Guided),
 }
 
 /// Leading.
@@ -310,6 +314,16 @@ pub(crate) enum Plan {
     /// In the slot.
     #[n(3)]
     Slot,
+    /// After a goal that moves: the reference itself, moved on period by period.
+    #[n(4)]
+    Guided {
+        #[n(0)]
+        position: PositionNed,
+        #[n(1)]
+        velocity: VelocityNed,
+        #[n(2)]
+        acceleration: AccelerationNed,
+    },
 }
 
 /// The autopilot lands, or returns and lands.
@@ -359,7 +373,7 @@ impl Purpose {
         match self {
             Self::TakeOff { .. } => FlightState::TakingOff,
             Self::Hold { .. } => FlightState::Holding,
-            Self::GoTo { .. } => FlightState::GoingTo,
+            Self::GoTo { .. } | Self::Guided(_) => FlightState::GoingTo,
             Self::LandAt { .. } => FlightState::Landing,
             Self::Home { .. } => FlightState::Returning,
             Self::Lead(_) => FlightState::Leading,

@@ -152,12 +152,20 @@ impl GenericUav {
         let anchored = matches!(flying.plan, Plan::Slot);
         if matches!(flying.purpose, Purpose::Follow(_)) && anchored != self.usable_anchor(flying).is_some() {
             self.anchor_came_or_went(flying, out);
+        } else if self.fresh_reference().is_none() && matches!(flying.purpose, Purpose::Guided(_)) {
+            self.plan_from_here(flying, out);
         } else if self.fresh_reference().is_none()
             && let Some(have) = self.measured()
         {
             self.blend_in(flying, &have, self.now);
         }
+        if held_back && self.flight.refused_for_s > LONGEST_STEP_S && matches!(flying.purpose, Purpose::Guided(_)) {
+            // Where the gate stops it depends on the goal, which moves: tried again from where it is, at rest.
+            self.flight.reference = None;
+            self.plan_from_here(flying, out);
+        }
         if !held_back {
+            self.step_guided(&mut flying.plan, &flying.purpose, dt_s);
             flying.elapsed_s += dt_s;
             flying.blend.take_if(|blend| !blend.advance(dt_s));
         }
@@ -225,7 +233,7 @@ impl GenericUav {
         }
         let at_end = sample.finished && flying.blend.is_none();
         match &flying.purpose {
-            Purpose::TakeOff { .. } | Purpose::Follow(_) => {}
+            Purpose::TakeOff { .. } | Purpose::Follow(_) | Purpose::Guided(_) => {}
             Purpose::Hold { .. } => self.see_whether_stopped(&flying, at_end, out),
             Purpose::GoTo { .. } => self.see_whether_arrived(flying, at_end, out),
             Purpose::LandAt { .. } | Purpose::Home { .. } => self.see_whether_settled(&flying, at_end, out),
@@ -354,6 +362,7 @@ impl Purpose {
             Self::GoTo { to, .. } => Some(*to),
             Self::LandAt { spot } => Some(*spot),
             Self::Home { home } => Some(*home),
+            Self::Guided(guided) => guided.goal.map(|goal| goal.position),
             Self::Lead(_) | Self::Follow(_) => None,
         }
     }

@@ -13,6 +13,7 @@ mod commands;
 mod flight;
 mod flying;
 mod ground;
+mod guidance;
 mod landing;
 mod model;
 mod modes;
@@ -21,6 +22,7 @@ mod settings;
 mod snapshot;
 mod tasks;
 
+pub use guidance::Goal;
 pub use model::GenericUav;
 pub use settings::Settings;
 

@@ -27,6 +27,8 @@ pub struct GenericUav {
     pub(crate) now: NodeTime,
     /// The present plan's way, built when it is first needed.
     pub(crate) track: Option<Track>,
+    /// A model that is built on this one says where to be while it observes something.
+    pub(crate) takes_guidance: bool,
 }
 
 impl UavModel for GenericUav {
@@ -36,7 +38,7 @@ impl UavModel for GenericUav {
         name: "generic-uav",
         version: env!("CARGO_PKG_VERSION"),
         description: "Flies any multirotor whose autopilot takes OFFBOARD setpoints: take-off, hold, go to, lead, follow, return, land.",
-        effects: EffectKind::ALL,
+        effects: Self::EFFECTS,
     };
 
     fn create(create: Create, settings: Settings) -> Result<Self, CreateError> {
@@ -62,6 +64,7 @@ impl UavModel for GenericUav {
             own: None,
             now: create.now,
             track: None,
+            takes_guidance: false,
         })
     }
 
@@ -79,6 +82,19 @@ impl UavModel for GenericUav {
 }
 
 impl GenericUav {
+    /// The effects it may return; a model that is built on it names them too.
+    pub const EFFECTS: &[EffectKind] = &[
+        EffectKind::Setpoint,
+        EffectKind::StopStream,
+        EffectKind::Autopilot,
+        EffectKind::CommandProgress,
+        EffectKind::State,
+        EffectKind::Anchor,
+        EffectKind::Notice,
+        EffectKind::TrackingError,
+        EffectKind::RouteFinished,
+    ];
+
     fn take(&mut self, event: &Event, out: &mut Effects) {
         match event {
             Event::Tick => self.tick(out),

@@ -5,7 +5,7 @@ use crate::blend::{Blend, Motion, Stop};
 use crate::flight::{Flying, Lead, Phase, Plan, Purpose};
 use crate::model::GenericUav;
 use skein_domain::exchange::Severity;
-use skein_domain::{NodeTime, PositionNed};
+use skein_domain::{AccelerationNed, NodeTime, PositionNed};
 use skein_flight::{GoTo, RouteTrajectory, follow};
 use skein_plugin_sdk::Effects;
 
@@ -93,6 +93,11 @@ impl GenericUav {
             Purpose::Lead(_) => stop,
             Purpose::Follow(_) if self.usable_anchor(flying).is_some() => Plan::Slot,
             Purpose::Follow(_) => stop,
+            Purpose::Guided(_) => Plan::Guided {
+                position: here,
+                velocity: have.velocity,
+                acceleration: AccelerationNed::default(),
+            },
         };
         flying.elapsed_s = 0.0;
         self.track = None;
@@ -116,7 +121,7 @@ impl GenericUav {
     fn build_track(&mut self, plan: &Plan) -> Result<(), skein_flight::RouteError> {
         let limits = self.settings.path_limits();
         self.track = Some(match plan {
-            Plan::Stop(_) | Plan::Slot => Track::None,
+            Plan::Stop(_) | Plan::Slot | Plan::Guided { .. } => Track::None,
             Plan::Straight { from, to, speed_m_s } => Track::Straight(GoTo::within(*from, *to, *speed_m_s, &limits)?),
             Plan::Route { start, route } => Track::Route(RouteTrajectory::within(*start, route, &limits)?),
         });
@@ -160,6 +165,24 @@ impl GenericUav {
                 }
             }
             (Plan::Slot, _) => self.slot_sample(flying, now),
+            (
+                Plan::Guided {
+                    position,
+                    velocity,
+                    acceleration,
+                },
+                _,
+            ) => {
+                let (position, velocity, acceleration) = (*position, *velocity, *acceleration);
+                standing(
+                    Motion {
+                        position,
+                        velocity,
+                        acceleration,
+                    },
+                    false,
+                )
+            }
             (Plan::Stop(stop), _) => {
                 let motion = stop.sample(flying.elapsed_s, acceleration);
                 standing(motion, flying.elapsed_s >= stop.duration_s(acceleration))

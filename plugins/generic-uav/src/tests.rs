@@ -5,7 +5,7 @@ mod commands;
 mod flights;
 mod pilot;
 mod properties;
-mod rig;
+pub(crate) mod rig;
 mod snapshots;
 mod take_off;
 mod tasks;

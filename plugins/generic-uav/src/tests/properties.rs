@@ -4,12 +4,15 @@
 use super::autopilot::{Answer, Autopilot, PERIOD_S};
 use super::rig::Rig;
 use super::tasks::{COURSE, slot};
+use crate::Goal;
 use proptest::prelude::*;
 use skein_domain::exchange::{CommandProgress, Effect, Event};
+use skein_domain::payload::Target;
 use skein_domain::{
-    AnchorReference, AutopilotCommand, CommandId, FlightMode, FlightState, PositionNed, Refusal, Route, Task,
+    AnchorReference, AutopilotCommand, CommandId, FlightMode, FlightState, NodeTime, PositionNed, Refusal, Route, Task,
     VehicleCommand, VehicleId,
 };
+use skein_plugin_sdk::UavModel;
 
 /// Something that happens.
 #[derive(Debug, Clone)]
@@ -25,6 +28,7 @@ enum Happening {
     Disarm,
     Answers(Answer, u8),
     Restart,
+    Guide(Option<Goal>),
     Nothing,
 }
 
@@ -47,6 +51,11 @@ fn command() -> impl Strategy<Value = VehicleCommand> {
         1 => Just(VehicleCommand::Return),
         2 => (place(), prop::option::of(number()), prop::option::of(number()))
             .prop_map(|(position, yaw_rad, speed_m_s)| VehicleCommand::GoTo { position, yaw_rad, speed_m_s }),
+        2 => place().prop_map(|position| VehicleCommand::Observe {
+            target: Target::Place { position },
+            stand_off_m: None,
+            height_m: None,
+        }),
     ]
 }
 
@@ -94,6 +103,14 @@ fn happening() -> impl Strategy<Value = Happening> {
         1 => Just(Happening::Disarm),
         1 => (answer, any::<u8>()).prop_map(|(answer, which)| Happening::Answers(answer, which)),
         2 => Just(Happening::Restart),
+        2 => prop::option::of((place(), place(), number())).prop_map(|goal| {
+            Happening::Guide(goal.map(|(position, velocity, speed_m_s)| Goal {
+                position,
+                velocity: velocity.vector().into(),
+                time: NodeTime(1_000_000),
+                speed_m_s,
+            }))
+        }),
         4 => Just(Happening::Nothing),
     ]
 }
@@ -125,9 +142,15 @@ fn happen(rig: &mut Rig, happening: Happening) -> Option<CommandId> {
             _ => rig.autopilot.offboard = answer,
         },
         Happening::Restart => {
-            use skein_plugin_sdk::UavModel;
-            rig.model = super::rig::create(Some(rig.model.snapshot()), 2, rig.now);
+            let snapshot = rig.model.snapshot();
+            rig.model = super::rig::create(Some(snapshot.clone()), 2, rig.now).with_guidance();
+            assert_eq!(
+                rig.model.snapshot(),
+                snapshot,
+                "the restored instance has the same state"
+            );
         }
+        Happening::Guide(goal) => rig.model.guide(goal),
         Happening::Nothing => {}
     }
     None
@@ -176,6 +199,7 @@ proptest! {
     #[test]
     fn the_rules_hold_whatever_comes(happenings in prop::collection::vec((happening(), 1..80u32), 1..40)) {
         let mut rig = Rig::new(Autopilot::default());
+        rig.model = super::rig::create(None, 1, rig.now).with_guidance();
         let mut commands = Vec::new();
         // Most runs begin in the air, where the model does most.
         if happenings.len() % 4 != 0 {

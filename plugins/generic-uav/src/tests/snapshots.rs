@@ -100,7 +100,9 @@ fn a_restored_instance_gives_the_same_effects_from_any_moment_on() {
     let mut model = create(None, 1, given[0].now);
     for (at, batch) in given.iter().enumerate() {
         if at % 37 == 0 {
-            let mut restored = create(Some(model.snapshot()), 2, batch.now);
+            let snapshot = model.snapshot();
+            let mut restored = create(Some(snapshot.clone()), 2, batch.now);
+            assert_eq!(restored.snapshot(), snapshot, "at {at}: nothing is lost or added");
             for later in at..given.len().min(at + 200) {
                 let got = answer(&mut restored, &given[later]);
                 assert_eq!(
