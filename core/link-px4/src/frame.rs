@@ -11,6 +11,8 @@ use mavlink::{MAV_STX, MAV_STX_V2, MavlinkVersion, Message, calculate_crc};
 
 /// Longest frame there is: MAVLink 2 with a full payload and a signature.
 pub const MAX_FRAME_BYTES: usize = 280;
+/// Longest payload there is.
+const MAX_PAYLOAD_BYTES: usize = 255;
 /// Longest datagram that is looked at as a whole.
 pub const MAX_DATAGRAM_BYTES: usize = 2048;
 
@@ -56,6 +58,24 @@ enum Step<'a> {
     BadCrc,
     /// Nothing that a frame begins with.
     Stray,
+}
+
+/// What a known message's checksum is begun with.
+pub(crate) fn checksum_extra(message_id: u32) -> Option<u8> {
+    let extra = MavMessage::extra_crc(message_id);
+    (extra != 0 || MavMessage::all_ids().contains(&message_id)).then_some(extra)
+}
+
+/// The number of bytes of a known message's payload, extensions included.
+pub(crate) fn payload_len(message_id: u32) -> Option<usize> {
+    let message = MavMessage::default_message_from_id(message_id)?;
+    // The library says how many bytes are left without trailing zeroes only. How many it has written is seen by writing over
+    // two different backgrounds.
+    let (mut zeroes, mut ones) = ([0x00; MAX_PAYLOAD_BYTES], [0xFF; MAX_PAYLOAD_BYTES]);
+    message.ser(MavlinkVersion::V2, &mut zeroes);
+    message.ser(MavlinkVersion::V2, &mut ones);
+    let written = zeroes.iter().zip(&ones).take_while(|(a, b)| a == b).count();
+    Some(written)
 }
 
 /// Reads what stands before a payload: the header, and how many bytes the payload has.
@@ -106,9 +126,9 @@ fn step(bytes: &[u8]) -> Step<'_> {
     else {
         return Step::Partial;
     };
-    let extra = MavMessage::extra_crc(header.message_id);
-    let known = extra != 0 || MavMessage::all_ids().contains(&header.message_id);
-    if known {
+    let extra = checksum_extra(header.message_id);
+    let known = extra.is_some();
+    if let Some(extra) = extra {
         if calculate_crc(checked, extra) != u16::from_le_bytes(*checksum) {
             return Step::BadCrc;
         }

@@ -16,6 +16,7 @@ pub mod outbox;
 mod outlet;
 pub mod settings;
 pub mod table;
+mod taps;
 pub mod vehicle;
 
 pub use address::{AddressError, EndpointAddress};

@@ -7,6 +7,7 @@ use crate::event::Source;
 use crate::frame::Frame;
 use crate::outlet::Outlet;
 use crate::settings::LinkSettings;
+use crate::taps::Taps;
 use crate::vehicle::parameters::{ParameterError, ParameterEvent, ParameterValue};
 use crate::vehicle::plan::Command;
 use crate::vehicle::{AUTOPILOT_COMPONENT, AutopilotIdentity, VehicleCore};
@@ -49,7 +50,7 @@ impl Route {
 /// What became of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Received {
-    /// Read.
+    /// Read, or given to a payload that wants it.
     Read,
     /// Of a message nobody reads, or of another component.
     Ignored,
@@ -76,11 +77,12 @@ pub(crate) struct Ticked {
 struct Inner {
     core: VehicleCore,
     route: Route,
+    taps: Taps,
 }
 
 impl Inner {
     fn flush(&mut self) {
-        let Self { core, route } = self;
+        let Self { core, route, .. } = self;
         if !core.outbox().is_empty() {
             core.outbox().drain(|frame| route.outlet.send(route.address, frame));
         }
@@ -109,7 +111,11 @@ impl Px4Link {
         let core = VehicleCore::new(settings, system_id, first, now);
         Self {
             system_id,
-            inner: Mutex::new(Inner { core, route }),
+            inner: Mutex::new(Inner {
+                core,
+                route,
+                taps: Taps::default(),
+            }),
         }
     }
 
@@ -122,11 +128,17 @@ impl Px4Link {
         frame: &Frame<'_>,
     ) -> Received {
         let mut inner = self.inner.lock();
+        let of_autopilot = frame.header.component_id == AUTOPILOT_COMPONENT;
         if !inner.route.is(number, address) {
+            // A camera or a second computer of the same vehicle may well sit elsewhere; with two vehicles of one system id
+            // nobody can tell whose it is.
+            if !of_autopilot && !inner.core.refuses_all() {
+                inner.taps.give(frame);
+            }
             return Received::Foreign;
         }
-        let (read, received): (Option<Inbound>, _) = if frame.header.component_id == AUTOPILOT_COMPONENT && frame.known
-        {
+        let tapped = inner.taps.give(frame);
+        let (read, received): (Option<Inbound>, _) = if of_autopilot && frame.known {
             match decode(frame) {
                 Some(Ok(message)) => (Some(message), Received::Read),
                 Some(Err(_)) => (None, Received::Undecodable),
@@ -137,7 +149,17 @@ impl Px4Link {
         };
         inner.core.on_frame(now, &frame.header, read);
         inner.flush();
-        received
+        if tapped && received == Received::Ignored {
+            Received::Read
+        } else {
+            received
+        }
+    }
+
+    /// Takes in what the radio says that the vehicle is heard through, if it is heard at this place. True if somebody wanted it.
+    pub(crate) fn receive_radio(&self, number: usize, address: Option<SocketAddr>, frame: &Frame<'_>) -> bool {
+        let mut inner = self.inner.lock();
+        inner.route.is(number, address) && inner.taps.give(frame)
     }
 
     /// Does what is due, if the vehicle is heard at endpoint `number`.
@@ -286,11 +308,15 @@ impl VehicleLink for Px4Link {
         inner.flush();
     }
 
-    fn tap(&self, _tap: Weak<dyn MessageTap>) {}
+    /// Of messages that the protocol description here does not know none is given: their checksum cannot be looked at.
+    fn tap(&self, tap: Weak<dyn MessageTap>) {
+        self.inner.lock().taps.add(tap);
+    }
 
-    fn send_payload(&self, _now: NodeTime, _message: &MavlinkMessage) -> Result<(), Refusal> {
-        Err(Refusal::NotSupported {
-            detail: "payload messages".to_owned(),
-        })
+    fn send_payload(&self, now: NodeTime, message: &MavlinkMessage) -> Result<(), Refusal> {
+        let mut inner = self.inner.lock();
+        let sent = inner.core.send_payload(now, message);
+        inner.flush();
+        sent
     }
 }

@@ -1,6 +1,8 @@
 //! Frames on their way out to one vehicle: encoded at once, one behind the other in one buffer that is used again.
 
-use mavlink::{MAVLinkV2MessageRaw, MavHeader, MessageData};
+use crate::frame::{checksum_extra, payload_len};
+use mavlink::{MAV_STX_V2, MAVLinkV2MessageRaw, MavHeader, MessageData, calculate_crc};
+use skein_domain::Refusal;
 
 /// Encoded frames that wait to be sent. MAVLink 2 always: PX4 answers in it from the first such frame on.
 #[derive(Debug, Default)]
@@ -35,6 +37,55 @@ impl Outbox {
         self.ends.push(self.bytes.len());
     }
 
+    /// Frames a payload that is encoded already, behind those that wait.
+    ///
+    /// # Errors
+    /// If the message is not known here, so that its checksum cannot be made, or the payload is longer than the message.
+    pub fn push_payload(&mut self, message_id: u32, payload: &[u8]) -> Result<(), Refusal> {
+        let (Some(extra), Some(longest)) = (checksum_extra(message_id), payload_len(message_id)) else {
+            return Err(Refusal::NotSupported {
+                detail: format!("message {message_id} is not known to the link"),
+            });
+        };
+        if payload.len() > longest {
+            return Err(Refusal::InvalidValue {
+                detail: format!(
+                    "message {message_id} has {longest} bytes at most, not {}",
+                    payload.len()
+                ),
+            });
+        }
+        // MAVLink 2 sends no trailing zeroes, but one byte at least.
+        let len = payload.iter().rposition(|byte| *byte != 0).map_or(1, |last| last + 1);
+        let MavHeader {
+            system_id,
+            component_id,
+            sequence,
+        } = self.header;
+        let [a, b, c, _] = message_id.to_le_bytes();
+        let start = self.bytes.len();
+        self.bytes.extend([
+            MAV_STX_V2,
+            len as u8,
+            0,
+            0,
+            sequence,
+            system_id as u8,
+            component_id,
+            a,
+            b,
+            c,
+        ]);
+        let sent = payload.iter().copied().chain(std::iter::once(0)).take(len);
+        self.bytes.extend(sent);
+        let checked = self.bytes.get(start + 1..).unwrap_or_default();
+        let checksum = calculate_crc(checked, extra);
+        self.bytes.extend(checksum.to_le_bytes());
+        self.ends.push(self.bytes.len());
+        self.header.sequence = sequence.wrapping_add(1);
+        Ok(())
+    }
+
     /// Whether nothing waits.
     #[must_use]
     pub fn is_empty(&self) -> bool {
@@ -54,3 +105,6 @@ impl Outbox {
         self.bytes.clear();
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -34,6 +34,7 @@ use plan::{Class, Command, Condition, Goal, Plan, Situation, Step};
 use rates::{RateKeeper, Tuning};
 use setpoints::{HoldPlace, SetpointStream, StreamAction};
 use skein_domain::link::{LinkEvent, StreamState};
+use skein_domain::payload::MavlinkMessage;
 use skein_domain::setpoint::LocalSetpoint;
 use skein_domain::{AutopilotCommand, LinkHealth, NodeTime, Refusal, RequestId, Telemetry, VehicleId};
 use status_text::StatusTexts;
@@ -300,6 +301,17 @@ impl VehicleCore {
         self.with_commands(now, |commands, around| {
             commands.start(around, Origin::Request(request), plan)
         });
+    }
+
+    /// Sends a message of a payload; nobody waits for an answer here.
+    ///
+    /// # Errors
+    /// When everything is refused, the link is lost, or it is no message that is known here.
+    pub fn send_payload(&mut self, now: NodeTime, message: &MavlinkMessage) -> Result<(), Refusal> {
+        match self.refusal(now) {
+            Some(refusal) => Err(refusal),
+            None => self.outbox.push_payload(message.message_id, &message.payload),
+        }
     }
 
     /// Reads a parameter anew, or writes it.

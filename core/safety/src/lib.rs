@@ -1,11 +1,12 @@
-//! The gate that every setpoint, goal and command passes before a link sees it: fence, speed, separation, and whether a thing makes
-//! sense at all. Every refusal is a typed reason.
+//! The gate that every setpoint, goal, command and payload message passes before a link sees it: fence, speed, separation, what a
+//! payload may send, and whether a thing makes sense at all. Every refusal is a typed reason.
 //!
 //! Must never do: I/O, read a clock, spawn, draw random numbers, or let a number that is not finite through.
 #![forbid(unsafe_code)]
 
 mod fence;
 mod gate;
+mod payload;
 mod separation;
 
 pub use fence::{Excess, Fence, FenceError};

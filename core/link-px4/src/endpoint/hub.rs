@@ -23,6 +23,10 @@ const TICK_MAX_S: f64 = 0.1;
 /// While nobody is known, a heartbeat is sent this often over a line that leads to one place, in seconds.
 const HELLO_S: f64 = 1.0;
 
+/// RADIO_STATUS, and who sends it: the system and component id of every SiK radio, "3D" in its firmware.
+const RADIO_STATUS: u32 = 109;
+const RADIO: (u8, u8) = (51, 68);
+
 /// The part of an endpoint that all kinds share.
 pub struct Hub {
     pub settings: EndpointSettings,
@@ -112,6 +116,9 @@ impl Hub {
         frame: &Frame<'_>,
         from: Option<SocketAddr>,
     ) {
+        if is_radio_status(frame) && self.on_radio_status(frame, from) {
+            return;
+        }
         let system_id = frame.header.system_id;
         let Some(Some(link)) = self.known.get(usize::from(system_id)) else {
             self.on_stranger(now, counters, frame, from);
@@ -134,6 +141,14 @@ impl Hub {
                 }
             }
         }
+    }
+
+    /// A telemetry radio speaks for itself, not as a part of a vehicle: what it says is about every vehicle that is heard
+    /// through it. True if somebody wanted it.
+    fn on_radio_status(&self, frame: &Frame<'_>, from: Option<SocketAddr>) -> bool {
+        self.heard.iter().fold(false, |wanted, (_, link)| {
+            link.receive_radio(self.slot.number, from, frame) || wanted
+        })
     }
 
     /// A frame of a system that is not known here: a vehicle, if its autopilot's heartbeat says so.
@@ -218,6 +233,11 @@ impl Hub {
             self.hello.drain(|frame| self.slot.outlet.send(None, frame));
         }
     }
+}
+
+fn is_radio_status(frame: &Frame<'_>) -> bool {
+    let header = &frame.header;
+    header.message_id == RADIO_STATUS && (header.system_id, header.component_id) == RADIO
 }
 
 impl Drop for Hub {

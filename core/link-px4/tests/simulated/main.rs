@@ -6,5 +6,6 @@ mod flying;
 mod line_quality;
 mod lines;
 mod net;
+mod payloads;
 mod puppet;
 mod rig;
