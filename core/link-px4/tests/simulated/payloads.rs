@@ -7,6 +7,7 @@ use mavlink::dialects::common::{
     RADIO_STATUS_DATA,
 };
 use mavlink::{MavlinkVersion, Message, MessageData};
+use parking_lot::Mutex;
 use skein_domain::Refusal;
 use skein_domain::link::{MessageTap, VehicleLink};
 use skein_domain::payload::MavlinkMessage;
@@ -14,7 +15,7 @@ use skein_link_px4::EndpointEvent;
 use skein_link_px4::frame::each_in_datagram;
 use skein_link_px4::{EndpointCounters, Px4Link};
 use std::net::SocketAddr;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 use tokio::net::UdpSocket;
 
 /// Keeps what it is given.
@@ -29,7 +30,7 @@ impl MessageTap for Ear {
     }
 
     fn take(&self, message: MavlinkMessage) {
-        self.heard.lock().unwrap().push(message);
+        self.heard.lock().push(message);
     }
 }
 
@@ -45,7 +46,7 @@ impl Ear {
     }
 
     pub fn heard(&self) -> Vec<MavlinkMessage> {
-        self.heard.lock().unwrap().clone()
+        self.heard.lock().clone()
     }
 
     /// Sender's component and what it said, oldest first.
