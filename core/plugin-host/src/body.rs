@@ -2,8 +2,11 @@
 //!
 //! Must never do: give a handle to two threads at once. The handle is taken out of the body for the time of a call.
 
-use crate::entry::{Handle, PluginBytes};
+use crate::answer::{AnswerBytes, RawAnswer};
+use crate::entry::Handle;
+use crate::frames::{Frame, Pool};
 use crate::lane::Task;
+use crate::services::{Readable, Services};
 use crate::sink::LogSink;
 use crate::statistics::CallTimes;
 use crate::{Plugin, PluginError};
@@ -14,21 +17,13 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 use tokio::time::Instant;
 
-/// What a call gave: the answer's schema and bytes, and the snapshot if one was asked for.
-#[derive(Debug)]
-pub(crate) struct Answer {
-    pub(crate) schema: u32,
-    pub(crate) bytes: PluginBytes,
-    pub(crate) snapshot: Option<PluginBytes>,
-}
-
-/// What is kept of an instance. Lives as long as anyone may call it, and as long as a thread hangs in it: its log sink is borrowed by
-/// the plugin.
+/// What is kept of an instance. Lives as long as anyone may call it, and as long as a thread hangs in it: its services are borrowed
+/// by the plugin.
 #[derive(Debug)]
 pub(crate) struct InstanceBody {
     pub(crate) plugin: Arc<Plugin>,
     pub(crate) name: String,
-    pub(crate) sink: LogSink,
+    pub(crate) services: Services,
     pub(crate) times: CallTimes,
     state: Mutex<State>,
 }
@@ -55,29 +50,33 @@ impl InstanceBody {
         Self {
             plugin,
             name,
-            sink,
+            services: Services::new(sink, Pool::default()),
             times: CallTimes::default(),
             state: Mutex::new(State::Unborn),
         }
     }
 
     /// Does what a job asks for. Only on a lane's thread.
-    pub(crate) fn run(&self, task: &Task) -> Result<Option<Answer>, PluginError> {
+    pub(crate) fn run(&self, task: &Task) -> Result<Option<RawAnswer>, PluginError> {
         match task {
             Task::Create { schema, bytes } => self.create(*schema, bytes).map(|()| None),
             Task::Invoke {
                 method,
                 schema,
                 bytes,
+                frames,
                 then_snapshot,
-            } => self.invoke(*method, *schema, bytes, *then_snapshot).map(Some),
+            } => {
+                let call = || self.invoke(*method, *schema, bytes, *then_snapshot);
+                self.services.with_frames(readable(frames), call).map(Some)
+            }
             Task::Destroy => self.destroy().map(|()| None),
         }
     }
 
     fn create(&self, schema: u32, bytes: &[u8]) -> Result<(), PluginError> {
         *self.state.lock() = State::Busy;
-        match self.plugin.entry.create(&self.sink.for_plugin(), schema, bytes) {
+        match self.plugin.entry.create(&self.services.for_plugin(), schema, bytes) {
             Ok(handle) => {
                 self.put_back(handle, None);
                 Ok(())
@@ -92,7 +91,7 @@ impl InstanceBody {
         }
     }
 
-    fn invoke(&self, method: u32, schema: u32, bytes: &[u8], then_snapshot: bool) -> Result<Answer, PluginError> {
+    fn invoke(&self, method: u32, schema: u32, bytes: &[u8], then_snapshot: bool) -> Result<RawAnswer, PluginError> {
         let handle = self.take()?;
         let started = Instant::now();
         let result = self.invoke_with(&handle, method, schema, bytes, then_snapshot);
@@ -112,17 +111,17 @@ impl InstanceBody {
         schema: u32,
         bytes: &[u8],
         then_snapshot: bool,
-    ) -> Result<Answer, PluginError> {
+    ) -> Result<RawAnswer, PluginError> {
         let entry = &self.plugin.entry;
         let (schema, bytes) = entry.invoke(handle, method, schema, bytes)?;
         let snapshot = if then_snapshot {
-            Some(entry.invoke(handle, method::SNAPSHOT, 0, &[])?.1)
+            Some(AnswerBytes::Plugin(entry.invoke(handle, method::SNAPSHOT, 0, &[])?.1))
         } else {
             None
         };
-        Ok(Answer {
+        Ok(RawAnswer {
             schema,
-            bytes,
+            bytes: AnswerBytes::Plugin(bytes),
             snapshot,
         })
     }
@@ -189,6 +188,14 @@ impl InstanceBody {
             ended.err().map_or(String::new(), |error| format!(", not well: {error}"))
         );
     }
+}
+
+/// Frames as services show them.
+fn readable(frames: &[Arc<Frame>]) -> Vec<Arc<dyn Readable>> {
+    frames
+        .iter()
+        .map(|frame| Arc::clone(frame) as Arc<dyn Readable>)
+        .collect()
 }
 
 impl State {

@@ -1,7 +1,7 @@
 //! What can go wrong with a plugin: when it is loaded, and when an instance of it is called.
 
 use skein_domain::manifest::EffectKind;
-use skein_plugin_abi::{HandshakeMismatch, PluginKind};
+use skein_plugin_abi::HandshakeMismatch;
 use std::path::PathBuf;
 use std::time::Duration;
 use thiserror::Error;
@@ -16,14 +16,33 @@ pub enum LoadError {
         #[from]
         source: std::io::Error,
     },
-    /// Anyone on this machine could exchange it for something else.
-    #[error("{} can be written by anyone (mode {mode:03o}): take that away with `chmod o-w`", path.display())]
+    /// Others on this machine could exchange it for something else.
+    #[error("{} can be written by others (mode {mode:03o}): take that away with `chmod go-w`", path.display())]
     WritableByOthers {
         /// The file, or the directory it stands in.
         path: PathBuf,
         /// Its permission bits.
         mode: u32,
     },
+    /// It belongs to a user who is neither this one nor root.
+    #[error("{} belongs to user {uid}, who is neither this program's nor root", path.display())]
+    NotOurs {
+        /// The file, or a directory above it.
+        path: PathBuf,
+        /// Whose it is.
+        uid: u32,
+    },
+    /// It is neither on the list of digests nor signed with the key.
+    #[error("it is not among the libraries allowed here: {detail} (SHA-256 {sha256})")]
+    NotTrusted {
+        /// Its digest in hexadecimal.
+        sha256: String,
+        /// What was looked for and not found.
+        detail: String,
+    },
+    /// Someone wrote to it while it was read.
+    #[error("it changed while it was read; try again when it is whole")]
+    ChangedWhileRead,
     /// No private copy could be made.
     #[error("no private copy could be made: {source}")]
     NotCopied {
@@ -74,6 +93,21 @@ pub enum LoadError {
         /// The one that was taken.
         first: PathBuf,
     },
+}
+
+impl LoadError {
+    /// Whether the same file may be found right later: what is wrong is not in its bytes.
+    pub(crate) fn may_pass(&self) -> bool {
+        matches!(
+            self,
+            Self::Unreadable { .. }
+                | Self::WritableByOthers { .. }
+                | Self::NotOurs { .. }
+                | Self::NotTrusted { .. }
+                | Self::ChangedWhileRead
+                | Self::NotCopied { .. }
+        )
+    }
 }
 
 /// Why a call of an instance gave no answer. After some of these the instance can still be called: [`Self::needs_restart`].
@@ -131,13 +165,39 @@ pub enum PluginError {
         /// The limit in bytes.
         limit: usize,
     },
-    /// It is a plugin of another kind.
-    #[error("is a {found} plugin, a {expected} plugin is needed")]
-    WrongKind {
-        /// Needed.
-        expected: PluginKind,
-        /// Found.
-        found: PluginKind,
+    /// It reported something that its own schema does not allow. None of the batch is carried out.
+    #[error("gave {what} that its schema does not allow: {error}")]
+    SchemaViolation {
+        /// What: a state or an event.
+        what: &'static str,
+        /// Where and why.
+        error: SchemaError,
+    },
+    /// It gave a frame that it had not been lent, or whose header does not fit its bytes. None of the batch is carried out.
+    #[error("gave a frame that is not right: {detail}")]
+    BadFrame {
+        /// What is wrong.
+        detail: String,
+    },
+    /// Its process ended, by itself or by force.
+    #[error("its process ended: {how}{}", last_words(said))]
+    ProcessEnded {
+        /// How: `killed by signal 11 (SIGSEGV)`, `exit code 1`, or the limit for which it was ended.
+        how: String,
+        /// The last line it wrote to its standard error; may be empty.
+        said: String,
+    },
+    /// Its process could not be started.
+    #[error("no process could be started for it: {detail}")]
+    NotStarted {
+        /// Why.
+        detail: String,
+    },
+    /// What its process sent makes no sense. The process is ended.
+    #[error("its process broke the protocol: {detail}")]
+    Protocol {
+        /// What is wrong.
+        detail: String,
     },
     /// Too many threads hang in this plugin already.
     #[error("{hanging} threads hang in it already, no more are given to it")]
@@ -163,7 +223,43 @@ impl PluginError {
     pub fn needs_restart(&self) -> bool {
         matches!(
             self,
-            Self::Panicked { .. } | Self::DeadlineExceeded { .. } | Self::NoThread { .. } | Self::Gone
+            Self::Panicked { .. }
+                | Self::DeadlineExceeded { .. }
+                | Self::NoThread { .. }
+                | Self::Gone
+                | Self::ProcessEnded { .. }
+                | Self::NotStarted { .. }
+                | Self::Protocol { .. }
         )
     }
+}
+
+fn last_words(said: &str) -> String {
+    if said.is_empty() {
+        String::new()
+    } else {
+        format!(" ({said})")
+    }
+}
+
+/// Why a text is not what a schema asks for.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum SchemaError {
+    /// The manifest has no schema for it: the plugin takes, or gives, nothing of the kind.
+    #[error("the plugin has none")]
+    NoSchema,
+    /// It is not JSON.
+    #[error("not JSON: {detail}")]
+    NotJson {
+        /// Why.
+        detail: String,
+    },
+    /// It is not as the schema has it.
+    #[error("at {}: {reason}", if path.is_empty() { "the top" } else { path })]
+    Violated {
+        /// Where, as a JSON pointer; empty for the whole.
+        path: String,
+        /// Why.
+        reason: String,
+    },
 }

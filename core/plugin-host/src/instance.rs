@@ -1,120 +1,130 @@
-//! One instance of a UAV-model plugin, as its vehicle actor holds it: event batches in, effect batches out.
+//! One instance of a plugin, as its actor holds it: event batches in, effect batches out.
 
-use crate::entry::PluginBytes;
+use crate::answer::{Answer, Judge, RawAnswer};
+use crate::child::ChildCalls;
+use crate::frames::{Frame, Pool};
 use crate::runners::{Calls, encode};
-use crate::{CallStatistics, Manifest, PluginError};
-use skein_domain::exchange::{EFFECT_BATCH_SCHEMA, EVENT_BATCH_SCHEMA, EffectBatch, EventBatch};
+use crate::{CallStatistics, Isolation, Manifest, PluginError};
+use skein_domain::exchange::{EVENT_BATCH_SCHEMA, EventBatch};
 use skein_plugin_abi::method;
+use std::sync::Arc;
 
 /// An instance. Dropping it ends it on its thread, without waiting.
 #[derive(Debug)]
-pub struct Instance(Calls);
+pub struct Instance {
+    way: Way,
+    isolation: Isolation,
+    judge: Judge,
+}
+
+/// How it is reached.
+#[derive(Debug)]
+pub(crate) enum Way {
+    /// On a lane of this process.
+    Here(Calls),
+    /// In a process of its own.
+    Child(ChildCalls),
+}
 
 impl Instance {
-    pub(crate) fn new(calls: Calls) -> Self {
-        Self(calls)
+    pub(crate) fn new(way: Way, isolation: Isolation, judge: Judge) -> Self {
+        Self { way, isolation, judge }
     }
 
-    /// Hands a batch of events in and gives what the model wants done. Calls of one instance are made in the order they were begun.
-    /// If the future is dropped the call is still made, and its effects are lost.
-    pub async fn call(&self, batch: EventBatch) -> Result<EffectBatch, PluginError> {
+    /// Hands a batch of events in; gives what the instance wants done and its snapshot after it, of the same visit. The bytes of `frames`
+    /// can be read by the instance during the call, under the ids of their headers. Calls of one instance are made in the order they were
+    /// begun. If the future is dropped the call is still made, and its effects are lost.
+    pub async fn call(&self, batch: EventBatch, frames: &[Arc<Frame>]) -> Result<Answer, PluginError> {
+        let bytes = encode(&batch)?;
         let answer = self
-            .0
-            .invoke(method::HANDLE_EVENTS, EVENT_BATCH_SCHEMA, encode(&batch)?, false)
+            .invoke(method::HANDLE_EVENTS, EVENT_BATCH_SCHEMA, bytes, frames.to_vec(), true)
             .await?;
-        self.effects(answer.schema, &answer.bytes)
-    }
-
-    /// As [`Self::call`], and takes the snapshot after it in the same visit to the plugin's thread: the snapshot holds everything up
-    /// to and with this batch.
-    pub async fn call_with_snapshot(&self, batch: EventBatch) -> Result<(EffectBatch, Vec<u8>), PluginError> {
-        let answer = self
-            .0
-            .invoke(method::HANDLE_EVENTS, EVENT_BATCH_SCHEMA, encode(&batch)?, true)
-            .await?;
-        let effects = self.effects(answer.schema, &answer.bytes)?;
-        let snapshot = answer
-            .snapshot
-            .map_or(Ok(Vec::new()), |snapshot| self.snapshot_bytes(&snapshot))?;
-        Ok((effects, snapshot))
+        let (effects, frames) =
+            self.judge
+                .effects(self.manifest(), self.pool(), answer.schema, answer.bytes.bytes())?;
+        let snapshot = answer.snapshot.as_ref().map_or(&[][..], |snapshot| snapshot.bytes());
+        Ok(Answer {
+            effects,
+            frames,
+            snapshot: self.judge.snapshot(snapshot)?,
+        })
     }
 
     /// The state from which a new instance goes on after this one.
     pub async fn snapshot(&self) -> Result<Vec<u8>, PluginError> {
-        let answer = self.0.invoke(method::SNAPSHOT, 0, Vec::new(), false).await?;
-        self.snapshot_bytes(&answer.bytes)
+        let answer = self.invoke(method::SNAPSHOT, 0, Vec::new(), Vec::new(), false).await?;
+        self.judge.snapshot(answer.bytes.bytes())
+    }
+
+    /// Ends a child process at once, as the system would: its call and all further ones fail. Tells whether there is one.
+    #[expect(clippy::must_use_candidate, reason = "what it does is what it is called for")]
+    pub fn kill(&self) -> bool {
+        match &self.way {
+            Way::Here(_) => false,
+            Way::Child(child) => child.kill(),
+        }
+    }
+
+    /// Where it runs.
+    #[must_use]
+    pub fn isolation(&self) -> Isolation {
+        self.isolation
+    }
+
+    /// The id of its process, if that is one of its own and still there.
+    #[must_use]
+    pub fn pid(&self) -> Option<u32> {
+        match &self.way {
+            Way::Here(_) => None,
+            Way::Child(child) => child.pid(),
+        }
     }
 
     /// Its name in logs.
     #[must_use]
     pub fn name(&self) -> &str {
-        &self.0.body.name
+        match &self.way {
+            Way::Here(calls) => &calls.body.name,
+            Way::Child(child) => child.name(),
+        }
     }
 
     /// What its plugin says of itself.
     #[must_use]
     pub fn manifest(&self) -> &Manifest {
-        self.0.body.plugin.manifest()
+        match &self.way {
+            Way::Here(calls) => calls.body.plugin.manifest(),
+            Way::Child(child) => child.manifest(),
+        }
     }
 
     /// How long its calls take. Does not wait for a running call.
     #[must_use]
     pub fn statistics(&self) -> CallStatistics {
-        self.0.body.times.read(self.0.body.sink.dropped())
-    }
-
-    fn effects(&self, schema: u32, answer: &PluginBytes) -> Result<EffectBatch, PluginError> {
-        let (bytes, settings) = (answer.bytes(), &self.0.settings);
-        if schema != EFFECT_BATCH_SCHEMA {
-            return Err(PluginError::Undecodable {
-                detail: format!("schema {schema}, not {EFFECT_BATCH_SCHEMA}"),
-            });
-        }
-        if bytes.len() > settings.max_answer_bytes {
-            return Err(PluginError::TooLarge {
-                len: bytes.len(),
-                limit: settings.max_answer_bytes,
-            });
-        }
-        let limit = settings.max_effects;
-        let undecodable = |e: minicbor::decode::Error| PluginError::Undecodable { detail: e.to_string() };
-        // Counted before they are decoded: each effect takes many times its bytes when decoded.
-        let count = announced_effects(bytes).map_err(undecodable)?;
-        if count > limit {
-            return Err(PluginError::TooManyEffects { count, limit });
-        }
-        let batch: EffectBatch = minicbor::decode(bytes).map_err(undecodable)?;
-        let permitted = &self.manifest().effects;
-        match batch
-            .effects
-            .iter()
-            .map(|effect| effect.kind())
-            .find(|kind| !permitted.contains(kind))
-        {
-            Some(effect) => Err(PluginError::NotPermitted { effect }),
-            None => Ok(batch),
+        match &self.way {
+            Way::Here(calls) => calls.body.times.read(calls.body.services.log.dropped()),
+            Way::Child(child) => child.statistics(),
         }
     }
 
-    fn snapshot_bytes(&self, snapshot: &PluginBytes) -> Result<Vec<u8>, PluginError> {
-        let (bytes, limit) = (snapshot.bytes(), self.0.settings.max_snapshot_bytes);
-        if bytes.len() > limit {
-            return Err(PluginError::TooLarge {
-                len: bytes.len(),
-                limit,
-            });
+    async fn invoke(
+        &self,
+        method: u32,
+        schema: u32,
+        bytes: Vec<u8>,
+        frames: Vec<Arc<Frame>>,
+        then_snapshot: bool,
+    ) -> Result<RawAnswer, PluginError> {
+        match &self.way {
+            Way::Here(calls) => calls.invoke(method, schema, bytes, frames, then_snapshot).await,
+            Way::Child(child) => child.invoke(method, schema, bytes, frames, then_snapshot).await,
         }
-        Ok(bytes.to_vec())
     }
-}
 
-/// How many effects an encoded batch announces. One that does not announce it is not taken.
-fn announced_effects(bytes: &[u8]) -> Result<u64, minicbor::decode::Error> {
-    let mut decoder = minicbor::Decoder::new(bytes);
-    match decoder.array()? {
-        Some(0) => Ok(0),
-        _ => decoder
-            .array()?
-            .ok_or_else(|| minicbor::decode::Error::message("a list of effects without a length")),
+    fn pool(&self) -> &Pool {
+        match &self.way {
+            Way::Here(calls) => &calls.body.services.pool,
+            Way::Child(child) => child.pool(),
+        }
     }
 }

@@ -4,7 +4,9 @@
 //! Must never do: hold the lock while a plugin runs, take more than one job off the queue at a time (what is taken is lost to a hang).
 
 use crate::PluginError;
-use crate::body::{Answer, InstanceBody};
+use crate::answer::RawAnswer;
+use crate::body::InstanceBody;
+use crate::frames::Frame;
 use crate::thread_time::ThreadTime;
 use parking_lot::{Condvar, Mutex, MutexGuard};
 use std::collections::VecDeque;
@@ -22,7 +24,7 @@ const LOOKS_BEFORE_SLEEP: u32 = 4;
 const LONGEST_GRACE: u32 = 20;
 
 /// To whom the result goes.
-pub(crate) type Reply = oneshot::Sender<Result<Option<Answer>, PluginError>>;
+pub(crate) type Reply = oneshot::Sender<Result<Option<RawAnswer>, PluginError>>;
 
 /// What is to be done with an instance.
 #[derive(Debug)]
@@ -34,6 +36,8 @@ pub(crate) enum Task {
         method: u32,
         schema: u32,
         bytes: Vec<u8>,
+        /// What can be read during the call.
+        frames: Vec<Arc<Frame>>,
         then_snapshot: bool,
     },
     /// End it.

@@ -1,30 +1,42 @@
-//! Loads plugins and runs their instances: discovery and handshake ([`Catalog`], [`Plugin`]), a small pool of watched threads on which
-//! all calls into plugins are made ([`Runners`]), and one typed handle per instance ([`Instance`]).
+//! Loads plugins and runs their instances: discovery and handshake ([`Catalog`], [`Plugin`]), a small pool of watched threads and
+//! of child processes in which all calls into plugins are made ([`Runners`], [`child`]), one typed handle per instance ([`Instance`]), and the
+//! frames that instances give ([`Frame`]).
 //!
 //! Must never do: run any code of a library before its handshake was found right, call a plugin from a thread of the asynchronous runtime,
 //! wait without a deadline, unload a library, trust a length, a text or a number that a plugin gave.
 
+mod answer;
 mod body;
 mod catalog;
+pub mod child;
 mod entry;
 mod error;
+mod frames;
 mod image;
 mod instance;
+mod isolation;
 mod lane;
 mod library;
 mod manifest;
 mod private_copy;
 mod runners;
+mod schemas;
+mod services;
 mod sink;
 mod statistics;
 mod thread_time;
+mod trust;
 mod watchdog;
 
+pub use answer::Answer;
 pub use catalog::{Catalog, PluginProblem};
-pub use error::{LoadError, PluginError};
+pub use error::{LoadError, PluginError, SchemaError};
+pub use frames::Frame;
 pub use instance::Instance;
+pub use isolation::{ChildLimits, Isolation};
 pub use library::Plugin;
 pub use manifest::Manifest;
 pub use runners::{RunnerSettings, Runners, RunnersHealth};
 pub use skein_plugin_abi::PluginKind;
 pub use statistics::CallStatistics;
+pub use trust::Trust;

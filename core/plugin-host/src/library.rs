@@ -4,7 +4,8 @@
 
 use crate::entry::Entry;
 use crate::private_copy::{self, PrivateCopy};
-use crate::{LoadError, Manifest, PluginError, image};
+use crate::trust::sha256_hex;
+use crate::{LoadError, Manifest, PluginError, Trust, image};
 use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
 use skein_plugin_abi::{ENTRY_SYMBOL, Handshake};
 use std::path::{Path, PathBuf};
@@ -20,23 +21,37 @@ const LOAD_DEADLINE: Duration = Duration::from_secs(10);
 pub struct Plugin {
     manifest: Manifest,
     path: PathBuf,
+    sha256: String,
     pub(crate) entry: Entry,
     /// Threads that were given up inside this plugin and have not come back.
     pub(crate) hanging: AtomicU32,
 }
 
 impl Plugin {
-    /// Loads the library at `path`. Loading the same file again gives another plugin, independent of the first, even if the file
-    /// did not change.
+    /// Loads the library at `path`. Loading the same file again gives another plugin, independent of the first, even if the file did
+    /// not change.
     pub fn load(path: &Path) -> Result<Arc<Self>, LoadError> {
+        Self::load_trusted(path, &Trust::default())
+    }
+
+    /// As [`Self::load`], if the library is on the list or signed as the operator wants it.
+    pub fn load_trusted(path: &Path, trust: &Trust) -> Result<Arc<Self>, LoadError> {
+        let file = private_copy::read(path)?;
+        let sha256 = sha256_hex(&file);
+        trust.check(path, &file, &sha256)?;
+        Self::load_read(path, file, sha256)
+    }
+
+    /// Loads a library that was read and found trustworthy.
+    pub(crate) fn load_read(path: &Path, file: Vec<u8>, sha256: String) -> Result<Arc<Self>, LoadError> {
         // On a thread of its own, since the library's constructors and its manifest are the plugin's code.
         let (send, receive) = std::sync::mpsc::sync_channel(1);
-        let of = path.to_owned();
+        let path = path.to_owned();
         std::thread::Builder::new()
             .name("plugin-load".to_owned())
             .spawn(move || {
                 // Nobody may be waiting any more.
-                let _ = send.send(Self::load_here(of));
+                let _ = send.send(Self::load_here(path, &file, sha256));
             })?;
         receive
             .recv_timeout(LOAD_DEADLINE)
@@ -44,10 +59,9 @@ impl Plugin {
             .map(Arc::new)
     }
 
-    fn load_here(path: PathBuf) -> Result<Self, LoadError> {
-        let file = private_copy::read(&path)?;
-        let kind = image::judge(&file)?;
-        let copy = PrivateCopy::of(&file, &path)?;
+    fn load_here(path: PathBuf, file: &[u8], sha256: String) -> Result<Self, LoadError> {
+        let kind = image::judge(file)?;
+        let copy = PrivateCopy::of(file, &path)?;
         // SAFETY: the library's constructors run here; that nobody else can have written it was checked when it was read.
         let library =
             unsafe { Library::open(Some(copy.path()), RTLD_NOW | RTLD_LOCAL) }.map_err(|e| LoadError::NotLoadable {
@@ -71,6 +85,7 @@ impl Plugin {
         Ok(Self {
             manifest,
             path,
+            sha256,
             entry,
             hanging: AtomicU32::new(0),
         })
@@ -86,6 +101,12 @@ impl Plugin {
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// SHA-256 of the library it was loaded from, in hexadecimal.
+    #[must_use]
+    pub fn sha256(&self) -> &str {
+        &self.sha256
     }
 
     /// How many threads hang in this plugin.

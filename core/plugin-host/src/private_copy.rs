@@ -4,14 +4,18 @@
 //! Must never do: judge one file and copy another. It is opened once; what was read of it is judged, copied and loaded.
 
 use crate::LoadError;
-use std::fs::File;
-use std::io::{Read, Write};
-use std::os::unix::fs::{OpenOptionsExt, PermissionsExt};
+use crate::trust::refuse_file_of_others;
+use std::fs::{File, Metadata};
+use std::io::{Read, Seek, Write};
+use std::os::unix::fs::{MetadataExt, OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 use tempfile::TempDir;
 
-/// Permission bit: others may write.
-const OTHERS_MAY_WRITE: u32 = 0o002;
+/// No library is longer, in bytes.
+const MAX_LIBRARY_BYTES: u64 = 1 << 30;
+/// A file that was written to within this time is read twice.
+const RECENT: Duration = Duration::from_millis(100);
 
 /// A copy that only this user can read, in a directory that goes when this value does. A loaded library outlives its file.
 pub(crate) struct PrivateCopy {
@@ -50,29 +54,62 @@ impl PrivateCopy {
     }
 }
 
-/// Reads a library that nobody else can have written.
-pub(crate) fn read(path: &Path) -> Result<Vec<u8>, LoadError> {
-    let mut file = File::open(path)?;
-    let real_path = path.canonicalize()?;
-    refuse_if_others_may_write(&real_path, &file.metadata()?)?;
-    if let Some(directory) = real_path.parent() {
-        refuse_if_others_may_write(directory, &directory.metadata()?)?;
+/// What tells one state of a file from another. The time of its last change is set by the system with every write, rename and change of
+/// its rights.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct FileState {
+    device: u64,
+    inode: u64,
+    len: u64,
+    modified_ns: (i64, i64),
+    changed_ns: (i64, i64),
+}
+
+impl FileState {
+    pub(crate) fn of(metadata: &Metadata) -> Self {
+        Self {
+            device: metadata.dev(),
+            inode: metadata.ino(),
+            len: metadata.len(),
+            modified_ns: (metadata.mtime(), metadata.mtime_nsec()),
+            changed_ns: (metadata.ctime(), metadata.ctime_nsec()),
+        }
     }
-    let mut bytes = Vec::new();
-    file.read_to_end(&mut bytes)?;
+}
+
+/// Reads a library that nobody else can have written, whole: one that is written to meanwhile is refused.
+pub(crate) fn read(path: &Path) -> Result<Vec<u8>, LoadError> {
+    let real_path = path.canonicalize()?;
+    let mut file = File::open(&real_path)?;
+    let before = file.metadata()?;
+    refuse_file_of_others(&real_path, &before)?;
+    if before.len() > MAX_LIBRARY_BYTES {
+        return Err(LoadError::NotLoadable {
+            detail: format!("it has {} bytes, the limit is {MAX_LIBRARY_BYTES}", before.len()),
+        });
+    }
+    let bytes = read_whole(&mut file, before.len())?;
+    // The system's time stamps are some milliseconds coarse: what was written just now is compared with a second look.
+    let recent = before
+        .modified()
+        .is_ok_and(|at| at.elapsed().is_ok_and(|age| age < RECENT));
+    if recent {
+        file.rewind()?;
+        if read_whole(&mut file, before.len())? != bytes {
+            return Err(LoadError::ChangedWhileRead);
+        }
+    }
+    if FileState::of(&file.metadata()?) != FileState::of(&before) || bytes.len() as u64 != before.len() {
+        return Err(LoadError::ChangedWhileRead);
+    }
     Ok(bytes)
 }
 
-/// Refuses what anyone on this machine could change.
-pub(crate) fn refuse_if_others_may_write(path: &Path, metadata: &std::fs::Metadata) -> Result<(), LoadError> {
-    let mode = metadata.permissions().mode() & 0o777;
-    if mode & OTHERS_MAY_WRITE == 0 {
-        return Ok(());
-    }
-    Err(LoadError::WritableByOthers {
-        path: path.to_owned(),
-        mode,
-    })
+fn read_whole(file: &mut File, len: u64) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::with_capacity(usize::try_from(len).unwrap_or(0));
+    // One byte more would show that it has grown.
+    file.take(len.saturating_add(1)).read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 #[cfg(test)]

@@ -1,10 +1,15 @@
 //! The pool of threads on which plugins run. Each instance lives on one lane; a lane is a queue and a watched thread.
 
-use crate::body::{Answer, InstanceBody};
+use crate::answer::{Judge, RawAnswer};
+use crate::body::InstanceBody;
+use crate::child::ChildCalls;
+use crate::frames::Frame;
+use crate::instance::Way;
 use crate::lane::{Job, Lane, Task};
-use crate::{Instance, Plugin, PluginError, watchdog};
+use crate::{Instance, Isolation, Plugin, PluginError, watchdog};
+use parking_lot::Mutex;
 use skein_domain::exchange::{CREATE_SCHEMA, Create};
-use skein_plugin_abi::PluginKind;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -59,6 +64,7 @@ pub struct Runners {
     settings: RunnerSettings,
     lanes: Vec<Arc<Lane>>,
     watched: AtomicBool,
+    host_program: Mutex<Option<PathBuf>>,
 }
 
 impl Runners {
@@ -85,6 +91,7 @@ impl Runners {
             settings,
             lanes,
             watched: AtomicBool::new(false),
+            host_program: Mutex::default(),
         })
     }
 
@@ -108,16 +115,39 @@ impl Runners {
         }
     }
 
-    /// Makes an instance that flies one vehicle. In logs it is called `vehicle-<id>`.
-    pub async fn create(self: &Arc<Self>, plugin: Arc<Plugin>, create: Create) -> Result<Instance, PluginError> {
-        let (expected, found) = (PluginKind::UAV_MODEL, plugin.manifest().kind);
-        if expected != found {
-            return Err(PluginError::WrongKind { expected, found });
-        }
+    /// Which program is started with the argument `plugin-host` for an instance in a process of its own; it calls
+    /// [`crate::child::serve`]. Without this: the running program itself.
+    pub fn set_host_program(&self, program: PathBuf) {
+        *self.host_program.lock() = Some(program);
+    }
+
+    /// Makes an instance. In logs it is called `vehicle-<id>`, a payload `vehicle-<id>/<payload>`.
+    pub async fn create(
+        &self,
+        plugin: Arc<Plugin>,
+        isolation: Isolation,
+        create: Create,
+    ) -> Result<Instance, PluginError> {
         let bytes = encode(&create)?;
-        let name = format!("vehicle-{}", create.vehicle);
-        let calls = Calls::create(self, plugin, name, CREATE_SCHEMA, bytes).await?;
-        Ok(Instance::new(calls))
+        let name = match &create.payload {
+            Some(payload) => format!("vehicle-{}/{payload}", create.vehicle),
+            None => format!("vehicle-{}", create.vehicle),
+        };
+        let way = match isolation {
+            Isolation::InProcess => Way::Here(Calls::create(self, plugin, name, CREATE_SCHEMA, bytes).await?),
+            Isolation::Child(limits) => {
+                Way::Child(ChildCalls::create(self, plugin, name, limits, CREATE_SCHEMA, bytes).await?)
+            }
+        };
+        Ok(Instance::new(way, isolation, Judge::new(self.settings)))
+    }
+
+    /// The program to be started for a child.
+    pub(crate) fn host_program(&self) -> Result<PathBuf, PluginError> {
+        if let Some(program) = self.host_program.lock().clone() {
+            return Ok(program);
+        }
+        std::env::current_exe().map_err(|e| PluginError::NotStarted { detail: e.to_string() })
     }
 
     fn watch(&self) -> Result<(), PluginError> {
@@ -184,12 +214,14 @@ impl Calls {
         method: u32,
         schema: u32,
         bytes: Vec<u8>,
+        frames: Vec<Arc<Frame>>,
         then_snapshot: bool,
-    ) -> Result<Answer, PluginError> {
+    ) -> Result<RawAnswer, PluginError> {
         let task = Task::Invoke {
             method,
             schema,
             bytes,
+            frames,
             then_snapshot,
         };
         self.ask(task, self.settings.call_deadline)
@@ -197,7 +229,7 @@ impl Calls {
             .ok_or(PluginError::Gone)
     }
 
-    async fn ask(&self, task: Task, deadline: Duration) -> Result<Option<Answer>, PluginError> {
+    async fn ask(&self, task: Task, deadline: Duration) -> Result<Option<RawAnswer>, PluginError> {
         let (reply, answer) = oneshot::channel();
         let job = Job {
             body: Arc::clone(&self.body),

@@ -1,10 +1,10 @@
 //! Where the log lines of an instance arrive: they go on to `tracing` with the instance's name, not too many of them and not too long.
 //!
-//! Must never do: unwind into the plugin, or let a plugin that writes without end fill the node's log.
+//! Must never do: let a plugin that writes without end fill the node's log.
 
+use crate::services::TakeLog;
 use parking_lot::Mutex;
-use skein_plugin_abi::{FrameBuffer, HostServices, LogLevel, Slice};
-use std::ffi::c_void;
+use skein_plugin_abi::LogLevel;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 use tokio::time::Instant;
@@ -16,7 +16,7 @@ const WINDOW: Duration = Duration::from_secs(1);
 /// A line is cut at this length in bytes.
 const MAX_LINE_BYTES: usize = 2_000;
 
-/// The sink of one instance. It must stay at its place and live as long as the plugin may use it.
+/// The sink of one instance.
 #[derive(Debug)]
 pub(crate) struct LogSink {
     plugin: String,
@@ -47,24 +47,12 @@ impl LogSink {
         }
     }
 
-    /// What a plugin is given. `self` must stay where it is for as long as the plugin may use it.
-    pub(crate) fn for_plugin(&self) -> HostServices {
-        HostServices {
-            size: size_of::<HostServices>(),
-            context: std::ptr::from_ref(self).cast_mut().cast(),
-            log,
-            acquire_frame,
-            release_frame,
-            read_frame,
-        }
-    }
-
     /// Lines that were not let through so far.
     pub(crate) fn dropped(&self) -> u64 {
         self.dropped.load(Ordering::Relaxed)
     }
 
-    fn take(&self, level: LogLevel, text: &[u8], now: Instant) {
+    fn take_at(&self, level: LogLevel, text: &[u8], now: Instant) {
         let (let_through, dropped_before) = self.count(now);
         let Self { plugin, instance, .. } = self;
         if dropped_before > 0 {
@@ -105,28 +93,10 @@ impl LogSink {
     }
 }
 
-unsafe extern "C" fn acquire_frame(_: *mut c_void, _: usize) -> FrameBuffer {
-    FrameBuffer::NONE
-}
-
-unsafe extern "C" fn release_frame(_: *mut c_void, _: u64) {}
-
-unsafe extern "C" fn read_frame(_: *mut c_void, _: u64) -> Slice {
-    Slice::of(&[])
-}
-
-/// Called by plugins.
-unsafe extern "C" fn log(context: *mut c_void, level: u32, text: Slice) {
-    if text.len > isize::MAX as usize {
-        return;
+impl TakeLog for LogSink {
+    fn take(&self, level: LogLevel, text: &[u8]) {
+        self.take_at(level, text, Instant::now());
     }
-    // Whatever consumes the node's log may panic; that is not the plugin's to see.
-    let _ = std::panic::catch_unwind(|| {
-        // SAFETY: the context is the `LogSink` that `for_plugin` was called on, which lives as long as the plugin may use it.
-        let sink = unsafe { &*context.cast::<LogSink>() };
-        // SAFETY: the plugin lends these bytes for the call.
-        sink.take(LogLevel(level), unsafe { text.as_bytes() }, Instant::now());
-    });
 }
 
 #[cfg(test)]
