@@ -4,7 +4,7 @@
 use skein_domain::exchange::{Event, EventBatch, OwnState};
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{FlightMode, LandedState, NodeTime};
-use skein_plugin_host::Runners;
+use skein_plugin_host::{Isolation, Runners};
 use skein_tests_plugin_boundary::{create_uav, shipped};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -48,14 +48,17 @@ async fn main() {
     let mut tasks = Vec::new();
     for id in 0..instances {
         let create = create_uav(id as u16, "{}", None);
-        let instance = runners.create(Arc::clone(&plugin), create).await.expect("is created");
+        let instance = runners
+            .create(Arc::clone(&plugin), Isolation::InProcess, create)
+            .await
+            .expect("is created");
         let mut beats = beats.clone();
         tasks.push(tokio::spawn(async move {
             let mut slowest = Duration::ZERO;
             while beats.changed().await.is_ok() {
                 let now = *beats.borrow_and_update();
                 let asked = Instant::now();
-                instance.call(batch(now)).await.expect("answers");
+                instance.call(batch(now), &[]).await.expect("answers");
                 slowest = slowest.max(asked.elapsed());
             }
             (instance.statistics(), slowest)

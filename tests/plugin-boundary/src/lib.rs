@@ -6,7 +6,7 @@
 
 use skein_domain::exchange::{Create, Effect, Event, EventBatch};
 use skein_domain::{Incarnation, NodeTime, VehicleId};
-use skein_plugin_host::{Instance, Plugin, PluginError, Runners};
+use skein_plugin_host::{Instance, Isolation, Plugin, PluginError, Runners};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Arc, OnceLock};
@@ -144,7 +144,9 @@ pub async fn wrong_instance(
     what: &str,
 ) -> Result<Instance, PluginError> {
     let config = format!(r#"{{"{key}": "{what}"}}"#);
-    runners.create(Arc::clone(plugin), create_uav(9, &config, None)).await
+    runners
+        .create(Arc::clone(plugin), Isolation::InProcess, create_uav(9, &config, None))
+        .await
 }
 
 /// One period: a tick at `milliseconds`.
@@ -177,7 +179,7 @@ pub async fn assert_alive(instance: &Instance) {
         events: vec![Event::Own(own), land, Event::Tick],
     };
     let effects = instance
-        .call(batch)
+        .call(batch, &[])
         .await
         .expect("the healthy instance answers")
         .effects;

@@ -3,7 +3,7 @@
 use skein_domain::NodeTime;
 use skein_domain::exchange::{Effect, Event, EventBatch, FaultDrill};
 use skein_domain::manifest::EffectKind;
-use skein_plugin_host::{Instance, Plugin, PluginError, PluginKind, RunnerSettings, Runners};
+use skein_plugin_host::{Instance, Isolation, Plugin, PluginError, PluginKind, RunnerSettings, Runners};
 use skein_testkit::{eventually, patience};
 use skein_tests_plugin_boundary::{assert_alive, create_uav, fixture, shipped, tick, wrong_instance};
 use std::sync::Arc;
@@ -35,7 +35,7 @@ fn load(name: &str) -> Arc<Plugin> {
 
 async fn healthy(runners: &Arc<Runners>) -> Instance {
     let instance = runners
-        .create(shipped("generic-uav"), create_uav(1, "{}", None))
+        .create(shipped("generic-uav"), Isolation::InProcess, create_uav(1, "{}", None))
         .await
         .expect("is created");
     assert_alive(&instance).await;
@@ -87,7 +87,7 @@ async fn what_is_wrong_at_the_level_of_the_abi_is_told_apart() {
         let error = match wrong_instance(&runners, &plugin, "do", what).await {
             Err(error) => error,
             Ok(instance) => {
-                let error = instance.call(tick(1)).await.expect_err(what);
+                let error = instance.call(tick(1), &[]).await.expect_err(what);
                 assert!(!error.needs_restart(), "{what}: it can be called again");
                 assert_eq!(
                     instance.snapshot().await.as_deref(),
@@ -103,7 +103,10 @@ async fn what_is_wrong_at_the_level_of_the_abi_is_told_apart() {
     let good = wrong_instance(&runners, &plugin, "do", "nothing")
         .await
         .expect("is created");
-    assert_eq!(good.call(tick(1)).await.expect("answers").effects, [Effect::StopStream]);
+    assert_eq!(
+        good.call(tick(1), &[]).await.expect("answers").effects,
+        [Effect::StopStream]
+    );
 }
 
 #[tokio::test]
@@ -144,8 +147,8 @@ async fn what_a_model_does_wrong_is_told_apart() {
             Err(error) => error,
             Ok(instance) => {
                 // Both at once, as a node does it.
-                let error = instance.call_with_snapshot(tick(1)).await.expect_err(what);
-                let again = instance.call(tick(2)).await;
+                let error = instance.call(tick(1), &[]).await.expect_err(what);
+                let again = instance.call(tick(2), &[]).await;
                 assert_eq!(
                     again.is_err_and(|e| e.needs_restart()),
                     error.needs_restart(),
@@ -168,12 +171,12 @@ async fn a_hang_delays_the_others_by_no_more_than_the_deadline_and_costs_one_ins
             .await
             .expect("is created");
         // Queued behind the hanging call, on the same thread.
-        let (hung, ()) = tokio::join!(hangs.call(tick(1)), assert_alive(&other));
+        let (hung, ()) = tokio::join!(hangs.call(tick(1), &[]), assert_alive(&other));
         let PluginError::DeadlineExceeded { after } = hung.expect_err("hangs") else {
             panic!("another error")
         };
         assert!(after >= CALL_DEADLINE, "{after:?} is before the deadline");
-        let again = hangs.call(tick(2)).await.expect_err("is gone");
+        let again = hangs.call(tick(2), &[]).await.expect_err("is gone");
         assert!(again.needs_restart());
         drop(hangs);
         assert_alive(&other).await;
@@ -188,7 +191,7 @@ async fn a_call_that_comes_back_too_late_is_cleaned_up_after() {
     let slow = wrong_instance(&runners, &plugin, "fail", "slow_in_handle")
         .await
         .expect("is created");
-    let error = slow.call(tick(1)).await.expect_err("is too slow");
+    let error = slow.call(tick(1), &[]).await.expect_err("is too slow");
     assert!(matches!(error, PluginError::DeadlineExceeded { .. }));
     assert_eq!(plugin.hanging_threads(), 1);
     let watch = wrong_instance(&runners, &plugin, "fail", "never")
@@ -200,7 +203,7 @@ async fn a_call_that_comes_back_too_late_is_cleaned_up_after() {
     })
     .await;
     assert!(
-        slow.call(tick(2)).await.is_err_and(|e| e.needs_restart()),
+        slow.call(tick(2), &[]).await.is_err_and(|e| e.needs_restart()),
         "it stays lost"
     );
 }
@@ -219,7 +222,7 @@ async fn a_plugin_in_which_too_many_threads_hang_gets_no_more() {
         let hangs = wrong_instance(&runners, &plugin, "fail", "hang_in_handle")
             .await
             .expect("is created");
-        assert!(hangs.call(tick(1)).await.is_err());
+        assert!(hangs.call(tick(1), &[]).await.is_err());
     }
     let refused = wrong_instance(&runners, &plugin, "fail", "never")
         .await
@@ -236,7 +239,7 @@ async fn what_goes_wrong_at_an_instances_end_disturbs_nobody() {
         let instance = wrong_instance(&runners, &plugin, "fail", what)
             .await
             .expect("is created");
-        assert!(instance.call(tick(1)).await.is_ok());
+        assert!(instance.call(tick(1), &[]).await.is_ok());
         drop(instance);
         assert_alive(&other).await;
     }
@@ -252,33 +255,27 @@ async fn drills_take_the_ways_of_faults() {
         events: vec![Event::FaultDrill(drill), Event::Tick],
     };
     let instance = runners
-        .create(Arc::clone(&plugin), create_uav(2, "{}", None))
+        .create(Arc::clone(&plugin), Isolation::InProcess, create_uav(2, "{}", None))
         .await
         .expect("is created");
-    let error = instance.call(drill(FaultDrill::Panic)).await.expect_err("panics");
+    let error = instance.call(drill(FaultDrill::Panic), &[]).await.expect_err("panics");
     assert!(matches!(error, PluginError::Panicked { message } if message.contains("fault drill")));
     let instance = runners
-        .create(plugin, create_uav(2, "{}", None))
+        .create(plugin, Isolation::InProcess, create_uav(2, "{}", None))
         .await
         .expect("is created");
-    let error = instance.call(drill(FaultDrill::Hang)).await.expect_err("hangs");
+    let error = instance.call(drill(FaultDrill::Hang), &[]).await.expect_err("hangs");
     assert!(matches!(error, PluginError::DeadlineExceeded { .. }));
     assert_alive(&other).await;
 }
 
 #[tokio::test]
-async fn a_plugin_of_another_kind_flies_nothing() {
-    let error = one_lane()
-        .create(load("other_kind"), create_uav(1, "{}", None))
+async fn a_plugin_of_any_kind_is_created_and_says_what_it_is() {
+    let instance = one_lane()
+        .create(load("other_kind"), Isolation::InProcess, create_uav(1, "{}", None))
         .await
-        .expect_err("is refused");
-    assert_eq!(
-        error,
-        PluginError::WrongKind {
-            expected: PluginKind::UAV_MODEL,
-            found: PluginKind::CAMERA
-        }
-    );
+        .expect("is created");
+    assert_eq!(instance.manifest().kind, PluginKind::CAMERA);
 }
 
 #[tokio::test]
@@ -293,7 +290,11 @@ async fn a_configuration_that_is_not_right_is_refused_in_words() {
         ("{", "EOF"),
     ] {
         let created = runners
-            .create(shipped("generic-uav"), create_uav(1, config, None))
+            .create(
+                shipped("generic-uav"),
+                Isolation::InProcess,
+                create_uav(1, config, None),
+            )
             .await;
         let Err(PluginError::Refused { detail }) = created else {
             panic!("{config} was taken")
@@ -332,7 +333,7 @@ async fn two_loads_of_one_file_are_two_plugins_and_outlive_the_file() {
         "it has its own statics"
     );
     assert!(Plugin::load(&path).is_err());
-    assert!(instances[0].call(tick(1)).await.is_ok());
+    assert!(instances[0].call(tick(1), &[]).await.is_ok());
 }
 
 #[tokio::test]
@@ -340,7 +341,7 @@ async fn calls_are_counted_and_timed() {
     let runners = one_lane();
     let instance = healthy(&runners).await;
     for i in 0..100 {
-        instance.call(tick(i)).await.expect("answers");
+        instance.call(tick(i), &[]).await.expect("answers");
     }
     let statistics = instance.statistics();
     assert_eq!((statistics.calls, statistics.failures), (101, 0));

@@ -1,6 +1,6 @@
 //! Which libraries are taken, and with what reason the others are not.
 
-use skein_plugin_host::{Catalog, LoadError, Plugin, PluginKind};
+use skein_plugin_host::{Catalog, LoadError, Plugin, PluginKind, Trust};
 use skein_tests_plugin_boundary::{fixture, fixture_built_with, fixture_names, shipped};
 use std::fs::Permissions;
 use std::os::unix::fs::PermissionsExt;
@@ -87,16 +87,16 @@ fn a_catalogue_takes_the_good_and_names_the_bad() {
         ("other.so", &good),
     ]);
     let second = directory(&[("libd.so", &good), ("libe.so", &fixture("failing_model"))]);
-    let catalog = Catalog::discover(&[first.path().to_owned(), second.path().to_owned()]);
-    let names: Vec<_> = catalog.plugins().map(|p| p.manifest().name.clone()).collect();
+    let catalog = Catalog::discover(&[first.path().to_owned(), second.path().to_owned()], Trust::default());
+    let names: Vec<_> = catalog.plugins().iter().map(|p| p.manifest().name.clone()).collect();
     assert_eq!(names, ["failing-model", "misbehaving"]);
     let taken = catalog.get("misbehaving").expect("is there");
     assert_eq!(taken.path(), first.path().join("liba.so"));
     assert!(catalog.get("other").is_none());
-    let problems: Vec<_> = catalog.problems().iter().collect();
+    let problems = catalog.problems();
     assert_eq!(problems.len(), 3, "{problems:?}");
     assert!(problems[0].path.ends_with("libb.so") && matches!(problems[0].error, LoadError::Handshake(_)));
-    for (problem, name) in [(problems[1], "libc.so"), (problems[2], "libd.so")] {
+    for (problem, name) in [(&problems[1], "libc.so"), (&problems[2], "libd.so")] {
         assert!(problem.path.ends_with(name));
         assert!(matches!(&problem.error, LoadError::DuplicateName { first, .. } if first.ends_with("liba.so")));
     }

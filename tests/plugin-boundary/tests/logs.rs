@@ -36,7 +36,10 @@ async fn lines_arrive_with_the_instances_name_and_a_flood_is_cut_off() {
     let instance = wrong_instance(&runners, &plugin, "fail", "flood_of_logs")
         .await
         .expect("is created");
-    instance.call(tick(1)).await.expect("a flood of logs is no failure");
+    instance
+        .call(tick(1), &[])
+        .await
+        .expect("a flood of logs is no failure");
     let text = String::from_utf8(log.0.lock().clone()).expect("is text");
     let first = text.lines().next().expect("is there");
     assert!(first.contains("failing: FloodOfLogs"), "{first}");

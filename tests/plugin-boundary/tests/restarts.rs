@@ -2,7 +2,7 @@
 
 use skein_domain::NodeTime;
 use skein_domain::exchange::{Event, EventBatch, FaultDrill};
-use skein_plugin_host::{Plugin, PluginError, Runners};
+use skein_plugin_host::{Answer, Isolation, Plugin, PluginError, Runners};
 use skein_testkit::{eventually, patience};
 use skein_tests_plugin_boundary::{create_uav, fixture, shipped, tick, wrong_instance};
 use std::sync::Arc;
@@ -42,7 +42,7 @@ async fn a_thousand_restarts_leave_nothing_behind() {
         let instance = wrong_instance(&runners, &plugin, "fail", what)
             .await
             .expect("is created");
-        let answer = instance.call(tick(1)).await;
+        let answer = instance.call(tick(1), &[]).await;
         assert_eq!(
             matches!(answer, Err(PluginError::Panicked { .. })),
             life % 2 == 0,
@@ -76,7 +76,10 @@ async fn a_model_restarted_a_thousand_times_keeps_its_state() {
     let mut snapshot = None;
     for life in 0..u64::from(LIVES) {
         let create = create_uav(3, "{}", snapshot);
-        let instance = runners.create(Arc::clone(&plugin), create).await.expect("is created");
+        let instance = runners
+            .create(Arc::clone(&plugin), Isolation::InProcess, create)
+            .await
+            .expect("is created");
         let own = Event::Own(skein_domain::exchange::OwnState {
             link_connected: true,
             ..Default::default()
@@ -85,18 +88,18 @@ async fn a_model_restarted_a_thousand_times_keeps_its_state() {
             now: NodeTime(life * 20_000),
             events: vec![own, Event::Tick],
         };
-        let (effects, taken) = instance.call_with_snapshot(batch).await.expect("answers");
+        let Answer {
+            effects,
+            snapshot: taken,
+            ..
+        } = instance.call(batch, &[]).await.expect("answers");
         // It tells its state once in all its lives.
-        assert_eq!(
-            effects.effects.len(),
-            usize::from(life == 0),
-            "life {life}: {effects:?}"
-        );
+        assert_eq!(effects.len(), usize::from(life == 0), "life {life}: {effects:?}");
         snapshot = Some(taken);
         let drill = EventBatch {
             now: NodeTime(0),
             events: vec![Event::FaultDrill(FaultDrill::Panic)],
         };
-        assert!(instance.call(drill).await.is_err_and(|e| e.needs_restart()));
+        assert!(instance.call(drill, &[]).await.is_err_and(|e| e.needs_restart()));
     }
 }
