@@ -8,6 +8,7 @@
 //! [`vehicle`]. Nothing here listens on other interfaces than the loopback.
 #![forbid(unsafe_code)]
 
+pub mod scene;
 pub mod settings;
 pub mod simulation;
 pub mod truth;

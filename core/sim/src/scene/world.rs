@@ -1,0 +1,102 @@
+//! Sky and ground: a gradient, a horizon in haze, and fields with a grid that stay where they are when the camera moves.
+//!
+//! Must never do: flicker. What is finer than a pixel fades out with the distance.
+
+use super::Lens;
+use super::canvas::{Canvas, Colour};
+
+const ZENITH: Colour = [92.0, 140.0, 210.0];
+const HAZE: Colour = [205.0, 216.0, 226.0];
+const FIELD: Colour = [104.0, 124.0, 82.0];
+const LINE: Colour = [196.0, 190.0, 170.0];
+/// Fields differ in brightness by up to this share.
+const FIELD_SPREAD: f32 = 0.16;
+/// Side of a field, and width of the line between two, in metres.
+const FIELD_M: f32 = 10.0;
+const LINE_M: f32 = 0.3;
+/// The ground turns to haze over this distance, in metres.
+const HAZE_M: f32 = 900.0;
+
+/// What is the same for all pixels.
+struct Ground {
+    seed: u32,
+    eye_north_m: f32,
+    eye_east_m: f32,
+    /// Height of the camera over the ground in metres; it never is below.
+    height_m: f32,
+    /// Radians per pixel.
+    pixel_rad: f32,
+}
+
+/// Draws every pixel.
+pub(super) fn draw(seed: u32, ground_down_m: f64, lens: &Lens, canvas: &mut impl Canvas) {
+    let ground = Ground {
+        seed,
+        // Whole multiples of the pattern's period are left out while there still is precision for them.
+        eye_north_m: lens.eye.x as f32,
+        eye_east_m: lens.eye.y as f32,
+        height_m: (ground_down_m - lens.eye.z).max(0.05) as f32,
+        pixel_rad: (1.0 / lens.focal_px) as f32,
+    };
+    let step = (lens.right / lens.focal_px).cast::<f32>();
+    for row in 0..lens.height_px {
+        let first = lens.ray(0.5, f64::from(row) + 0.5).cast::<f32>();
+        canvas.row(row as usize, lens.width_px as usize, |column| {
+            let ray = first + step * column as f32;
+            let level = ray.x.hypot(ray.y);
+            if ray.z <= 0.0 {
+                sky(-ray.z / level.max(1e-6))
+            } else {
+                ground.colour(ray.x, ray.y, ray.z, level)
+            }
+        });
+    }
+}
+
+/// The sky at a slope over the horizon.
+fn sky(slope: f32) -> Colour {
+    let up = slope / (slope + 0.35);
+    mix(HAZE, ZENITH, up)
+}
+
+impl Ground {
+    fn colour(&self, north: f32, east: f32, down: f32, level: f32) -> Colour {
+        let reach = self.height_m / down;
+        let (north_m, east_m) = (self.eye_north_m + north * reach, self.eye_east_m + east * reach);
+        let distance_m = level * reach;
+        let haze = distance_m / (distance_m + HAZE_M);
+        // Length on the ground that one pixel takes, along the view, where it is longest.
+        let pixel_m = self.pixel_rad * reach * (1.0 + distance_m / self.height_m);
+        let sharp = (FIELD_M / (FIELD_M + 2.0 * pixel_m)).powi(2);
+        let (row, column) = ((north_m / FIELD_M).floor(), (east_m / FIELD_M).floor());
+        let tone = 1.0 + FIELD_SPREAD * sharp * self.tone(row as i32, column as i32);
+        let field = FIELD.map(|value| value * tone);
+        let edge_m = to_line_m(north_m).min(to_line_m(east_m));
+        // The line's share of the pixel; far away, of the field.
+        let share = ((0.5 * (LINE_M + pixel_m) - edge_m) / pixel_m.max(1e-3)).clamp(0.0, 1.0)
+            * (LINE_M / pixel_m.max(LINE_M)).min(1.0);
+        mix(mix(field, LINE, share), HAZE, haze)
+    }
+
+    /// Brightness of a field about the mean, -1..1.
+    fn tone(&self, row: i32, column: i32) -> f32 {
+        let mut bits = self.seed ^ (row as u32).wrapping_mul(0x9E37_79B1) ^ (column as u32).wrapping_mul(0x85EB_CA77);
+        bits = (bits ^ (bits >> 15)).wrapping_mul(0x2C1B_3C6D);
+        bits = (bits ^ (bits >> 12)).wrapping_mul(0x297A_2D39);
+        bits ^= bits >> 15;
+        (bits >> 8) as f32 / (1 << 23) as f32 - 1.0
+    }
+}
+
+/// Distance from the nearest line of the grid in metres.
+fn to_line_m(along_m: f32) -> f32 {
+    let within = along_m.rem_euclid(FIELD_M);
+    within.min(FIELD_M - within)
+}
+
+fn mix(from: Colour, to: Colour, share: f32) -> Colour {
+    std::array::from_fn(|i| match (from.get(i), to.get(i)) {
+        (Some(from), Some(to)) => from + (to - from) * share,
+        _ => 0.0,
+    })
+}
