@@ -1,0 +1,141 @@
+//! What the plugin needs of a gimbal, whatever it is spoken to in.
+
+use crate::aim::Rates;
+use crate::attitude::{Attitude, Direction, Limits};
+use crate::manager::Manager;
+use crate::settings::{Backend, Settings};
+use crate::siyi::Siyi;
+use minicbor::{Decode, Encode};
+use skein_domain::exchange::Event;
+use skein_domain::payload::GimbalOwner;
+use skein_domain::{NodeTime, Refusal, SystemId};
+use skein_plugin_sdk::Effects;
+
+/// What every step of a device looks at.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Moment<'a> {
+    pub(crate) now: NodeTime,
+    pub(crate) settings: &'a Settings,
+    /// The vehicle's yaw from north in radians, if known.
+    pub(crate) vehicle_yaw_rad: Option<f64>,
+}
+
+impl Moment<'_> {
+    /// Whether `time` is no longer ago than `for_s`.
+    pub(crate) fn within(&self, time: Option<NodeTime>, for_s: f64) -> bool {
+        time.is_some_and(|time| self.now.seconds_since(time) <= for_s)
+    }
+}
+
+/// What is known of a device.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Status {
+    pub(crate) connected: bool,
+    pub(crate) owner: GimbalOwner,
+    pub(crate) attitude: Option<Attitude>,
+    pub(crate) limits: Option<Limits>,
+    pub(crate) model: String,
+    pub(crate) fault: String,
+}
+
+/// What is asked of a device.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Turn {
+    To(Direction),
+    At(Rates),
+}
+
+/// Which change of control ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Encode, Decode)]
+#[cbor(index_only)]
+pub(crate) enum Control {
+    #[n(0)]
+    Take,
+    #[n(1)]
+    Release,
+}
+
+/// How a change of control ended.
+pub(crate) type ControlOutcome = (Control, Result<(), Refusal>);
+
+/// A gimbal.
+#[derive(Debug, Clone, PartialEq, Encode, Decode)]
+pub(crate) enum Device {
+    #[n(0)]
+    Mavlink(#[n(0)] Manager),
+    #[n(1)]
+    Siyi(#[n(0)] Siyi),
+}
+
+impl Device {
+    /// One of which nothing is known yet.
+    pub(crate) fn new(settings: &Settings, system_id: Option<SystemId>) -> Self {
+        match settings.backend {
+            Backend::Mavlink => Self::Mavlink(Manager::new(system_id, settings.gimbal_device_id)),
+            Backend::Siyi => Self::Siyi(Siyi::default()),
+        }
+    }
+
+    /// Whether it is what this configuration asks for: a snapshot may come from another.
+    pub(crate) fn fits(&self, settings: &Settings) -> bool {
+        matches!(
+            (self, settings.backend),
+            (Self::Mavlink(_), Backend::Mavlink) | (Self::Siyi(_), Backend::Siyi)
+        )
+    }
+
+    /// Takes what arrived.
+    pub(crate) fn hear(&mut self, at: &Moment, event: &Event) -> Option<ControlOutcome> {
+        match (self, event) {
+            (Self::Mavlink(manager), Event::Mavlink(message)) => manager.hear(at, message),
+            (Self::Siyi(siyi), Event::Received { bytes }) => {
+                siyi.hear(at, bytes);
+                None
+            }
+            _ => None,
+        }
+    }
+
+    /// Once per tick: asks for what is not known, and keeps in touch.
+    pub(crate) fn work(&mut self, at: &Moment, effects: &mut Effects) -> Option<ControlOutcome> {
+        match self {
+            Self::Mavlink(manager) => manager.work(at, effects),
+            Self::Siyi(siyi) => {
+                siyi.work(at, effects);
+                None
+            }
+        }
+    }
+
+    /// Asks for control, or to give it up. An outcome follows, here or from [`Self::hear`] or [`Self::work`].
+    pub(crate) fn ask(&mut self, at: &Moment, control: Control, effects: &mut Effects) -> Option<ControlOutcome> {
+        match self {
+            Self::Mavlink(manager) => manager.ask(at, control, effects),
+            // It knows no owners: whoever speaks last is obeyed.
+            Self::Siyi(_) => Some((control, Ok(()))),
+        }
+    }
+
+    /// Turns it.
+    pub(crate) fn turn(&mut self, at: &Moment, turn: Turn, effects: &mut Effects) {
+        match self {
+            Self::Mavlink(manager) => manager.turn(turn, effects),
+            Self::Siyi(siyi) => siyi.turn(at, turn, effects),
+        }
+    }
+
+    /// Whether it obeys without further asking.
+    pub(crate) fn obeys(&self) -> bool {
+        match self {
+            Self::Mavlink(manager) => manager.is_ours(),
+            Self::Siyi(_) => true,
+        }
+    }
+
+    pub(crate) fn status(&self, at: &Moment) -> Status {
+        match self {
+            Self::Mavlink(manager) => manager.status(at),
+            Self::Siyi(siyi) => siyi.status(at),
+        }
+    }
+}

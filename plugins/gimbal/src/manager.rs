@@ -1,0 +1,375 @@
+//! A gimbal behind a MAVLink gimbal manager (gimbal protocol v2): found, owned, turned.
+
+use crate::attitude::{Attitude, Limits, Yaw};
+use crate::device::{Control, ControlOutcome, Moment, Status, Turn};
+use mavlink::MessageData;
+use mavlink::dialects::common::{
+    COMMAND_ACK_DATA, COMMAND_LONG_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA, GIMBAL_DEVICE_INFORMATION_DATA,
+    GIMBAL_MANAGER_INFORMATION_DATA, GIMBAL_MANAGER_SET_PITCHYAW_DATA, GIMBAL_MANAGER_STATUS_DATA,
+    GimbalDeviceErrorFlags, GimbalDeviceFlags, GimbalManagerFlags, MavCmd,
+};
+use minicbor::{Decode, Encode};
+use payload_mavlink::{Requests, decode, send, text};
+use skein_domain::payload::{GimbalOwner, MavlinkMessage};
+use skein_domain::{NodeTime, SystemId};
+use skein_plugin_sdk::Effects;
+
+/// Messages that a gimbal is known by.
+pub(crate) const MESSAGES: &[u32] = &[
+    COMMAND_ACK_DATA::ID,
+    GIMBAL_MANAGER_INFORMATION_DATA::ID,
+    GIMBAL_MANAGER_STATUS_DATA::ID,
+    GIMBAL_DEVICE_INFORMATION_DATA::ID,
+    GIMBAL_DEVICE_ATTITUDE_STATUS_DATA::ID,
+];
+
+/// Pause between two questions, in seconds.
+const QUESTION_PAUSE_S: f64 = 1.0;
+/// How often the device is asked what it is. One that never says can be used all the same.
+const DEVICE_QUESTIONS: u8 = 5;
+/// A status that names nobody is taken for old for this long after control was given to us, in seconds.
+const GRANT_SETTLES_S: f64 = 1.0;
+/// "Whoever sends this", in the numbers of DO_GIMBAL_MANAGER_CONFIGURE.
+const MYSELF: f32 = -2.0;
+/// "Not me any more", in the same numbers.
+const NOT_MYSELF: f32 = -3.0;
+/// "Leave it as it is", in the same numbers.
+const UNCHANGED: f32 = -1.0;
+/// Lowest component id that a device of its own can have; below are devices that their manager speaks for.
+const FIRST_COMPONENT: u8 = 7;
+
+/// The client of a gimbal manager.
+#[derive(Debug, Clone, PartialEq, Default, Encode, Decode)]
+pub(crate) struct Manager {
+    #[n(0)]
+    system_id: u8,
+    /// The manager's component, once it answered.
+    #[n(1)]
+    component: Option<u8>,
+    /// The device; 0 until one is heard.
+    #[n(2)]
+    device: u8,
+    #[n(3)]
+    requests: Requests<Control>,
+    #[n(4)]
+    heard: Option<NodeTime>,
+    #[n(5)]
+    attitude: Option<Attitude>,
+    #[n(6)]
+    manager_limits: Option<Limits>,
+    #[n(7)]
+    device_limits: Option<Limits>,
+    #[n(8)]
+    model: String,
+    #[n(9)]
+    failures: u32,
+    #[n(10)]
+    flags: u16,
+    /// System and component that steer it, as it last said.
+    #[n(11)]
+    owner: Option<(u8, u8)>,
+    /// Control was given to us and not taken since.
+    #[n(12)]
+    granted: Option<NodeTime>,
+    /// What the manager calls us.
+    #[n(13)]
+    own: Option<(u8, u8)>,
+    #[n(14)]
+    last_question: Option<NodeTime>,
+    #[n(15)]
+    device_questions: u8,
+}
+
+impl Manager {
+    pub(crate) fn new(system_id: Option<SystemId>, device: u8) -> Self {
+        Self {
+            system_id: system_id.map_or(0, |id| id.0),
+            device,
+            ..Self::default()
+        }
+    }
+
+    pub(crate) fn is_ours(&self) -> bool {
+        self.granted.is_some()
+    }
+
+    pub(crate) fn status(&self, at: &Moment) -> Status {
+        let connected = self.component.is_some() && at.within(self.heard, at.settings.lost_after_s);
+        Status {
+            connected,
+            owner: if connected { self.owner() } else { GimbalOwner::Unknown },
+            attitude: self.attitude,
+            limits: self.manager_limits.or(self.device_limits),
+            model: self.model.clone(),
+            fault: if connected { self.fault() } else { String::new() },
+        }
+    }
+
+    fn owner(&self) -> GimbalOwner {
+        match (self.granted, self.owner) {
+            (Some(_), _) => GimbalOwner::Us,
+            (None, None) => GimbalOwner::Unknown,
+            (None, Some((0, _))) => GimbalOwner::Nobody,
+            (None, Some((system_id, component_id))) => GimbalOwner::Other {
+                system_id,
+                component_id,
+            },
+        }
+    }
+
+    fn fault(&self) -> String {
+        let failures = GimbalDeviceErrorFlags::from_bits_retain(self.failures);
+        let words = [
+            (
+                GimbalDeviceErrorFlags::GIMBAL_DEVICE_ERROR_FLAGS_ENCODER_ERROR,
+                "encoder",
+            ),
+            (GimbalDeviceErrorFlags::GIMBAL_DEVICE_ERROR_FLAGS_POWER_ERROR, "power"),
+            (GimbalDeviceErrorFlags::GIMBAL_DEVICE_ERROR_FLAGS_MOTOR_ERROR, "motor"),
+            (
+                GimbalDeviceErrorFlags::GIMBAL_DEVICE_ERROR_FLAGS_SOFTWARE_ERROR,
+                "software",
+            ),
+            (
+                GimbalDeviceErrorFlags::GIMBAL_DEVICE_ERROR_FLAGS_COMMS_ERROR,
+                "communication",
+            ),
+            (
+                GimbalDeviceErrorFlags::GIMBAL_DEVICE_ERROR_FLAGS_CALIBRATION_RUNNING,
+                "calibrating",
+            ),
+            (
+                GimbalDeviceErrorFlags::GIMBAL_DEVICE_ERROR_FLAGS_NO_MANAGER,
+                "no manager",
+            ),
+        ];
+        let mut faults: Vec<&str> = words
+            .iter()
+            .filter(|(flag, _)| failures.contains(*flag))
+            .map(|(_, w)| *w)
+            .collect();
+        let flags = GimbalDeviceFlags::from_bits_retain(self.flags);
+        if flags.contains(GimbalDeviceFlags::GIMBAL_DEVICE_FLAGS_RC_EXCLUSIVE) {
+            faults.push("steered by the remote control alone");
+        }
+        faults.join(", ")
+    }
+
+    pub(crate) fn hear(&mut self, at: &Moment, message: &MavlinkMessage) -> Option<ControlOutcome> {
+        match message.message_id {
+            COMMAND_ACK_DATA::ID => return self.hear_acknowledgement(at, message),
+            GIMBAL_MANAGER_INFORMATION_DATA::ID => self.hear_manager(at, message, decode(message)?),
+            GIMBAL_MANAGER_STATUS_DATA::ID => self.hear_status(at, message, &decode(message)?),
+            GIMBAL_DEVICE_INFORMATION_DATA::ID => self.hear_device(at, message, &decode(message)?),
+            GIMBAL_DEVICE_ATTITUDE_STATUS_DATA::ID => self.hear_attitude(at, message, &decode(message)?),
+            _ => {}
+        }
+        None
+    }
+
+    fn hear_acknowledgement(&mut self, at: &Moment, message: &MavlinkMessage) -> Option<ControlOutcome> {
+        let (control, outcome) = self.requests.heard(at.now, message)?;
+        self.own = self.requests.own().or(self.own);
+        match (control, &outcome) {
+            (Control::Take, Ok(())) => self.granted = Some(at.now),
+            (Control::Release, Ok(())) => self.lose(),
+            (_, Err(_)) => {}
+        }
+        Some((control, outcome))
+    }
+
+    /// Control is no longer ours; who has it is for the manager to say.
+    fn lose(&mut self) {
+        self.granted = None;
+        self.owner = None;
+    }
+
+    fn hear_manager(&mut self, at: &Moment, message: &MavlinkMessage, said: GIMBAL_MANAGER_INFORMATION_DATA) {
+        if self.device != 0 && said.gimbal_device_id != 0 && said.gimbal_device_id != self.device {
+            return;
+        }
+        if said.gimbal_device_id != 0 {
+            self.device = said.gimbal_device_id;
+        }
+        self.system_id = message.system_id;
+        self.component = Some(message.component_id);
+        self.manager_limits = Limits::said((said.pitch_min, said.pitch_max), (said.yaw_min, said.yaw_max));
+        self.heard = Some(at.now);
+    }
+
+    fn hear_status(&mut self, at: &Moment, message: &MavlinkMessage, said: &GIMBAL_MANAGER_STATUS_DATA) {
+        let from_ours = self.component == Some(message.component_id)
+            && (said.gimbal_device_id == 0 || said.gimbal_device_id == self.device);
+        if !from_ours {
+            return;
+        }
+        self.heard = Some(at.now);
+        let primary = (said.primary_control_sysid, said.primary_control_compid);
+        let settles = at.within(self.granted, GRANT_SETTLES_S);
+        if self.granted.is_some() && self.own.is_none() && primary.0 != 0 {
+            // It did not say in its acknowledgement who we are; now it does.
+            self.own = Some(primary);
+        }
+        if self.own == Some(primary) {
+            self.granted = self.granted.or(Some(at.now));
+        } else if !(settles && primary.0 == 0) {
+            self.granted = None;
+        }
+        self.owner = Some(primary);
+    }
+
+    fn hear_device(&mut self, at: &Moment, message: &MavlinkMessage, said: &GIMBAL_DEVICE_INFORMATION_DATA) {
+        if !self.is_of_device(message, said.gimbal_device_id) {
+            return;
+        }
+        self.heard = Some(at.now);
+        let (vendor, model) = (text(&*said.vendor_name), text(&*said.model_name));
+        self.model = format!("{vendor} {model}").trim().to_owned();
+        self.device_limits = Limits::said((said.pitch_min, said.pitch_max), (said.yaw_min, said.yaw_max));
+    }
+
+    fn hear_attitude(&mut self, at: &Moment, message: &MavlinkMessage, said: &GIMBAL_DEVICE_ATTITUDE_STATUS_DATA) {
+        if !self.is_of_device(message, said.gimbal_device_id) {
+            return;
+        }
+        let has = |flag| said.flags.contains(flag);
+        let from_north = if has(GimbalDeviceFlags::GIMBAL_DEVICE_FLAGS_YAW_IN_EARTH_FRAME) {
+            true
+        } else if has(GimbalDeviceFlags::GIMBAL_DEVICE_FLAGS_YAW_IN_VEHICLE_FRAME) {
+            false
+        } else {
+            // Devices that know neither flag say it by this one.
+            has(GimbalDeviceFlags::GIMBAL_DEVICE_FLAGS_YAW_LOCK)
+        };
+        let yaw = if from_north { Yaw::North } else { Yaw::Vehicle };
+        let Some(attitude) = Attitude::from_quaternion(at.now, said.q, yaw) else {
+            return;
+        };
+        self.heard = Some(at.now);
+        self.attitude = Some(attitude);
+        self.failures = said.failure_flags.bits();
+        self.flags = said.flags.bits();
+    }
+
+    /// Whether a message is of the device: by the id it names, or by where it comes from.
+    fn is_of_device(&self, message: &MavlinkMessage, named: u8) -> bool {
+        if self.device == 0 {
+            return self.component.is_some();
+        }
+        named == self.device
+            || named == 0 && (message.component_id == self.device || Some(message.component_id) == self.component)
+    }
+
+    pub(crate) fn work(&mut self, at: &Moment, effects: &mut Effects) -> Option<ControlOutcome> {
+        if self.component.is_some() && !at.within(self.heard, at.settings.lost_after_s) {
+            // Whoever comes back may be another, or have forgotten us.
+            self.component = None;
+            self.device_questions = 0;
+            self.lose();
+        }
+        self.question(at, effects);
+        self.requests.work(at.now, at.settings.patience(), effects).pop()
+    }
+
+    fn question(&mut self, at: &Moment, effects: &mut Effects) {
+        if at.within(self.last_question, QUESTION_PAUSE_S) {
+            return;
+        }
+        let Some(manager) = self.component else {
+            self.last_question = Some(at.now);
+            self.request_message(GIMBAL_MANAGER_INFORMATION_DATA::ID, 0, effects);
+            return;
+        };
+        if self.owner.is_none() {
+            self.last_question = Some(at.now);
+            self.request_message(GIMBAL_MANAGER_STATUS_DATA::ID, manager, effects);
+        }
+        if self.model.is_empty() && self.device_questions < DEVICE_QUESTIONS {
+            self.last_question = Some(at.now);
+            self.device_questions += 1;
+            let device = if self.device >= FIRST_COMPONENT {
+                self.device
+            } else {
+                manager
+            };
+            self.request_message(GIMBAL_DEVICE_INFORMATION_DATA::ID, device, effects);
+        }
+    }
+
+    /// Asks once. The answer is the message itself; it is asked again until that comes.
+    fn request_message(&self, id: u32, target_component: u8, effects: &mut Effects) {
+        let command = COMMAND_LONG_DATA {
+            // Ids below 2^24 are exact.
+            param1: id as f32,
+            command: MavCmd::MAV_CMD_REQUEST_MESSAGE,
+            target_system: self.system_id,
+            target_component,
+            ..COMMAND_LONG_DATA::default()
+        };
+        send(&command, effects);
+    }
+
+    pub(crate) fn ask(&mut self, at: &Moment, control: Control, effects: &mut Effects) -> Option<ControlOutcome> {
+        if self.requests.contains(&control) {
+            return None;
+        }
+        // A request the other way that nobody answered yet is out of date.
+        self.requests.forget(&match control {
+            Control::Take => Control::Release,
+            Control::Release => Control::Take,
+        });
+        let who = if control == Control::Take { MYSELF } else { NOT_MYSELF };
+        let command = COMMAND_LONG_DATA {
+            param1: who,
+            param2: who,
+            param3: UNCHANGED,
+            param4: UNCHANGED,
+            param7: f32::from(self.device),
+            command: MavCmd::MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE,
+            target_system: self.system_id,
+            target_component: self.component.unwrap_or_default(),
+            ..COMMAND_LONG_DATA::default()
+        };
+        self.requests.ask(control, &command);
+        self.requests.work(at.now, at.settings.patience(), effects).pop()
+    }
+
+    pub(crate) fn turn(&self, turn: Turn, effects: &mut Effects) {
+        let level =
+            GimbalManagerFlags::GIMBAL_MANAGER_FLAGS_ROLL_LOCK | GimbalManagerFlags::GIMBAL_MANAGER_FLAGS_PITCH_LOCK;
+        let to_north = level
+            | GimbalManagerFlags::GIMBAL_MANAGER_FLAGS_YAW_LOCK
+            | GimbalManagerFlags::GIMBAL_MANAGER_FLAGS_YAW_IN_EARTH_FRAME;
+        let to_vehicle = level | GimbalManagerFlags::GIMBAL_MANAGER_FLAGS_YAW_IN_VEHICLE_FRAME;
+        let still = GIMBAL_MANAGER_SET_PITCHYAW_DATA {
+            flags: to_vehicle,
+            pitch: f32::NAN,
+            yaw: f32::NAN,
+            pitch_rate: f32::NAN,
+            yaw_rate: f32::NAN,
+            target_system: self.system_id,
+            target_component: self.component.unwrap_or_default(),
+            gimbal_device_id: self.device,
+        };
+        let message = match turn {
+            Turn::At(rates) => GIMBAL_MANAGER_SET_PITCHYAW_DATA {
+                pitch_rate: rates.pitch_rad_s as f32,
+                yaw_rate: rates.yaw_rad_s as f32,
+                ..still
+            },
+            Turn::To(direction) => {
+                let (flags, yaw) = match direction.yaw {
+                    Yaw::North(yaw) => (to_north, yaw),
+                    Yaw::Vehicle(yaw) => (to_vehicle, yaw),
+                };
+                GIMBAL_MANAGER_SET_PITCHYAW_DATA {
+                    flags,
+                    pitch: direction.pitch_rad as f32,
+                    yaw: yaw as f32,
+                    ..still
+                }
+            }
+        };
+        send(&message, effects);
+    }
+}
