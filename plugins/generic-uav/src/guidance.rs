@@ -9,7 +9,7 @@ use crate::settings::Settings;
 use minicbor::{Decode, Encode};
 use nalgebra::Vector3;
 use skein_domain::exchange::OwnState;
-use skein_domain::{CommandId, FlightState, NodeTime, PositionNed, Refusal, VehicleCommand, VelocityNed};
+use skein_domain::{CommandId, FlightState, NodeTime, PositionNed, Refusal, VehicleCommand, VehicleId, VelocityNed};
 use skein_plugin_sdk::Effects;
 
 /// A goal's motion is carried on for at most this long, in seconds.
@@ -175,6 +175,24 @@ impl GenericUav {
             Phase::Flying(flying) => flying.yaw_rad,
             _ => None,
         }
+    }
+
+    /// Where the reference of a guided flight is: free of noise, unlike [`Self::position`].
+    #[must_use]
+    pub fn guided_reference(&self) -> Option<PositionNed> {
+        match &self.flight.phase {
+            Phase::Flying(flying) => match flying.plan {
+                Plan::Guided { position, .. } => Some(position),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    /// The vehicle it flies.
+    #[must_use]
+    pub fn vehicle(&self) -> VehicleId {
+        self.vehicle
     }
 
     /// The flight state.

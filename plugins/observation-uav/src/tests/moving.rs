@@ -1,0 +1,131 @@
+//! A target that moves is kept at its distance and in view.
+
+use super::rig::{Mover, PERIOD_S, Rig, THE_TRACK, THE_VEHICLE};
+use crate::Settings;
+use nalgebra::Vector3;
+use proptest::prelude::*;
+use skein_plugin_sdk::domain::exchange::Effect;
+
+/// A walk: accelerations, each for some seconds, up to 5 m/s.
+fn walk() -> impl Strategy<Value = Vec<(f64, f64, f64)>> {
+    prop::collection::vec((-1.5..1.5f64, -1.5..1.5f64, 1.0..6.0f64), 4..12)
+}
+
+fn accelerate(mover: &mut Mover, north_m_s2: f64, east_m_s2: f64) {
+    let faster = mover.velocity + Vector3::new(north_m_s2, east_m_s2, 0.0) * PERIOD_S;
+    mover.velocity = faster.cap_magnitude(5.0);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_distance_is_kept_and_the_target_stays_in_view(
+        walk in walk(),
+        start in (-60.0..60.0f64, -60.0..60.0f64),
+        stand_off_m in 8.0..40.0f64,
+        height_m in 5.0..30.0f64,
+        by_peer in any::<bool>(),
+    ) {
+        let mut rig = Rig::new(Settings::default());
+        let mover = Mover { position: Vector3::new(start.0, start.1, 0.0), velocity: Vector3::zeros() };
+        let target = if by_peer { THE_VEHICLE } else { THE_TRACK };
+        let of = |rig: &mut Rig| -> Mover { if by_peer { rig.peer } else { rig.track }.expect("is there") };
+        if by_peer { rig.peer = Some(mover) } else { rig.track = Some(mover) }
+        rig.tick();
+        let began_s = rig.now.as_seconds();
+        let id = rig.observe(target, Some(stand_off_m), Some(height_m));
+        rig.run_until("on station", 90.0, |rig| rig.is_done(id));
+        rig.run(4.0);
+        for (north_m_s2, east_m_s2, seconds) in walk {
+            for _ in 0..(seconds / PERIOD_S) as u32 {
+                let mover = if by_peer { rig.peer.as_mut() } else { rig.track.as_mut() }.expect("is there");
+                accelerate(mover, north_m_s2, east_m_s2);
+                rig.tick();
+                let mover = of(&mut rig);
+                let distance_m = rig.distance_m(mover);
+                prop_assert!((distance_m - stand_off_m).abs() <= 2.0, "{distance_m:.2} m instead of {stand_off_m:.2}");
+                prop_assert!((mover.position.z - rig.position.z - height_m).abs() <= 2.0);
+                prop_assert_eq!(&rig.report()["in_view"], &serde_json::json!(true));
+                let setpoint = rig.setpoint.and_then(|setpoint| setpoint.position).expect("is streamed");
+                let off_m = (mover.position - setpoint.vector()).xy().norm();
+                prop_assert!(off_m > stand_off_m - 2.5, "a setpoint {off_m:.2} m from the target");
+            }
+        }
+        rig.assert_smooth_since(began_s);
+        let gimbal = rig.gimbal.as_ref().expect("is there");
+        let pairs = gimbal.told.windows(2).map(|pair| pair[1].0 - pair[0].0);
+        let shortest_s = pairs.fold(f64::INFINITY, f64::min);
+        prop_assert!(shortest_s > 0.199, "the gimbal was told again after {shortest_s:.3} s");
+    }
+}
+
+#[test]
+fn without_a_gimbal_the_nose_points_at_the_target() {
+    let mut rig = Rig::with_track(30.0, 30.0);
+    rig.gimbal = None;
+    // Nothing is heard of it any more.
+    rig.inbox.push(super::coordination::gone(
+        "gimbal",
+        skein_plugin_sdk::domain::payload::PayloadKind::Gimbal,
+    ));
+    let id = rig.observe(THE_TRACK, Some(20.0), Some(10.0));
+    rig.run_until("on station", 60.0, |rig| rig.is_done(id));
+    let mut last_rad = rig.yaw_rad;
+    for _ in 0..1_000 {
+        accelerate(rig.track.as_mut().expect("is there"), 0.5, -0.8);
+        rig.tick();
+        let turn_rad = skein_plugin_sdk::domain::frames::wrap_angle_rad(rig.yaw_rad - last_rad).abs();
+        assert!(turn_rad <= 0.8 * PERIOD_S + 1e-9, "turned by {turn_rad}");
+        last_rad = rig.yaw_rad;
+        let off = rig.track.expect("is there").position - rig.position;
+        let wrong_rad = skein_plugin_sdk::domain::frames::wrap_angle_rad(off.y.atan2(off.x) - rig.yaw_rad).abs();
+        assert!(wrong_rad < 0.1, "the nose is {wrong_rad:.2} rad off");
+    }
+    assert_eq!(rig.report()["in_view"], true);
+}
+
+#[test]
+fn a_gimbal_that_does_not_reach_is_helped_by_the_nose() {
+    let mut rig = Rig::with_track(-30.0, 5.0);
+    rig.gimbal.as_mut().expect("is there").fixed_yaw = true;
+    let id = rig.observe(THE_TRACK, Some(20.0), None);
+    rig.run_until("on station", 60.0, |rig| rig.is_done(id));
+    rig.run(8.0);
+    assert_eq!(rig.report()["in_view"], true, "{}", rig.report());
+}
+
+#[test]
+fn from_right_above_it_backs_off_without_crossing_the_target() {
+    let mut rig = Rig::with_track(0.0, 0.0);
+    let id = rig.observe(THE_TRACK, Some(12.0), None);
+    rig.run_until("on station", 60.0, |rig| rig.is_done(id));
+    let mover = rig.track.expect("is there");
+    assert!((rig.distance_m(mover) - 12.0).abs() < 1.6);
+    assert!((rig.position.z + 20.0).abs() < 0.5, "its height stays");
+    assert!(
+        rig.position.x < -9.0,
+        "the way its nose does not point: {:?}",
+        rig.position
+    );
+}
+
+#[test]
+fn a_target_that_trembles_does_not_make_the_vehicle_tremble() {
+    let mut rig = Rig::with_track(40.0, 0.0);
+    let id = rig.observe(THE_TRACK, Some(20.0), None);
+    rig.run_until("on station", 60.0, |rig| rig.is_done(id));
+    rig.run(10.0);
+    let here = rig.position;
+    for period in 0..500 {
+        let side = if period % 2 == 0 { 0.2 } else { -0.2 };
+        rig.track.as_mut().expect("is there").position.y = side;
+        let effects = rig.tick();
+        let moves = effects.iter().any(|effect| match effect {
+            Effect::Setpoint(setpoint) => setpoint.velocity.expect("has one").norm() > 0.25,
+            _ => false,
+        });
+        assert!(!moves, "at period {period}");
+    }
+    assert!((rig.position - here).norm() < 0.5);
+}
