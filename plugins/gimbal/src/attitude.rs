@@ -34,7 +34,7 @@ pub(crate) enum Yaw {
 
 impl Yaw {
     /// From the vehicle's nose, where that can be said.
-    pub(crate) fn from_nose(self, vehicle_yaw_rad: Option<f64>) -> Option<f64> {
+    pub(crate) fn off_nose(self, vehicle_yaw_rad: Option<f64>) -> Option<f64> {
         match self {
             Self::Vehicle(yaw) => Some(wrap_angle_rad(yaw)),
             Self::North(yaw) => vehicle_yaw_rad.map(|nose| wrap_angle_rad(yaw - nose)),
@@ -42,7 +42,7 @@ impl Yaw {
     }
 
     /// From north, where that can be said.
-    pub(crate) fn from_north(self, vehicle_yaw_rad: Option<f64>) -> Option<f64> {
+    pub(crate) fn off_north(self, vehicle_yaw_rad: Option<f64>) -> Option<f64> {
         match self {
             Self::North(yaw) => Some(wrap_angle_rad(yaw)),
             Self::Vehicle(yaw) => vehicle_yaw_rad.map(|nose| wrap_angle_rad(yaw + nose)),
@@ -94,8 +94,8 @@ impl Direction {
     /// The angle between this direction and where the gimbal looks; `None` if their frames cannot be compared.
     pub(crate) fn off_rad(&self, attitude: &Attitude, vehicle_yaw_rad: Option<f64>) -> Option<f64> {
         let (wanted, is) = match (self.yaw, attitude.yaw) {
-            (Yaw::North(wanted), is) => (wanted, is.from_north(vehicle_yaw_rad)?),
-            (Yaw::Vehicle(wanted), is) => (wanted, is.from_nose(vehicle_yaw_rad)?),
+            (Yaw::North(wanted), is) => (wanted, is.off_north(vehicle_yaw_rad)?),
+            (Yaw::Vehicle(wanted), is) => (wanted, is.off_nose(vehicle_yaw_rad)?),
         };
         let axis = |pitch: f64, yaw: f64| Vector3::new(pitch.cos() * yaw.cos(), pitch.cos() * yaw.sin(), pitch.sin());
         Some(axis(self.pitch_rad, wanted).angle(&axis(attitude.pitch_rad, is)))
@@ -146,7 +146,7 @@ impl Limits {
         let pitch_rad = direction.pitch_rad.max(self.pitch_min_rad).min(self.pitch_max_rad);
         let mut yaw = direction.yaw;
         if let (Some(low), Some(high), Some(from_nose)) =
-            (self.yaw_min_rad, self.yaw_max_rad, yaw.from_nose(vehicle_yaw_rad))
+            (self.yaw_min_rad, self.yaw_max_rad, yaw.off_nose(vehicle_yaw_rad))
             && !(low..=high).contains(&from_nose)
         {
             let to = |end: f64| wrap_angle_rad(end - from_nose).abs();

@@ -361,7 +361,7 @@ impl Gimbal {
             Aim::Angles(direction) => direction,
             Aim::Place(place) => {
                 let attitude = self.core.device.status(&at).attitude;
-                let present = attitude.and_then(|attitude| attitude.yaw.from_north(at.vehicle_yaw_rad));
+                let present = attitude.and_then(|attitude| attitude.yaw.off_north(at.vehicle_yaw_rad));
                 Direction::towards(&self.place()?, &place, present.unwrap_or_default())
             }
         };

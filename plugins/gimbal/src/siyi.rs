@@ -186,7 +186,7 @@ impl Siyi {
                 if std::mem::take(&mut self.turning) {
                     self.send(command::RATES, &[0, 0], effects);
                 }
-                let Some(from_nose) = direction.yaw.from_nose(at.vehicle_yaw_rad) else {
+                let Some(from_nose) = direction.yaw.off_nose(at.vehicle_yaw_rad) else {
                     return;
                 };
                 let left = if self.upside_down { from_nose } else { -from_nose };

@@ -74,10 +74,10 @@ impl Gimbal {
             owner,
             roll_rad: attitude.map_or(0.0, |a| rounded(a.roll_rad)),
             pitch_rad: attitude.map_or(0.0, |a| rounded(a.pitch_rad)),
-            yaw_vehicle_rad: attitude.and_then(|a| a.yaw.from_nose(nose)).map_or(0.0, rounded),
-            yaw_north_rad: attitude.and_then(|a| a.yaw.from_north(nose)).map(rounded),
+            yaw_vehicle_rad: attitude.and_then(|a| a.yaw.off_nose(nose)).map_or(0.0, rounded),
+            yaw_north_rad: attitude.and_then(|a| a.yaw.off_north(nose)).map(rounded),
             wanted_pitch_rad: wanted.map(|w| rounded(w.pitch_rad)),
-            wanted_yaw_north_rad: wanted.and_then(|w| w.yaw.from_north(nose)).map(rounded),
+            wanted_yaw_north_rad: wanted.and_then(|w| w.yaw.off_north(nose)).map(rounded),
             place: match self.core.aim {
                 Aim::Place(place) => Some(place),
                 _ => None,

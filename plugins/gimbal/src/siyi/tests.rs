@@ -87,7 +87,7 @@ fn attitude_is_in_tenths_of_a_degree_and_to_the_left() {
     let attitude = siyi.attitude.unwrap();
     assert!((attitude.pitch_rad - (-20.0_f64).to_radians()).abs() < 1e-9);
     assert!((attitude.roll_rad - 1.0_f64.to_radians()).abs() < 1e-9);
-    let yaw = attitude.yaw.from_nose(None).unwrap();
+    let yaw = attitude.yaw.off_nose(None).unwrap();
     assert!((yaw + 60.5_f64.to_radians()).abs() < 1e-9, "{yaw}");
     assert!(siyi.status(&at(1.1, &settings)).connected);
     assert!(!siyi.status(&at(9.0, &settings)).connected);
@@ -110,7 +110,7 @@ fn upside_down_level_is_level() {
         attitude.pitch_rad.abs() < 1e-9 && attitude.roll_rad.abs() < 1e-9,
         "{attitude:?}"
     );
-    let yaw = attitude.yaw.from_nose(None).unwrap();
+    let yaw = attitude.yaw.off_nose(None).unwrap();
     assert!((yaw - 10.0_f64.to_radians()).abs() < 1e-9, "{yaw}");
 }
 
