@@ -11,6 +11,7 @@ use crate::sink::LogSink;
 use crate::statistics::CallTimes;
 use crate::{Plugin, PluginError};
 use parking_lot::Mutex;
+use skein_domain::manifest::EffectKind;
 use skein_plugin_abi::method;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -46,11 +47,12 @@ enum State {
 
 impl InstanceBody {
     pub(crate) fn new(plugin: Arc<Plugin>, name: String) -> Self {
+        let pool = Pool::new(plugin.manifest().effects.contains(&EffectKind::Frame));
         let sink = LogSink::new(plugin.manifest().name.clone(), name.clone());
         Self {
             plugin,
             name,
-            services: Services::new(sink, Pool::default()),
+            services: Services::new(sink, pool),
             times: CallTimes::default(),
             state: Mutex::new(State::Unborn),
         }

@@ -1,73 +1,112 @@
-//! Instances in a process of their own.
+//! Instances in processes of their own. A node starts its own program as `skein plugin-host` for each, hands the library over as the
+//! sealed bytes it has judged, and speaks to it over a socket; frames lie in memory that both share.
+//!
+//! Must never do: trust what a child sends, or let one outlive its instance or this process.
+
+mod calls;
+mod logs;
+mod message;
+mod process;
+mod received;
+mod serve;
+mod share;
+mod wire;
+
+pub use serve::{ServeError, serve};
 
 use crate::answer::RawAnswer;
-use crate::frames::{Frame, Pool};
+use crate::frames::Pool;
+use crate::sink::LogSink;
+use crate::statistics::CallTimes;
 use crate::{CallStatistics, ChildLimits, Manifest, Plugin, PluginError, Runners};
-use std::sync::Arc;
+pub(crate) use calls::Call;
+use calls::{Caller, Job, Shared};
+use skein_domain::manifest::EffectKind;
+use std::sync::mpsc::{Sender, channel};
+use std::sync::{Arc, OnceLock};
+use tokio::sync::oneshot;
 
-/// Why a host process could not serve.
-#[derive(Debug, thiserror::Error)]
-#[error("{0}")]
-pub struct ServeError(String);
-
-/// Serves one instance over standard input until its end. The whole of the program `skein plugin-host`.
-pub fn serve() -> Result<(), ServeError> {
-    Err(ServeError("not there yet".to_owned()))
-}
-
+/// The untyped calls of one instance in a child.
 #[derive(Debug)]
 pub(crate) struct ChildCalls {
-    plugin: Arc<Plugin>,
-    name: String,
-    pool: Pool,
+    shared: Arc<Shared>,
+    /// Gone first on drop: then the thread ends the child and itself.
+    jobs: Sender<Job>,
 }
 
 impl ChildCalls {
     pub(crate) async fn create(
-        _: &Runners,
-        _: Arc<Plugin>,
-        _: String,
-        _: ChildLimits,
-        _: u32,
-        _: Vec<u8>,
+        runners: &Runners,
+        plugin: Arc<Plugin>,
+        name: String,
+        limits: ChildLimits,
+        schema: u32,
+        bytes: Vec<u8>,
     ) -> Result<Self, PluginError> {
-        Err(PluginError::NotStarted {
-            detail: "not there yet".to_owned(),
-        })
+        let program = runners.host_program();
+        let manifest = plugin.manifest();
+        let shared = Arc::new(Shared {
+            sink: LogSink::new(manifest.name.clone(), name.clone()),
+            pool: Pool::new(manifest.effects.contains(&EffectKind::Frame)),
+            plugin,
+            name,
+            settings: *runners.settings(),
+            limits,
+            times: CallTimes::default(),
+            process: OnceLock::new(),
+        });
+        let (jobs, receiver) = channel::<Job>();
+        let (reply, made) = oneshot::channel();
+        let for_thread = Arc::clone(&shared);
+        let living = runners.count_child();
+        // The system ends a child with the thread that started it.
+        let life = move || {
+            let _living = living;
+            match Caller::start(for_thread, program, schema, &bytes) {
+                Ok(caller) => {
+                    let _ = reply.send(Ok(()));
+                    caller.run(&receiver);
+                }
+                Err(error) => {
+                    let _ = reply.send(Err(error));
+                }
+            }
+        };
+        std::thread::Builder::new()
+            .name("plugin-child".to_owned())
+            .spawn(life)
+            .map_err(|e| PluginError::NoThread { detail: e.to_string() })?;
+        made.await.unwrap_or(Err(PluginError::Gone))?;
+        Ok(Self { shared, jobs })
     }
 
-    pub(crate) async fn invoke(
-        &self,
-        _: u32,
-        _: u32,
-        _: Vec<u8>,
-        _: Vec<Arc<Frame>>,
-        _: bool,
-    ) -> Result<RawAnswer, PluginError> {
-        Err(PluginError::Gone)
+    pub(crate) async fn invoke(&self, call: Call) -> Result<RawAnswer, PluginError> {
+        let (reply, answer) = oneshot::channel();
+        self.jobs.send((call, reply)).map_err(|_| PluginError::Gone)?;
+        answer.await.unwrap_or(Err(PluginError::Gone))
     }
 
     pub(crate) fn kill(&self) -> bool {
-        false
+        self.shared.process.get().is_some_and(|process| process.kill())
     }
 
     pub(crate) fn pid(&self) -> Option<u32> {
-        None
+        self.shared.process.get()?.pid()
     }
 
     pub(crate) fn name(&self) -> &str {
-        &self.name
+        &self.shared.name
     }
 
     pub(crate) fn manifest(&self) -> &Manifest {
-        self.plugin.manifest()
+        self.shared.plugin.manifest()
     }
 
     pub(crate) fn statistics(&self) -> CallStatistics {
-        CallStatistics::default()
+        self.shared.times.read(self.shared.sink.dropped())
     }
 
     pub(crate) fn pool(&self) -> &Pool {
-        &self.pool
+        &self.shared.pool
     }
 }

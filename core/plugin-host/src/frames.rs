@@ -19,8 +19,8 @@ pub(crate) const SLOTS: usize = 4;
 /// No frame is longer, in bytes: a picture of 4096 x 2160 points with three bytes each and some more. Memory that is not written to
 /// is not used.
 pub(crate) const MAX_FRAME_BYTES: usize = 32 << 20;
-/// What comes before the first slot: [`Control`], with room.
-const CONTROL_BYTES: usize = 4096;
+/// What comes before the first slot: [`Control`], and room up to the largest page there is.
+const CONTROL_BYTES: usize = 64 << 10;
 const TOTAL_BYTES: usize = CONTROL_BYTES + SLOTS * MAX_FRAME_BYTES;
 /// Slots are told apart by the lowest bits of an id.
 const SLOT_MASK: u64 = SLOTS as u64 - 1;
@@ -279,25 +279,39 @@ impl Drop for Frame {
     }
 }
 
-/// The slots of an instance, made when the first is asked for.
-#[derive(Debug, Default)]
-pub(crate) struct Pool(Mutex<Option<Arc<FrameMemory>>>);
+/// The slots of an instance, made when the first is asked for, if it may have any.
+#[derive(Debug)]
+pub(crate) struct Pool {
+    lends: bool,
+    memory: Mutex<Option<Arc<FrameMemory>>>,
+}
 
 impl Pool {
-    /// Slots that are there already.
-    pub(crate) fn of(memory: Option<Arc<FrameMemory>>) -> Self {
-        Self(Mutex::new(memory))
+    /// A pool that lends, or none.
+    pub(crate) fn new(lends: bool) -> Self {
+        Self {
+            lends,
+            memory: Mutex::new(None),
+        }
+    }
+
+    /// The slots that another process made, if it did.
+    pub(crate) fn shared(memory: Option<Arc<FrameMemory>>) -> Self {
+        Self {
+            lends: memory.is_some(),
+            memory: Mutex::new(memory),
+        }
     }
 
     /// The slots, if any was asked for yet.
     pub(crate) fn memory(&self) -> Option<Arc<FrameMemory>> {
-        self.0.lock().clone()
+        self.memory.lock().clone()
     }
 
     /// The slots, made now if need be.
     pub(crate) fn memory_or_new(&self) -> Option<Arc<FrameMemory>> {
-        let mut memory = self.0.lock();
-        if memory.is_none() {
+        let mut memory = self.memory.lock();
+        if memory.is_none() && self.lends {
             match FrameMemory::new() {
                 Ok(new) => *memory = Some(new),
                 Err(error) => tracing::error!(target: "plugin", "no memory for frames: {error}"),

@@ -1,7 +1,7 @@
 //! One instance of a plugin, as its actor holds it: event batches in, effect batches out.
 
 use crate::answer::{Answer, Judge, RawAnswer};
-use crate::child::ChildCalls;
+use crate::child::{Call, ChildCalls};
 use crate::frames::{Frame, Pool};
 use crate::runners::{Calls, encode};
 use crate::{CallStatistics, Isolation, Manifest, PluginError};
@@ -117,7 +117,16 @@ impl Instance {
     ) -> Result<RawAnswer, PluginError> {
         match &self.way {
             Way::Here(calls) => calls.invoke(method, schema, bytes, frames, then_snapshot).await,
-            Way::Child(child) => child.invoke(method, schema, bytes, frames, then_snapshot).await,
+            Way::Child(child) => {
+                let call = Call {
+                    method,
+                    schema,
+                    bytes,
+                    frames,
+                    then_snapshot,
+                };
+                child.invoke(call).await
+            }
         }
     }
 

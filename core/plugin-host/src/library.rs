@@ -8,6 +8,7 @@ use crate::trust::sha256_hex;
 use crate::{LoadError, Manifest, PluginError, Trust, image};
 use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
 use skein_plugin_abi::{ENTRY_SYMBOL, Handshake};
+use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -22,6 +23,8 @@ pub struct Plugin {
     manifest: Manifest,
     path: PathBuf,
     sha256: String,
+    /// The bytes that were judged, for child processes.
+    sealed: OwnedFd,
     pub(crate) entry: Entry,
     /// Threads that were given up inside this plugin and have not come back.
     pub(crate) hanging: AtomicU32,
@@ -60,21 +63,10 @@ impl Plugin {
     }
 
     fn load_here(path: PathBuf, file: &[u8], sha256: String) -> Result<Self, LoadError> {
+        let sealed = private_copy::sealed(file)?;
         let kind = image::judge(file)?;
         let copy = PrivateCopy::of(file, &path)?;
-        // SAFETY: the library's constructors run here; that nobody else can have written it was checked when it was read.
-        let library =
-            unsafe { Library::open(Some(copy.path()), RTLD_NOW | RTLD_LOCAL) }.map_err(|e| LoadError::NotLoadable {
-                detail: loader_detail(&e, copy.path()),
-            })?;
-        // SAFETY: the symbol is only used as an address, which `Handshake::of_loaded` judges.
-        let symbol = unsafe { library.get::<*const Handshake>(ENTRY_SYMBOL) }.map(|symbol| symbol.into_raw());
-        // Never unloaded from here on, whatever it turns out to be: its constructors may have started threads.
-        std::mem::forget(library);
-        let symbol = symbol.map_err(|_| LoadError::MissingSymbol)?;
-        // SAFETY: the address of a data symbol of a library that stays loaded.
-        let handshake = unsafe { Handshake::of_loaded(symbol.cast()) }?;
-        let entry = Entry::new(handshake.entry_points()?);
+        let entry = open(copy.path())?;
         let manifest = entry.manifest().map_err(|e| match e {
             PluginError::Panicked { message } => LoadError::ManifestPanicked { message },
             other => LoadError::BadManifest {
@@ -86,6 +78,7 @@ impl Plugin {
             manifest,
             path,
             sha256,
+            sealed,
             entry,
             hanging: AtomicU32::new(0),
         })
@@ -109,11 +102,32 @@ impl Plugin {
         &self.sha256
     }
 
+    /// The library in memory that nobody can change.
+    pub(crate) fn library_file(&self) -> BorrowedFd<'_> {
+        self.sealed.as_fd()
+    }
+
     /// How many threads hang in this plugin.
     #[must_use]
     pub fn hanging_threads(&self) -> u32 {
         self.hanging.load(Ordering::Relaxed)
     }
+}
+
+/// Loads a library that was judged, and finds its entry points.
+pub(crate) fn open(path: &Path) -> Result<Entry, LoadError> {
+    // SAFETY: the library's constructors run here; that nobody else can have written it was checked when it was read.
+    let library = unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL) }.map_err(|e| LoadError::NotLoadable {
+        detail: loader_detail(&e, path),
+    })?;
+    // SAFETY: the symbol is only used as an address, which `Handshake::of_loaded` judges.
+    let symbol = unsafe { library.get::<*const Handshake>(ENTRY_SYMBOL) }.map(|symbol| symbol.into_raw());
+    // Never unloaded from here on, whatever it turns out to be: its constructors may have started threads.
+    std::mem::forget(library);
+    let symbol = symbol.map_err(|_| LoadError::MissingSymbol)?;
+    // SAFETY: the address of a data symbol of a library that stays loaded.
+    let handshake = unsafe { Handshake::of_loaded(symbol.cast()) }?;
+    Ok(Entry::new(handshake.entry_points()?))
 }
 
 /// The loader's text without the path of the copy, which nobody can look at any more.

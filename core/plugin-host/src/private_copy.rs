@@ -5,8 +5,10 @@
 
 use crate::LoadError;
 use crate::trust::refuse_file_of_others;
+use rustix::fs::{MemfdFlags, SealFlags};
 use std::fs::{File, Metadata};
 use std::io::{Read, Seek, Write};
+use std::os::fd::OwnedFd;
 use std::os::unix::fs::{MetadataExt, OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -52,6 +54,22 @@ impl PrivateCopy {
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
+}
+
+/// The bytes of a library in memory that nobody can change any more, to be handed to child processes.
+pub(crate) fn sealed(bytes: &[u8]) -> Result<OwnedFd, LoadError> {
+    let make = || -> std::io::Result<OwnedFd> {
+        let flags = MemfdFlags::CLOEXEC | MemfdFlags::ALLOW_SEALING;
+        // Kernels before 6.3 do not know that a file in memory may be forbidden to be run.
+        let file = rustix::fs::memfd_create("skein-plugin", flags | MemfdFlags::EXEC)
+            .or_else(|_| rustix::fs::memfd_create("skein-plugin", flags))?;
+        let mut file = File::from(file);
+        file.write_all(bytes)?;
+        let seals = SealFlags::WRITE | SealFlags::SHRINK | SealFlags::GROW | SealFlags::SEAL;
+        rustix::fs::fcntl_add_seals(&file, seals)?;
+        Ok(file.into())
+    };
+    make().map_err(|source| LoadError::NotCopied { source })
 }
 
 /// What tells one state of a file from another. The time of its last change is set by the system with every write, rename and change of

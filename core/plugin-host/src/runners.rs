@@ -54,8 +54,10 @@ impl Default for RunnerSettings {
 pub struct RunnersHealth {
     /// Lanes, each with one thread.
     pub lanes: usize,
-    /// Living instances.
+    /// Living instances in this process.
     pub instances: usize,
+    /// Child processes.
+    pub children: usize,
 }
 
 /// The pool. Its threads end when it and all its instances are gone.
@@ -65,6 +67,8 @@ pub struct Runners {
     lanes: Vec<Arc<Lane>>,
     watched: AtomicBool,
     host_program: Mutex<Option<PathBuf>>,
+    /// Each child's thread has one.
+    children: Arc<()>,
 }
 
 impl Runners {
@@ -92,6 +96,7 @@ impl Runners {
             lanes,
             watched: AtomicBool::new(false),
             host_program: Mutex::default(),
+            children: Arc::default(),
         })
     }
 
@@ -112,6 +117,7 @@ impl Runners {
         RunnersHealth {
             lanes: self.lanes.len(),
             instances,
+            children: Arc::strong_count(&self.children) - 1,
         }
     }
 
@@ -143,11 +149,15 @@ impl Runners {
     }
 
     /// The program to be started for a child.
-    pub(crate) fn host_program(&self) -> Result<PathBuf, PluginError> {
-        if let Some(program) = self.host_program.lock().clone() {
-            return Ok(program);
-        }
-        std::env::current_exe().map_err(|e| PluginError::NotStarted { detail: e.to_string() })
+    pub(crate) fn host_program(&self) -> PathBuf {
+        // Not its path: its file may have been exchanged for a newer version since.
+        let own = || PathBuf::from("/proc/self/exe");
+        self.host_program.lock().clone().unwrap_or_else(own)
+    }
+
+    /// Counts a child for as long as the result is kept.
+    pub(crate) fn count_child(&self) -> Arc<()> {
+        Arc::clone(&self.children)
     }
 
     fn watch(&self) -> Result<(), PluginError> {
