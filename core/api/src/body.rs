@@ -8,10 +8,12 @@ use axum::body::Bytes;
 use axum::extract::rejection::JsonRejection;
 use axum::extract::{FromRequest, Request};
 use axum::http::{HeaderMap, header};
-use serde::Serialize;
+use schemars::JsonSchema;
 use serde::de::{DeserializeOwned, IgnoredAny};
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use skein_domain::payload::Target;
+use skein_config::PayloadRule;
+use skein_domain::payload::{Target, Track};
 use skein_domain::{FormationRequest, HeadingRequest, PositionNed, Route, VehicleCommand, VehicleId};
 use skein_runtime::{Fault, Targets};
 use std::time::Duration;
@@ -304,6 +306,49 @@ impl MakesSense for Route {
         place
             .field("corner_radius_m")
             .number(self.corner_radius_m, 0.0, MAX_DISTANCE_M)
+    }
+}
+
+/// A command to a payload, as its plugin's command schema has it.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(transparent)]
+pub struct PayloadCommandBody(pub Value);
+
+impl MakesSense for PayloadCommandBody {
+    fn check(&self, _: &Place<'_>) -> Result<(), ApiError> {
+        if self.0.is_object() {
+            return Ok(());
+        }
+        Err(ApiError::Shape {
+            problem: "a command is an object".to_owned(),
+        })
+    }
+}
+
+/// Everything that is tracked.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TracksBody {
+    /// The tracks.
+    pub tracks: Vec<Track>,
+}
+
+impl MakesSense for TracksBody {
+    fn check(&self, place: &Place<'_>) -> Result<(), ApiError> {
+        let tracks = place.field("tracks");
+        for (index, track) in self.tracks.iter().enumerate() {
+            tracks.item(index).field("position").position(&track.position)?;
+        }
+        Ok(())
+    }
+}
+
+impl MakesSense for PayloadRule {
+    fn check(&self, place: &Place<'_>) -> Result<(), ApiError> {
+        PayloadRule::check(self).map_err(|problem| ApiError::OutOfRange {
+            field: place.to_string(),
+            problem,
+        })
     }
 }
 

@@ -10,6 +10,7 @@ use axum::http::{Method, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 use serde_json::{Value, json};
 use skein_domain::Refusal;
+use skein_runtime::PluginRefusal;
 use thiserror::Error;
 
 /// Everything that can go wrong with a request.
@@ -18,6 +19,9 @@ pub enum ApiError {
     /// The node refused.
     #[error("{0}")]
     Refused(#[from] Refusal),
+    /// The node refused something about a plugin.
+    #[error("{0}")]
+    Plugin(#[from] PluginRefusal),
     /// Not one of the vehicles a command was for is known.
     #[error("none of these vehicles is known here")]
     NoneKnown(CommandReceipts),
@@ -113,6 +117,7 @@ impl ApiError {
     pub fn status(&self) -> StatusCode {
         match self {
             Self::Refused(refusal) => refusal_status(refusal),
+            Self::Plugin(refusal) => plugin_refusal(refusal).0,
             Self::NoneKnown(_) | Self::NotFound { .. } => StatusCode::NOT_FOUND,
             Self::Body(rejection) => rejection.status(),
             Self::TooSlow => StatusCode::REQUEST_TIMEOUT,
@@ -133,6 +138,7 @@ impl ApiError {
     pub fn code(&self) -> &'static str {
         match self {
             Self::Refused(refusal) => refusal.code(),
+            Self::Plugin(refusal) => plugin_refusal(refusal).1,
             Self::NoneKnown(_) => "unknown_vehicle",
             Self::Body(rejection) => body_code(rejection),
             Self::TooSlow => "too_slow",
@@ -208,6 +214,18 @@ fn refusal_status(refusal: &Refusal) -> StatusCode {
         | Refusal::StaleIncarnation { .. }
         | Refusal::NotSupported { .. }
         | Refusal::DuplicateSystemId { .. } => StatusCode::CONFLICT,
+    }
+}
+
+/// Status and code of a refusal about a plugin.
+fn plugin_refusal(refusal: &PluginRefusal) -> (StatusCode, &'static str) {
+    match refusal {
+        PluginRefusal::Unknown { .. } => (StatusCode::NOT_FOUND, "unknown_plugin"),
+        PluginRefusal::NothingNewer { .. } => (StatusCode::CONFLICT, "nothing_newer"),
+        PluginRefusal::NothingBefore { .. } => (StatusCode::CONFLICT, "nothing_before"),
+        PluginRefusal::InUse { .. } => (StatusCode::CONFLICT, "in_use"),
+        PluginRefusal::NotPermitted { .. } => (StatusCode::FORBIDDEN, "not_permitted"),
+        PluginRefusal::BadUpload { .. } => (StatusCode::UNPROCESSABLE_ENTITY, "bad_upload"),
     }
 }
 

@@ -6,13 +6,15 @@
 pub(crate) mod golden;
 
 use crate::protocol::{
-    Accepted, ClientMessage, CommandBody, CommandReceipts, ErrorBody, EventList, FormationAnswer, Health, PluginList,
-    RouteBody, ServerMessage, VehicleList, VersionInfo,
+    Accepted, ClientMessage, CommandBody, CommandReceipts, ErrorBody, EventList, FormationAnswer, Health, PayloadList,
+    PluginList, RestartList, RouteBody, ServerMessage, VehicleList, VersionInfo,
 };
 use crate::wire::{self, Field, Header, Record, flag};
+use skein_config::PayloadRule;
+use skein_domain::payload::{CameraCommand, CameraState, GimbalCommand, GimbalState, RadioCommand, RadioState};
 use skein_domain::{FlightMode, FlightState, FormationRequest, GnssFix, LandedState};
 use skein_runtime::snapshot::FleetSnapshot;
-use skein_runtime::{Fault, FormationReceipt};
+use skein_runtime::{Fault, FormationReceipt, UpgradeReceipt};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use ts_rs::{Config, TS, TypeVisitor};
@@ -73,6 +75,16 @@ fn types() -> String {
     found.visit::<Fault>();
     found.visit::<EventList>();
     found.visit::<PluginList>();
+    found.visit::<PayloadList>();
+    found.visit::<RestartList>();
+    found.visit::<UpgradeReceipt>();
+    found.visit::<PayloadRule>();
+    found.visit::<GimbalCommand>();
+    found.visit::<GimbalState>();
+    found.visit::<CameraCommand>();
+    found.visit::<CameraState>();
+    found.visit::<RadioCommand>();
+    found.visit::<RadioState>();
     found.visit::<ErrorBody>();
     found.visit::<ServerMessage>();
     found.visit::<ClientMessage>();

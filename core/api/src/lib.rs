@@ -13,6 +13,8 @@ pub mod generated;
 mod guard;
 mod metrics;
 pub mod openapi;
+mod payloads;
+mod picture;
 pub mod protocol;
 mod routes;
 mod server;

@@ -8,7 +8,7 @@ use metrics::{counter, gauge};
 use metrics_exporter_prometheus::{PrometheusBuilder, PrometheusHandle};
 use skein_domain::FlightState;
 use skein_runtime::NodeHandle;
-use skein_runtime::snapshot::{ActorHealth, ActorStatus, FleetSnapshot, VehicleSnapshot};
+use skein_runtime::snapshot::{ActorHealth, ActorStatus, FleetSnapshot, PluginHealth, VehicleSnapshot};
 use std::sync::OnceLock;
 use std::time::Duration;
 
@@ -117,8 +117,19 @@ fn fleet(snapshot: &FleetSnapshot) {
     for one in &snapshot.vehicles {
         vehicle(one);
         actor(&one.actor);
-        actor(&one.model);
+        plugin(&one.model);
+        for payload in &one.payloads {
+            plugin(&payload.plugin);
+        }
     }
+}
+
+fn plugin(health: &PluginHealth) {
+    actor(&health.as_actor());
+    let labels = [("instance", health.name.clone()), ("plugin", health.plugin.clone())];
+    gauge!("skein_plugin_restarts", &labels).set(health.restarts as f64);
+    gauge!("skein_plugin_call_p50_seconds", &labels).set(health.call_p50_us * 1e-6);
+    gauge!("skein_plugin_call_p99_seconds", &labels).set(health.call_p99_us * 1e-6);
 }
 
 fn vehicle(vehicle: &VehicleSnapshot) {

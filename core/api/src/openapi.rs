@@ -176,9 +176,9 @@ fn operation(endpoint: Endpoint, schemas: &mut Schemas) -> utoipa::openapi::path
         .operation_id(Some(endpoint.id))
         .tag(endpoint.tag)
         .summary(Some(endpoint.summary));
-    if let Some((name, schema)) = endpoint.variable {
+    for (name, schema) in &endpoint.variables {
         let parameter = ParameterBuilder::new()
-            .name(name)
+            .name(*name)
             .parameter_in(ParameterIn::Path)
             .required(Required::True);
         operation = operation.parameter(parameter.schema(Some(embedded(schema(&mut schemas.requests)))));

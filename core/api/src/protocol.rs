@@ -4,9 +4,11 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use skein_config::Isolation;
+use skein_domain::payload::PayloadKind;
 use skein_domain::{Geodetic, NodeTime, Route, SwarmFrame, SystemId, VehicleCommand, VehicleId};
 use skein_runtime::snapshot::{ActorHealth, EventRecord, FormationSnapshot, UnadoptedVehicle, VehicleSnapshot};
-use skein_runtime::{CommandReceipt, PluginInfo, Targets};
+use skein_runtime::{CommandReceipt, PayloadSnapshot, PluginInfo, RestartRecord, Targets};
 use ts_rs::TS;
 
 /// Version of the stream's messages and of the binary frame.
@@ -143,6 +145,20 @@ pub struct PluginList {
     pub problems: Vec<String>,
 }
 
+/// What a vehicle carries.
+#[derive(Debug, Clone, PartialEq, Serialize, TS, JsonSchema)]
+pub struct PayloadList {
+    /// By name.
+    pub payloads: Vec<PayloadSnapshot>,
+}
+
+/// Restarts of plugin instances.
+#[derive(Debug, Clone, PartialEq, Serialize, TS, JsonSchema)]
+pub struct RestartList {
+    /// Oldest first.
+    pub restarts: Vec<RestartRecord>,
+}
+
 /// What is said of the fleet at a slow rate: everything that is not in the binary frame.
 #[derive(Debug, Clone, Default, Serialize, TS, JsonSchema)]
 pub struct FleetInfo {
@@ -183,6 +199,31 @@ pub struct VehicleInfo {
     pub actor: ActorHealth,
     /// Its UAV-model plugin instance.
     pub model: ActorHealth,
+    /// What it carries, by name.
+    pub payloads: Vec<PayloadInfo>,
+    /// Why it can do less than it was built for; empty if nothing is amiss.
+    pub degraded: Vec<String>,
+}
+
+/// What changes seldom about one payload. Its state is in its vehicle's snapshot.
+#[derive(Debug, Clone, PartialEq, Serialize, TS, JsonSchema)]
+pub struct PayloadInfo {
+    /// Its name on the vehicle.
+    pub name: String,
+    /// What it is.
+    pub kind: PayloadKind,
+    /// Name of its plugin.
+    pub plugin: String,
+    /// Version of that plugin.
+    pub version: String,
+    /// Where the plugin runs.
+    pub isolation: Isolation,
+    /// Its plugin instance.
+    pub health: ActorHealth,
+    /// How many of its starts followed a failure.
+    pub restarts: u64,
+    /// Whether it has given a frame.
+    pub has_frame: bool,
 }
 
 /// The fence, for display. The gate in the node keeps it, not the browser.

@@ -6,7 +6,7 @@ use crate::error::ApiError;
 use crate::metrics;
 use crate::protocol::{
     Accepted, CommandBody, CommandReceipts, EventList, FormationAnswer, Health, HealthStatus, PROTOCOL_VERSION,
-    PluginList, RouteBody, VehicleList, VersionInfo,
+    RouteBody, VehicleList, VersionInfo,
 };
 use axum::Json;
 use axum::extract::rejection::{PathRejection, QueryRejection};
@@ -34,16 +34,18 @@ pub(crate) async fn version(State(app): State<App>) -> Json<VersionInfo> {
 pub(crate) async fn health(State(app): State<App>) -> Response {
     let (snapshot, now) = (app.node.snapshot(), app.node.now());
     let snapshot_age_s = now.seconds_since(snapshot.time).max(0.0);
-    let of_vehicles = snapshot
-        .vehicles
-        .iter()
-        .flat_map(|vehicle| [&vehicle.actor, &vehicle.model]);
+    let of_vehicles = snapshot.vehicles.iter().flat_map(|vehicle| {
+        let of_payloads = vehicle.payloads.iter().map(|payload| payload.plugin.as_actor());
+        [vehicle.actor.clone(), vehicle.model.as_actor()]
+            .into_iter()
+            .chain(of_payloads)
+    });
     let not_running: Vec<ActorHealth> = snapshot
         .actors
         .iter()
+        .cloned()
         .chain(of_vehicles)
         .filter(|health| health.status != ActorStatus::Running)
-        .cloned()
         .collect();
     let (code, status) = if snapshot_age_s > STALLED_AFTER_S {
         (StatusCode::SERVICE_UNAVAILABLE, HealthStatus::Stalled)
@@ -169,13 +171,6 @@ pub(crate) async fn events(
         events: events.iter().map(|event| event.as_ref().clone()).collect(),
         missed,
     }))
-}
-
-pub(crate) async fn plugins(State(app): State<App>) -> Json<PluginList> {
-    Json(PluginList {
-        plugins: app.node.plugins(),
-        problems: app.node.plugin_problems(),
-    })
 }
 
 pub(crate) async fn document(State(app): State<App>) -> Response {

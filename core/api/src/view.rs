@@ -2,14 +2,14 @@
 //!
 //! Must never do: hold its lock across an await, or keep more than the newest.
 
-use crate::protocol::{FenceInfo, FleetInfo, ServerMessage, VehicleInfo};
+use crate::protocol::{FenceInfo, FleetInfo, PayloadInfo, ServerMessage, VehicleInfo};
 use crate::wire;
 use axum::body::Bytes;
 use axum::extract::ws::Utf8Bytes;
 use parking_lot::Mutex;
 use skein_domain::NodeTime;
-use skein_runtime::NodeHandle;
 use skein_runtime::snapshot::FleetSnapshot;
+use skein_runtime::{NodeHandle, PayloadSnapshot};
 
 /// A frame is made anew from the same snapshot after so long, so that its ages are right.
 const FRAME_GOOD_FOR_S: f64 = 0.02;
@@ -79,6 +79,19 @@ pub fn text(message: &ServerMessage) -> Utf8Bytes {
     serde_json::to_string(message).unwrap_or_default().into()
 }
 
+fn payload_info(payload: &PayloadSnapshot) -> PayloadInfo {
+    PayloadInfo {
+        name: payload.name.clone(),
+        kind: payload.kind,
+        plugin: payload.plugin.plugin.clone(),
+        version: payload.plugin.version.clone(),
+        isolation: payload.plugin.isolation,
+        health: payload.plugin.as_actor(),
+        restarts: payload.plugin.restarts,
+        has_frame: payload.frame.is_some(),
+    }
+}
+
 /// What is not in the binary frame.
 fn fleet_info(snapshot: &FleetSnapshot, config: &skein_config::NodeConfig) -> FleetInfo {
     let vehicle = |vehicle: &skein_runtime::VehicleSnapshot| VehicleInfo {
@@ -90,7 +103,9 @@ fn fleet_info(snapshot: &FleetSnapshot, config: &skein_config::NodeConfig) -> Fl
         state_detail: vehicle.state_detail.clone(),
         home: vehicle.home,
         actor: vehicle.actor.clone(),
-        model: vehicle.model.clone(),
+        model: vehicle.model.as_actor(),
+        payloads: vehicle.payloads.iter().map(payload_info).collect(),
+        degraded: vehicle.degraded.clone(),
     };
     FleetInfo {
         frame: snapshot.frame,

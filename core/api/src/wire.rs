@@ -259,9 +259,7 @@ fn position(vehicle: &VehicleSnapshot, frame: Option<&SwarmFrame>) -> Option<Geo
 }
 
 fn flags(vehicle: &VehicleSnapshot, has_position: bool, has_slot: bool) -> u8 {
-    let given_up = [&vehicle.actor, &vehicle.model]
-        .iter()
-        .any(|health| health.status == ActorStatus::GivenUp);
+    let given_up = [vehicle.actor.status, vehicle.model.status].contains(&ActorStatus::GivenUp);
     let set = |is_set: bool, bit: u8| if is_set { bit } else { 0 };
     set(vehicle.armed, flag::ARMED)
         | set(vehicle.link.connected, flag::CONNECTED)

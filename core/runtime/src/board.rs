@@ -5,21 +5,24 @@
 
 use crate::coordination::Coordination;
 use crate::events::EventLog;
-use crate::snapshot::{ActorHealth, FleetSnapshot, UnadoptedVehicle};
+use crate::payload::PayloadCell;
+use crate::plugin_life::LifeRecord;
+use crate::snapshot::{ActorHealth, FleetSnapshot, RestartRecord, UnadoptedVehicle};
 use crate::vehicle::VehicleMessage;
 use arc_swap::{ArcSwap, ArcSwapOption};
 use parking_lot::{Mutex, RwLock};
 use ractor::ActorRef;
 use skein_config::NodeConfig;
 use skein_domain::link::VehicleLink;
+use skein_domain::payload::{CoordinatorCapability, Track};
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{
     AnchorReference, Clock, FlightState, Geodetic, Intent, LandedState, LinkHealth, NodeTime, PositionNed, Setpoint,
     SwarmFrame, SystemId, Telemetry, VehicleId,
 };
-use skein_plugin_host::{Catalog, Plugin, Runners};
+use skein_plugin_host::{Catalog, Runners};
 use skein_safety::{Gate, Peer};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -54,6 +57,10 @@ pub struct Board {
     pub unadopted: Mutex<Vec<UnadoptedVehicle>>,
     /// Health of the node's own actors by name.
     pub actors: Mutex<BTreeMap<String, ActorHealth>>,
+    /// Restarts of plugin instances, the newest last; as many as are kept.
+    pub restarts: Mutex<VecDeque<RestartRecord>>,
+    /// What is tracked; replaced as a whole.
+    pub tracks: ArcSwap<Vec<Track>>,
     /// The picture for screens.
     pub picture: ArcSwap<FleetSnapshot>,
     next_command: AtomicU64,
@@ -79,6 +86,8 @@ impl Board {
             cells: RwLock::default(),
             unadopted: Mutex::default(),
             actors: Mutex::default(),
+            restarts: Mutex::default(),
+            tracks: ArcSwap::default(),
             picture: ArcSwap::default(),
             next_command: AtomicU64::new(1),
         }
@@ -136,10 +145,10 @@ pub struct VehicleCell {
     pub name: String,
     /// System id on its link.
     pub system_id: SystemId,
-    /// UAV-model plugin that flies it.
-    pub plugin: Arc<Plugin>,
-    /// Configuration of the plugin instance as JSON text.
-    pub model_config_json: String,
+    /// The UAV-model plugin instance that flies it.
+    pub model: Arc<LifeRecord>,
+    /// What it carries, by name.
+    pub payloads: RwLock<BTreeMap<String, Arc<PayloadCell>>>,
     /// Its link. Replaced when the vehicle comes back over another one.
     pub link: ArcSwap<LinkSlot>,
     /// The running actor, if any.
@@ -148,8 +157,20 @@ pub struct VehicleCell {
     pub tick_waiting: AtomicBool,
     /// What the actor last published.
     pub state: Mutex<PublishedState>,
-    /// The plugin's last snapshot, for the next incarnation.
-    pub snapshot: Mutex<Option<Vec<u8>>>,
+}
+
+impl VehicleCell {
+    /// What it carries, by name.
+    #[must_use]
+    pub fn payloads(&self) -> Vec<Arc<PayloadCell>> {
+        self.payloads.read().values().cloned().collect()
+    }
+
+    /// The payload of that name.
+    #[must_use]
+    pub fn payload(&self, name: &str) -> Option<Arc<PayloadCell>> {
+        self.payloads.read().get(name).cloned()
+    }
 }
 
 /// A link behind a thin pointer, so that it can be swapped.
@@ -176,8 +197,10 @@ pub struct PublishedState {
     pub task_version: u64,
     /// Actor's health.
     pub actor: ActorHealth,
-    /// Plugin instance's health.
-    pub model: ActorHealth,
+    /// What the model reports of itself, as its state schema has it.
+    pub model_state: Option<serde_json::Value>,
+    /// Whether it can host the coordinator.
+    pub capability: Option<CoordinatorCapability>,
 }
 
 /// All vehicles at one control period.

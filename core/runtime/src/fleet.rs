@@ -3,16 +3,23 @@
 //! Vehicles are its children, not the coordinator's: ractor ends children with their parent, and the end of the coordinator must
 //! stop no setpoint. Must never do: wait for a vehicle's actor, or fly anything itself.
 
+mod payloads;
+
+pub use payloads::{payload_cell, payload_kind};
+
 use crate::board::{Board, LinkSlot, PublishedState, VehicleCell};
+use crate::plugin_life::{LifeIdentity, LifeRecord};
 use crate::restart::{Decision, RestartHistory, VEHICLE_LIMITS};
 use crate::snapshot::{ActorStatus, EventKind, UnadoptedVehicle};
 use crate::vehicle::{Vehicle, VehicleArguments};
 use arc_swap::{ArcSwap, ArcSwapOption};
-use ractor::{Actor, ActorId, ActorProcessingErr, ActorRef, SupervisionEvent};
-use skein_config::AdoptionRule;
+use payloads::{PayloadKey, PayloadRecord};
+use ractor::{Actor, ActorId, ActorProcessingErr, ActorRef, RpcReplyPort, SupervisionEvent};
+use skein_config::{AdoptionRule, PayloadRule};
 use skein_domain::exchange::Severity;
 use skein_domain::link::VehicleLink;
-use skein_domain::{AutopilotCommand, FlightMode, FlightState, Incarnation, RequestId, SystemId, VehicleId};
+use skein_domain::{AutopilotCommand, FlightMode, FlightState, Incarnation, Refusal, RequestId, SystemId, VehicleId};
+use skein_plugin_host::PluginKind;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -29,6 +36,18 @@ pub enum FleetMessage {
     Trouble(UnadoptedVehicle),
     /// The back-off of a vehicle's actor is over.
     Restart(VehicleId),
+    /// The back-off of a payload's actor is over.
+    RestartPayload((VehicleId, String)),
+    /// Put a payload on a vehicle.
+    Attach(VehicleId, Box<PayloadRule>, RpcReplyPort<Result<(), Refusal>>),
+    /// Take one off.
+    Detach(VehicleId, String, RpcReplyPort<Result<(), Refusal>>),
+}
+
+/// Whose actor a child is.
+enum Child {
+    Vehicle(VehicleId),
+    Payload(PayloadKey),
 }
 
 /// A vehicle heard for the first time on an endpoint.
@@ -44,8 +63,9 @@ pub struct Discovery {
 /// State.
 pub struct FleetState {
     board: Arc<Board>,
-    children: HashMap<ActorId, VehicleId>,
+    children: HashMap<ActorId, Child>,
     records: BTreeMap<VehicleId, Record>,
+    payload_records: BTreeMap<PayloadKey, PayloadRecord>,
 }
 
 #[derive(Default)]
@@ -68,6 +88,7 @@ impl Actor for Fleet {
             board,
             children: HashMap::new(),
             records: BTreeMap::new(),
+            payload_records: BTreeMap::new(),
         };
         // After a restart of the fleet itself, its vehicles are on the board.
         for cell in state.board.cells() {
@@ -79,7 +100,8 @@ impl Actor for Fleet {
                     ..Record::default()
                 },
             );
-            state.start(&myself, cell).await;
+            state.start(&myself, cell.clone()).await;
+            state.start_payloads(&myself, &cell).await;
         }
         Ok(state)
     }
@@ -98,6 +120,14 @@ impl Actor for Fleet {
                     state.start(&myself, cell).await;
                 }
             }
+            FleetMessage::RestartPayload(key) => state.start_payload(&myself, key).await,
+            // Whoever asked may have given up waiting; the event log has the outcome.
+            FleetMessage::Attach(vehicle, rule, reply) => {
+                let _ = reply.send(state.attach(&myself, vehicle, &rule).await);
+            }
+            FleetMessage::Detach(vehicle, name, reply) => {
+                let _ = reply.send(state.detach(vehicle, &name));
+            }
         }
         Ok(())
     }
@@ -113,8 +143,10 @@ impl Actor for Fleet {
             SupervisionEvent::ActorTerminated(cell, _, reason) => (cell, reason.unwrap_or_else(|| "ended".into())),
             _ => return Ok(()),
         };
-        if let Some(id) = state.children.remove(&cell.get_id()) {
-            state.ended(&myself, id, &error).await;
+        match state.children.remove(&cell.get_id()) {
+            Some(Child::Vehicle(id)) => state.ended(&myself, id, &error).await,
+            Some(Child::Payload(key)) => state.payload_ended(&myself, key, &error),
+            None => {}
         }
         Ok(())
     }
@@ -174,23 +206,39 @@ impl FleetState {
             .board
             .catalog
             .get(&rule.model)
+            .filter(|plugin| plugin.manifest().kind == PluginKind::UAV_MODEL)
             .ok_or_else(|| format!("its UAV model \"{}\" is not among the plugins found", rule.model))?;
         let name = rule
             .name
             .replace("{system_id}", &system_id.to_string())
             .replace("{vehicle_id}", &id.to_string());
+        let identity = LifeIdentity {
+            name: format!("model-{id}"),
+            label: format!("{name}: model"),
+            vehicle: id,
+            payload: None,
+            system_id,
+        };
         let cell = Arc::new(VehicleCell {
             id,
             name,
             system_id,
-            plugin,
-            model_config_json: rule.model_config_json(),
+            model: Arc::new(LifeRecord::new(
+                identity,
+                plugin,
+                rule.model_config_json(),
+                rule.model_isolation,
+            )),
+            payloads: parking_lot::RwLock::default(),
             link: ArcSwap::from_pointee(LinkSlot(link)),
             actor: ArcSwapOption::empty(),
             tick_waiting: AtomicBool::new(false),
             state: parking_lot::Mutex::new(PublishedState::default()),
-            snapshot: parking_lot::Mutex::new(None),
         });
+        for payload in &rule.payloads {
+            let payload = payload_cell(&self.board, &cell, payload).map_err(|refusal| refusal.to_string())?;
+            cell.payloads.write().insert(payload.name.clone(), Arc::new(payload));
+        }
         self.board
             .unadopted
             .lock()
@@ -204,7 +252,8 @@ impl FleetState {
             .record(now, Some(id), Severity::Info, EventKind::Adopted, text);
         self.board.insert_cell(cell.clone());
         self.records.insert(id, Record::default());
-        self.start(myself, cell).await;
+        self.start(myself, cell.clone()).await;
+        self.start_payloads(myself, &cell).await;
         Ok(())
     }
 
@@ -233,7 +282,7 @@ impl FleetState {
         };
         match Vehicle::spawn_linked(None, Vehicle, arguments, myself.get_cell()).await {
             Ok((actor, _)) => {
-                self.children.insert(actor.get_id(), id);
+                self.children.insert(actor.get_id(), Child::Vehicle(id));
             }
             Err(error) => self.ended(myself, id, &error.to_string()).await,
         }

@@ -3,6 +3,7 @@
 use crate::board::Board;
 use crate::coordinator::CoordinatorMessage;
 use crate::node::Parts;
+use crate::plugins::PluginOrder;
 use crate::snapshot::{EventKind, EventRecord, FleetSnapshot};
 use crate::vehicle::VehicleMessage;
 use ractor::RpcReplyPort;
@@ -14,7 +15,6 @@ use skein_domain::{
     AnchorReference, CommandId, FormationRequest, NodeTime, Refusal, Route, SlotMove, VehicleCommand, VehicleId,
 };
 use skein_link_px4::EndpointMetrics;
-use skein_plugin_host::Plugin;
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -55,29 +55,33 @@ pub struct FormationReceipt {
     pub planned_min_distance_m: f64,
 }
 
-/// A fault to inject, where the configuration permits it.
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    PartialEq,
-    Eq,
-    Serialize,
-    Deserialize,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
+/// A fault to inject, where the configuration permits it. A plugin is the vehicle's UAV model, or with a name its payload.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 #[serde(tag = "fault", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Fault {
-    /// The UAV-model plugin of a vehicle panics.
+    /// A plugin panics.
     PluginPanic {
         /// The vehicle.
         vehicle: VehicleId,
+        /// The payload; the UAV model if left out.
+        #[serde(default)]
+        payload: Option<String>,
     },
-    /// The UAV-model plugin of a vehicle does not return.
+    /// A plugin does not return.
     PluginHang {
         /// The vehicle.
         vehicle: VehicleId,
+        /// The payload; the UAV model if left out.
+        #[serde(default)]
+        payload: Option<String>,
+    },
+    /// A plugin's process is killed; if it has none of its own, it panics.
+    PluginKill {
+        /// The vehicle.
+        vehicle: VehicleId,
+        /// The payload; the UAV model if left out.
+        #[serde(default)]
+        payload: Option<String>,
     },
     /// The actor of a vehicle is killed.
     VehicleActor {
@@ -88,38 +92,11 @@ pub enum Fault {
     Coordinator,
 }
 
-impl Fault {
-    /// The drill a plugin is given, if the fault is a plugin's.
-    #[must_use]
-    pub fn drill(self) -> Option<(VehicleId, FaultDrill)> {
-        match self {
-            Self::PluginPanic { vehicle } => Some((vehicle, FaultDrill::Panic)),
-            Self::PluginHang { vehicle } => Some((vehicle, FaultDrill::Hang)),
-            Self::VehicleActor { .. } | Self::Coordinator => None,
-        }
-    }
-}
-
-/// A plugin that was found, for screens.
-#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
-pub struct PluginInfo {
-    /// Its name.
-    pub name: String,
-    /// Its version.
-    pub version: String,
-    /// What it is for.
-    pub description: String,
-    /// The file it was loaded from.
-    pub path: String,
-    /// JSON Schema of its configuration, as text.
-    pub config_schema_json: String,
-}
-
 /// A running node, for everyone outside of it. Cheap to clone.
 #[derive(Clone)]
 pub struct NodeHandle {
-    board: Arc<Board>,
-    parts: Arc<Parts>,
+    pub(crate) board: Arc<Board>,
+    pub(crate) parts: Arc<Parts>,
 }
 
 /// Longest wait for an actor's answer. They answer at once; this bounds the wait for one that has just died.
@@ -187,30 +164,6 @@ impl NodeHandle {
     #[must_use]
     pub fn endpoint_metrics(&self) -> Vec<(Arc<str>, Arc<EndpointMetrics>)> {
         self.parts.links.metrics()
-    }
-
-    /// Plugins found.
-    #[must_use]
-    pub fn plugins(&self) -> Vec<PluginInfo> {
-        let info = |plugin: &Arc<Plugin>| PluginInfo {
-            name: plugin.manifest().name.clone(),
-            version: plugin.manifest().version.clone(),
-            description: plugin.manifest().description.clone(),
-            path: plugin.path().display().to_string(),
-            config_schema_json: plugin.manifest().config_schema_json.clone(),
-        };
-        self.board.catalog.plugins().map(info).collect()
-    }
-
-    /// Files in the plugin directories that were not taken, and why.
-    #[must_use]
-    pub fn plugin_problems(&self) -> Vec<String> {
-        self.board
-            .catalog
-            .problems()
-            .iter()
-            .map(|p| format!("{}: {}", p.path.display(), p.error))
-            .collect()
     }
 
     /// Where each follower belongs relative to its leader at this moment, and the anchor: what a referee compares with the truth.
@@ -307,7 +260,7 @@ impl NodeHandle {
             id,
             command,
             not_before,
-            reply,
+            reply: Some(reply),
         };
         match actor.call(message, Some(ANSWER_WITHIN)).await {
             Ok(CallResult::Success(receipt)) => receipt,
@@ -383,18 +336,19 @@ impl NodeHandle {
                 what: format!("actor of vehicle {vehicle}"),
             })
         };
-        match (fault, fault.drill()) {
-            (_, Some((vehicle, drill))) => {
-                let gone = |_| Refusal::NotRunning {
-                    what: format!("actor of vehicle {vehicle}"),
-                };
-                actor_of(vehicle)?.cast(VehicleMessage::Drill(drill)).map_err(gone)
+        match fault {
+            Fault::PluginPanic { vehicle, payload } => {
+                self.to_plugin(vehicle, payload.as_deref(), PluginOrder::Drill(FaultDrill::Panic))
             }
-            (Fault::VehicleActor { vehicle }, _) => {
+            Fault::PluginHang { vehicle, payload } => {
+                self.to_plugin(vehicle, payload.as_deref(), PluginOrder::Drill(FaultDrill::Hang))
+            }
+            Fault::PluginKill { vehicle, payload } => self.to_plugin(vehicle, payload.as_deref(), PluginOrder::Kill),
+            Fault::VehicleActor { vehicle } => {
                 actor_of(vehicle)?.kill();
                 Ok(())
             }
-            _ => {
+            Fault::Coordinator => {
                 let coordinator = self.parts.coordinator.load_full();
                 coordinator
                     .ok_or(Refusal::NotRunning {

@@ -14,6 +14,9 @@ mod handle;
 mod listening;
 mod node;
 mod observer;
+mod payload;
+mod plugin_life;
+mod plugins;
 mod pulse;
 pub mod restart;
 pub mod snapshot;
@@ -21,7 +24,11 @@ mod vehicle;
 mod wiring;
 
 pub use clock::TokioClock;
-pub use handle::{CommandReceipt, Fault, FormationReceipt, FormationSlots, NodeHandle, PluginInfo, Targets};
+pub use handle::{CommandReceipt, Fault, FormationReceipt, FormationSlots, NodeHandle, Targets};
 pub use node::{Adapter, AdapterStart, Node, NodeError};
-pub use snapshot::{EventKind, EventRecord, FleetSnapshot, VehicleSnapshot};
-pub use wiring::WiringError;
+pub use plugins::{InstanceUpgrade, PluginInfo, PluginRefusal, UpgradeReceipt};
+pub use skein_plugin_host::Frame;
+pub use snapshot::{
+    EventKind, EventRecord, FleetSnapshot, PayloadSnapshot, PluginHealth, RestartRecord, Restored, VehicleSnapshot,
+};
+pub use wiring::{WiringError, catalog};

@@ -5,7 +5,10 @@
 
 use crate::board::{Board, PeerSnapshot, VehicleCell};
 use crate::coordination::Coordination;
-use crate::snapshot::{ActorHealth, FleetSnapshot, FormationSnapshot, VehicleSnapshot};
+use crate::payload::PayloadCell;
+use crate::snapshot::{
+    ActorHealth, ActorStatus, FleetSnapshot, FormationSnapshot, PayloadSnapshot, PluginHealth, VehicleSnapshot,
+};
 use ractor::{Actor, ActorProcessingErr, ActorRef};
 use skein_domain::{NodeTime, PositionNed, VehicleId};
 use std::sync::Arc;
@@ -82,6 +85,7 @@ fn picture(board: &Board, sequence: u64) -> FleetSnapshot {
         unadopted: board.unadopted.lock().clone(),
         formation: formation(&coordination, intent_version),
         actors,
+        tracks: board.tracks.load().as_ref().clone(),
     }
 }
 
@@ -94,6 +98,8 @@ fn vehicle(
     let entry = peers.entry(cell.id)?;
     let telemetry = &entry.telemetry;
     let state = cell.state.lock().clone();
+    let model = cell.model.health.lock().clone();
+    let payloads: Vec<PayloadSnapshot> = cell.payloads().iter().map(|cell| payload(cell)).collect();
     let slot: Option<PositionNed> = state
         .setpoint
         .filter(|_| state.flight_state.is_available_in_air())
@@ -102,8 +108,8 @@ fn vehicle(
         id: cell.id,
         name: cell.name.clone(),
         system_id: cell.system_id,
-        plugin: cell.plugin.manifest().name.clone(),
-        plugin_version: cell.plugin.manifest().version.clone(),
+        plugin: model.plugin.clone(),
+        plugin_version: model.version.clone(),
         flight_state: state.flight_state,
         state_detail: state.detail,
         mode: telemetry.mode,
@@ -123,8 +129,42 @@ fn vehicle(
         slot,
         is_leader: leader == Some(cell.id),
         actor: state.actor,
-        model: state.model,
+        degraded: degraded(&model, &payloads),
+        model,
+        model_state: state.model_state,
+        capability: state.capability,
+        payloads,
     })
+}
+
+fn payload(cell: &PayloadCell) -> PayloadSnapshot {
+    let published = cell.state.lock().clone();
+    PayloadSnapshot {
+        name: cell.name.clone(),
+        kind: cell.kind,
+        actor: published.actor,
+        plugin: cell.life.health.lock().clone(),
+        state: published.report.map(|report| report.value.as_ref().clone()),
+        transport_fault: published.transport_fault,
+        frame: cell.frame.load().as_ref().map(|frame| frame.header.clone()),
+    }
+}
+
+/// What a vehicle lacks of what it was built for.
+fn degraded(model: &PluginHealth, payloads: &[PayloadSnapshot]) -> Vec<String> {
+    let mut why = Vec::new();
+    if model.status == ActorStatus::GivenUp {
+        why.push(format!("model failed too often: {}", model.last_error));
+    }
+    for payload in payloads {
+        if payload.plugin.status == ActorStatus::GivenUp || payload.actor.status == ActorStatus::GivenUp {
+            why.push(format!(
+                "{} failed too often: {}",
+                payload.name, payload.plugin.last_error
+            ));
+        }
+    }
+    why
 }
 
 fn formation(coordination: &Coordination, intent_version: u64) -> Option<FormationSnapshot> {

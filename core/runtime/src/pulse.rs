@@ -5,9 +5,11 @@
 //! Must never do: wait for a vehicle.
 
 use crate::board::{Board, PeerEntry, PeerSnapshot, airborne, kinematics};
+use crate::payload::{PayloadCell, PayloadMessage};
 use crate::snapshot::EventKind;
 use crate::vehicle::VehicleMessage;
 use ractor::{Actor, ActorProcessingErr, ActorRef};
+use skein_domain::NodeTime;
 use skein_domain::exchange::Severity;
 use skein_safety::Peer;
 use std::sync::Arc;
@@ -103,6 +105,28 @@ fn beat(board: &Board) {
             // The actor has ended; its next incarnation clears the mark.
             cell.tick_waiting.store(false, Ordering::Release);
         }
+    }
+    for cell in &cells {
+        for payload in cell.payloads.read().values() {
+            wake(payload, now);
+        }
+    }
+}
+
+/// Wakes a payload whose tick is due.
+fn wake(payload: &PayloadCell, now: NodeTime) {
+    let due_us = payload.next_tick_us.load(Ordering::Relaxed);
+    if now.0 < due_us {
+        return;
+    }
+    // A late tick is skipped, never caught up.
+    let period_us = payload.tick_period_us();
+    payload
+        .next_tick_us
+        .store(now.0.max(due_us + period_us), Ordering::Relaxed);
+    let Some(actor) = payload.actor.load_full() else { return };
+    if !payload.tick_waiting.swap(true, Ordering::AcqRel) && actor.cast(PayloadMessage::Tick).is_err() {
+        payload.tick_waiting.store(false, Ordering::Release);
     }
 }
 

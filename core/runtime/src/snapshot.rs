@@ -2,7 +2,9 @@
 //! events. Reading it never waits for an actor.
 
 use serde::Serialize;
+use skein_config::Isolation;
 use skein_domain::exchange::{CommandProgress, Severity};
+use skein_domain::payload::{CoordinatorCapability, FrameHeader, PayloadKind, Track};
 use skein_domain::{
     Battery, CommandId, FlightMode, FlightState, FormationRequest, Geodetic, Gnss, Incarnation, LandedState,
     LinkHealth, NodeTime, PositionNed, Refusal, Route, SwarmFrame, SystemId, VehicleId, telemetry::VehicleKinematics,
@@ -25,6 +27,8 @@ pub struct FleetSnapshot {
     pub formation: Option<FormationSnapshot>,
     /// Actors of the node under supervision.
     pub actors: Vec<ActorHealth>,
+    /// What is tracked.
+    pub tracks: Vec<Track>,
 }
 
 /// One vehicle at one moment.
@@ -79,11 +83,114 @@ pub struct VehicleSnapshot {
     /// Its actor.
     pub actor: ActorHealth,
     /// Its UAV-model plugin instance.
-    pub model: ActorHealth,
+    pub model: PluginHealth,
+    /// What the model reports of itself, as its state schema has it.
+    #[ts(type = "unknown")]
+    pub model_state: Option<serde_json::Value>,
+    /// Whether it can host the coordinator; absent if its model does not say.
+    pub capability: Option<CoordinatorCapability>,
+    /// What it carries, by name.
+    pub payloads: Vec<PayloadSnapshot>,
+    /// Why it can do less than it was built for; empty if nothing is amiss.
+    pub degraded: Vec<String>,
+}
+
+/// One payload at one moment.
+#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
+pub struct PayloadSnapshot {
+    /// Its name on the vehicle.
+    pub name: String,
+    /// What it is.
+    pub kind: PayloadKind,
+    /// Its actor.
+    pub actor: ActorHealth,
+    /// Its plugin instance.
+    pub plugin: PluginHealth,
+    /// What it reports of itself, as its state schema has it; absent while it does not run.
+    #[ts(type = "unknown")]
+    pub state: Option<serde_json::Value>,
+    /// Why its transport does not work; empty if it does or has none.
+    pub transport_fault: String,
+    /// The last frame it gave.
+    pub frame: Option<FrameHeader>,
+}
+
+/// A plugin instance under supervision.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, ts_rs::TS, schemars::JsonSchema)]
+pub struct PluginHealth {
+    /// Name in the supervision tree, for example `model-3` or `payload-3-gimbal`.
+    pub name: String,
+    /// The plugin.
+    pub plugin: String,
+    /// Its version.
+    pub version: String,
+    /// Where it runs.
+    pub isolation: Isolation,
+    /// Its process, if it has one of its own.
+    pub process_id: Option<u32>,
+    /// Running, restarting after back-off, or given up.
+    pub status: ActorStatus,
+    /// How many times it was started.
+    pub incarnation: Incarnation,
+    /// How many of its starts followed a failure.
+    pub restarts: u64,
+    /// The last error that ended it; empty if none did.
+    pub last_error: String,
+    /// Since when it has this status.
+    pub since: NodeTime,
+    /// Calls of this incarnation.
+    pub calls: u64,
+    /// Half of them were no slower, in microseconds.
+    pub call_p50_us: f64,
+    /// All but one in a hundred were no slower, in microseconds.
+    pub call_p99_us: f64,
+}
+
+impl PluginHealth {
+    /// The part of it that every supervised thing has.
+    #[must_use]
+    pub fn as_actor(&self) -> ActorHealth {
+        ActorHealth {
+            name: self.name.clone(),
+            status: self.status,
+            incarnation: self.incarnation,
+            last_error: self.last_error.clone(),
+            since: self.since,
+        }
+    }
+}
+
+/// Whether a restarted instance has the state of the one before it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ts_rs::TS, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Restored {
+    /// There was none to restore.
+    Fresh,
+    /// Its first snapshot is byte for byte the one it was made from.
+    Exactly,
+    /// Its first snapshot is another.
+    Differently,
+}
+
+/// One restart of a plugin instance after a failure.
+#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
+pub struct RestartRecord {
+    /// When it ran again.
+    pub time: NodeTime,
+    /// Its name in the supervision tree.
+    pub name: String,
+    /// Where it runs.
+    pub isolation: Isolation,
+    /// From the failure, or the end of the back-off, until it had its state again, in seconds.
+    pub took_s: f64,
+    /// The deliberate wait before, in seconds.
+    pub backoff_s: f64,
+    /// Whether it has the state of the one before it.
+    pub restored: Restored,
 }
 
 /// A supervised actor or plugin instance.
-#[derive(Debug, Clone, Default, Serialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct ActorHealth {
     /// Name in the supervision tree, for example `vehicle-3`.
     pub name: String,
@@ -215,6 +322,24 @@ pub enum EventKind {
     Stream,
     /// A status text of the autopilot.
     StatusText,
+    /// A payload tells of something, as its event schema has it.
+    Occurrence {
+        /// The payload's name on the vehicle; absent for the UAV model.
+        payload: Option<String>,
+        /// What it tells.
+        #[ts(type = "unknown")]
+        event: serde_json::Value,
+    },
+    /// A payload was attached, detached or given up.
+    Payload {
+        /// Its name on the vehicle.
+        payload: String,
+    },
+    /// A plugin was found, exchanged for another version, rolled back or removed.
+    Plugin {
+        /// Its name.
+        plugin: String,
+    },
     /// Anything else a plugin or actor wants known.
     Notice,
 }

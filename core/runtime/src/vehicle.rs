@@ -8,13 +8,19 @@ mod effects;
 mod model;
 mod period;
 
+pub use period::own_state;
+
 use crate::board::{Board, VehicleCell};
 use crate::handle::CommandReceipt;
+use crate::payload::ExchangeReply;
+use crate::plugin_life::PluginLife;
+use crate::restart::VEHICLE_LIMITS;
 use crate::snapshot::{ActorHealth, ActorStatus, EventKind};
 use model::Model;
 use ractor::{Actor, ActorProcessingErr, ActorRef, RpcReplyPort};
 use skein_domain::exchange::{CommandProgress, Event, FaultDrill, Severity};
-use skein_domain::{CommandId, Incarnation, NodeTime, PositionNed, Refusal, VehicleCommand};
+use skein_domain::{CommandId, Incarnation, NodeTime, PositionNed, Refusal, RequestId, VehicleCommand};
+use skein_plugin_host::Plugin;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -31,11 +37,24 @@ pub enum VehicleMessage {
         command: VehicleCommand,
         /// Not to be begun before.
         not_before: NodeTime,
-        /// Where the receipt goes.
-        reply: RpcReplyPort<CommandReceipt>,
+        /// Where the receipt goes; none if the node itself commands.
+        reply: Option<RpcReplyPort<CommandReceipt>>,
+    },
+    /// A payload's answer to a request of the model.
+    PayloadResult {
+        /// Which request.
+        request: RequestId,
+        /// Why not; absent if accepted.
+        refusal: Option<Refusal>,
     },
     /// Make the plugin fail.
     Drill(FaultDrill),
+    /// End the plugin's process, or make it panic if it has none of its own.
+    Kill,
+    /// Go over to another version of the model.
+    Exchange(Arc<Plugin>, ExchangeReply),
+    /// Forget all failures of the model and start it anew.
+    Reset,
 }
 
 /// The actor; all of its state is in [`VehicleState`].
@@ -83,7 +102,7 @@ impl Actor for Vehicle {
             incarnation,
         } = arguments;
         let now = board.now();
-        let next_model = {
+        {
             let mut published = cell.state.lock();
             published.actor = ActorHealth {
                 name: format!("vehicle-{}", cell.id),
@@ -92,12 +111,11 @@ impl Actor for Vehicle {
                 last_error: std::mem::take(&mut published.actor.last_error),
                 since: now,
             };
-            published.model.incarnation.next()
-        };
+        }
         cell.tick_waiting.store(false, Ordering::Release);
         cell.actor.store(Some(Arc::new(myself)));
         Ok(VehicleState {
-            model: Model::new(next_model),
+            model: Model::new(PluginLife::new(board.clone(), cell.model.clone(), &VEHICLE_LIMITS)),
             board,
             cell,
             waiting: Vec::new(),
@@ -128,14 +146,36 @@ impl Actor for Vehicle {
             } => {
                 let refusal = state.command(id, command, not_before).await.err();
                 // The asker may have given up waiting; the event log has the outcome all the same.
-                let _ = reply.send(CommandReceipt {
-                    vehicle: state.cell.id,
-                    id,
-                    refusal,
+                let _ = reply.map(|reply| {
+                    reply.send(CommandReceipt {
+                        vehicle: state.cell.id,
+                        id,
+                        refusal,
+                    })
                 });
+            }
+            VehicleMessage::PayloadResult { request, refusal } => {
+                state.waiting.push(Event::PayloadResult { request, refusal });
             }
             VehicleMessage::Drill(drill) => {
                 state.waiting.push(Event::FaultDrill(drill));
+            }
+            VehicleMessage::Kill => {
+                if !state.model.life.kill() {
+                    state.waiting.push(Event::FaultDrill(FaultDrill::Panic));
+                }
+            }
+            VehicleMessage::Exchange(plugin, reply) => {
+                let outcome = state.model.life.exchange(plugin).await.map_err(|e| e.to_string());
+                state.model_renewed();
+                // Whoever asked may have given up waiting; the event log has it.
+                let _ = reply.send(outcome);
+            }
+            // Without its state if it was given up: what it thought then is not what the autopilot has done since.
+            VehicleMessage::Reset => {
+                let fresh = state.cell.model.health.lock().status == ActorStatus::GivenUp;
+                state.model.life.reset(fresh);
+                state.task_version = 0;
             }
         }
         Ok(())
@@ -179,7 +219,7 @@ impl VehicleState {
             return Err(Refusal::LinkLost { vehicle: self.cell.id });
         }
         self.board.gate.command(command, entry.and_then(|e| e.home.as_ref()))?;
-        if !self.model.is_running() {
+        if !self.model.life.is_running() {
             return Err(Refusal::NotRunning {
                 what: format!("model of vehicle {}", self.cell.id),
             });

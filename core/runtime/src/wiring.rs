@@ -1,12 +1,14 @@
 //! From a configuration to the parts of a node: everything that can be found wrong before a socket opens is found here.
 
 use crate::board::Board;
+use crate::fleet::payload_kind;
+use crate::payload::transport::TransportAddress;
 use skein_config::NodeConfig;
 use skein_domain::Clock;
 use skein_link_px4::{EndpointAddress, EndpointSettings, LinkSettings, MessageRates};
-use skein_plugin_host::{Catalog, Runners};
+use skein_plugin_host::{Catalog, Plugin, PluginKind, Runners, Trust};
 use skein_safety::{Fence, Gate, Limits};
-use std::collections::BTreeSet;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 use thiserror::Error;
@@ -29,14 +31,32 @@ pub enum WiringError {
         reason: String,
     },
     /// A plugin that a rule names was not found.
-    #[error("the UAV model \"{model}\" that an adoption rule names was not found in {searched}{}", problems.iter().map(|p| format!("\n  {p}")).collect::<String>())]
+    #[error("the plugin \"{plugin}\" that an adoption rule names was not found in {searched}{}", problems.iter().map(|p| format!("\n  {p}")).collect::<String>())]
     MissingPlugin {
         /// Its name.
-        model: String,
+        plugin: String,
         /// Where it was looked for.
         searched: String,
         /// Files there that could not be taken, and why.
         problems: Vec<String>,
+    },
+    /// A plugin is not what a rule uses it for.
+    #[error("{key}: the plugin \"{plugin}\" is a {kind}")]
+    WrongKind {
+        /// Where in the configuration.
+        key: String,
+        /// Its name.
+        plugin: String,
+        /// What it is.
+        kind: String,
+    },
+    /// The configuration of a plugin, or the address of its device, is not right.
+    #[error("{key}: {reason}")]
+    PluginConfig {
+        /// Where in the configuration.
+        key: String,
+        /// What is wrong.
+        reason: String,
     },
 }
 
@@ -101,31 +121,43 @@ pub fn gate(config: &NodeConfig) -> Result<Gate, WiringError> {
     Ok(Gate::new(limits, fence))
 }
 
+/// The plugins of a configuration, with what it trusts.
+#[must_use]
+pub fn catalog(config: &NodeConfig) -> Catalog {
+    let trust = Trust {
+        allow_sha256: config.plugins.allow_sha256.clone(),
+        minisign_public_key: config.plugins.minisign_public_key.clone(),
+    };
+    let uploads = config.plugins.upload_directory.iter();
+    let directories: Vec<PathBuf> = config.plugins.directories.iter().chain(uploads).cloned().collect();
+    Catalog::discover(&directories, trust)
+}
+
 /// The board, with plugins loaded.
 ///
 /// # Errors
 /// When the fence cannot be one or a plugin is missing.
 pub fn board(config: NodeConfig, clock: Arc<dyn Clock>) -> Result<Board, WiringError> {
     let gate = gate(&config)?;
-    let catalog = Catalog::discover(&config.plugins.directories);
-    let models: BTreeSet<&str> = config.adopt.iter().map(|rule| rule.model.as_str()).collect();
-    for model in models {
-        if catalog.get(model).is_none() {
-            return Err(WiringError::MissingPlugin {
-                model: model.into(),
-                searched: config
-                    .plugins
-                    .directories
-                    .iter()
-                    .map(|d| d.display().to_string())
-                    .collect::<Vec<_>>()
-                    .join(", "),
-                problems: catalog
-                    .problems()
-                    .iter()
-                    .map(|p| format!("{}: {}", p.path.display(), p.error))
-                    .collect(),
-            });
+    let catalog = catalog(&config);
+    for (i, rule) in config.adopt.iter().enumerate() {
+        let key = format!("adopt[{i}].model_config");
+        let model = find(&catalog, &config, &rule.model)?;
+        if model.manifest().kind != PluginKind::UAV_MODEL {
+            return Err(wrong_kind(format!("adopt[{i}].model"), &model));
+        }
+        check_config(&model, key, &rule.model_config_json())?;
+        for (j, payload) in rule.payloads.iter().enumerate() {
+            let key = format!("adopt[{i}].payloads[{j}]");
+            let plugin = find(&catalog, &config, &payload.plugin)?;
+            if payload_kind(plugin.manifest().kind).is_none() {
+                return Err(wrong_kind(format!("{key}.plugin"), &plugin));
+            }
+            if let Some(Err(reason)) = payload.transport.as_ref().map(|text| text.parse::<TransportAddress>()) {
+                let key = format!("{key}.transport");
+                return Err(WiringError::PluginConfig { key, reason });
+            }
+            check_config(&plugin, format!("{key}.config"), &payload.config_json())?;
         }
     }
     let runners = Runners::new(
@@ -133,4 +165,36 @@ pub fn board(config: NodeConfig, clock: Arc<dyn Clock>) -> Result<Board, WiringE
         Duration::from_secs_f64(config.plugins.call_deadline_s),
     );
     Ok(Board::new(config, clock, gate, catalog, runners))
+}
+
+fn find(catalog: &Catalog, config: &NodeConfig, plugin: &str) -> Result<Arc<Plugin>, WiringError> {
+    catalog.get(plugin).ok_or_else(|| WiringError::MissingPlugin {
+        plugin: plugin.into(),
+        searched: config
+            .plugins
+            .directories
+            .iter()
+            .map(|d| d.display().to_string())
+            .collect::<Vec<_>>()
+            .join(", "),
+        problems: catalog.problems().iter().map(ToString::to_string).collect(),
+    })
+}
+
+fn wrong_kind(key: String, plugin: &Plugin) -> WiringError {
+    WiringError::WrongKind {
+        key,
+        plugin: plugin.manifest().name.clone(),
+        kind: plugin.manifest().kind.to_string(),
+    }
+}
+
+fn check_config(plugin: &Plugin, key: String, config_json: &str) -> Result<(), WiringError> {
+    plugin
+        .manifest()
+        .check_config(config_json)
+        .map_err(|e| WiringError::PluginConfig {
+            key,
+            reason: e.to_string(),
+        })
 }

@@ -4,7 +4,7 @@ use crate::args::DoctorArguments;
 use crate::build::plugins_beside_program;
 use skein_config::NodeConfig;
 use skein_link_px4::EndpointAddress;
-use skein_plugin_host::Catalog;
+use std::collections::BTreeSet;
 use std::net::{TcpListener, UdpSocket};
 use std::path::Path;
 use std::process::ExitCode;
@@ -101,7 +101,7 @@ fn configuration(arguments: &DoctorArguments, findings: &mut Vec<Finding>) -> No
 }
 
 fn plugins(config: &NodeConfig, findings: &mut Vec<Finding>) {
-    let catalog = Catalog::discover(&config.plugins.directories);
+    let catalog = skein_runtime::catalog(config);
     for plugin in catalog.plugins() {
         let manifest = plugin.manifest();
         findings.push(Finding::Good(format!(
@@ -118,14 +118,18 @@ fn plugins(config: &NodeConfig, findings: &mut Vec<Finding>) {
             "rebuild it (cargo xtask build-plugins) or take it out of the directory",
         );
     }
-    let mut models: Vec<&str> = config.adopt.iter().map(|rule| rule.model.as_str()).collect();
-    models.push("generic-uav");
-    models.sort_unstable();
-    models.dedup();
-    for model in models.into_iter().filter(|model| catalog.get(model).is_none()) {
+    let mut names: BTreeSet<&str> = config.adopt.iter().map(|rule| rule.model.as_str()).collect();
+    names.extend(
+        config
+            .adopt
+            .iter()
+            .flat_map(|rule| rule.payloads.iter().map(|p| p.plugin.as_str())),
+    );
+    names.insert("generic-uav");
+    for name in names.into_iter().filter(|name| catalog.get(name).is_none()) {
         bad(
             findings,
-            format!("plugin: the UAV model \"{model}\" was not found"),
+            format!("plugin: the plugin \"{name}\" was not found"),
             "cargo xtask build-plugins, or name its directory in plugins.directories",
         );
     }

@@ -59,21 +59,30 @@ async fn whatever_is_killed_the_formation_flies_on() {
     let model = |fleet: &FleetSnapshot, i: usize| fleet.vehicles[i].model.incarnation.0;
     let actor = |fleet: &FleetSnapshot, i: usize| fleet.vehicles[i].actor.incarnation.0;
 
-    node.inject_fault(Fault::PluginPanic { vehicle: VehicleId(2) })
-        .await
-        .expect("is permitted");
+    node.inject_fault(Fault::PluginPanic {
+        vehicle: VehicleId(2),
+        payload: None,
+    })
+    .await
+    .expect("is permitted");
     restarted(&swarm, "the follower's model started again", |f| model(f, 1)).await;
     undisturbed(&swarm, "a follower's model panicked").await;
 
-    node.inject_fault(Fault::PluginPanic { vehicle: VehicleId(1) })
-        .await
-        .expect("is permitted");
+    node.inject_fault(Fault::PluginPanic {
+        vehicle: VehicleId(1),
+        payload: None,
+    })
+    .await
+    .expect("is permitted");
     restarted(&swarm, "the leader's model started again", |f| model(f, 0)).await;
     undisturbed(&swarm, "the leader's model panicked").await;
 
-    node.inject_fault(Fault::PluginHang { vehicle: VehicleId(3) })
-        .await
-        .expect("is permitted");
+    node.inject_fault(Fault::PluginHang {
+        vehicle: VehicleId(3),
+        payload: None,
+    })
+    .await
+    .expect("is permitted");
     restarted(&swarm, "the hanging model replaced", |f| model(f, 2)).await;
     undisturbed(&swarm, "a follower's model hung").await;
 
@@ -110,7 +119,7 @@ async fn a_model_that_fails_for_ever_is_given_up_and_its_autopilot_holds() {
         let before = swarm.node().snapshot().vehicles[1].model.incarnation.0;
         swarm
             .node()
-            .inject_fault(Fault::PluginPanic { vehicle })
+            .inject_fault(Fault::PluginPanic { vehicle, payload: None })
             .await
             .expect("is permitted");
         swarm

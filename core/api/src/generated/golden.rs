@@ -7,7 +7,7 @@ use skein_domain::{
     Battery, FlightMode, FlightState, Geodetic, Gnss, GnssFix, Incarnation, LandedState, LinkHealth, NodeTime,
     PositionNed, SwarmFrame, SystemId, VehicleId, VelocityNed,
 };
-use skein_runtime::snapshot::{ActorHealth, ActorStatus, FleetSnapshot, VehicleSnapshot};
+use skein_runtime::snapshot::{ActorHealth, ActorStatus, FleetSnapshot, PluginHealth, VehicleSnapshot};
 use std::fmt::Write;
 
 /// One frame: its bytes, and what they say.
@@ -86,7 +86,11 @@ pub(crate) fn unknown_vehicle(id: u16) -> VehicleSnapshot {
         tracking_error_m: None,
         is_leader: false,
         actor: ActorHealth::default(),
-        model: ActorHealth::default(),
+        model: PluginHealth::default(),
+        model_state: None,
+        capability: None,
+        payloads: Vec::new(),
+        degraded: Vec::new(),
     }
 }
 
@@ -138,9 +142,9 @@ pub(crate) fn flying_vehicle(id: u16) -> VehicleSnapshot {
             incarnation: Incarnation(2),
             ..ActorHealth::default()
         },
-        model: ActorHealth {
+        model: PluginHealth {
             incarnation: Incarnation(3),
-            ..ActorHealth::default()
+            ..PluginHealth::default()
         },
         ..unknown_vehicle(id)
     }

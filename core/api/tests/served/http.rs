@@ -237,9 +237,10 @@ async fn events_are_listed_from_where_one_left_off() {
     let served = Served::start_with(|config| config.faults.enabled = true).await;
     let unknown = skein_runtime::Fault::PluginPanic {
         vehicle: skein_domain::VehicleId(9),
+        payload: None,
     };
     for _ in 0..3 {
-        served.handle().inject_fault(unknown).await.unwrap_err();
+        served.handle().inject_fault(unknown.clone()).await.unwrap_err();
     }
     let (status, all) = served.ask("GET", "/api/v1/events", None).await;
     assert_eq!((status, &all["missed"]), (200, &json!(0)));

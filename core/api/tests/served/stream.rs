@@ -65,7 +65,10 @@ async fn events(served: &Served, count: usize) {
     for _ in 0..count {
         served
             .handle()
-            .inject_fault(Fault::PluginPanic { vehicle: VehicleId(9) })
+            .inject_fault(Fault::PluginPanic {
+                vehicle: VehicleId(9),
+                payload: None,
+            })
             .await
             .unwrap_err();
     }

@@ -1,10 +1,11 @@
 //! Carries out what a UAV model wants. The only place from which setpoints and requests reach a link, and each passes the gate.
 
 use super::VehicleState;
+use crate::payload::{Asker, PayloadMessage};
 use crate::snapshot::EventKind;
 use skein_domain::exchange::{CommandProgress, Effect, Event, Severity};
 use skein_domain::setpoint::LocalSetpoint;
-use skein_domain::{AutopilotCommand, FlightState, Incarnation, NodeTime, Refusal, RequestId, Setpoint};
+use skein_domain::{AutopilotCommand, FlightState, NodeTime, Refusal, RequestId, Setpoint};
 
 /// A refusal of the same kind is told again after so long, in seconds: at 50 setpoints a second the log would hold nothing else.
 const REFUSAL_REPEAT_S: f64 = 2.0;
@@ -56,13 +57,19 @@ impl VehicleState {
                         format!("{}: end of the route", self.cell.name),
                     );
                 }
-                Effect::Mavlink(_)
-                | Effect::Transmit { .. }
-                | Effect::Report { .. }
-                | Effect::Occurrence { .. }
-                | Effect::PayloadCommand { .. }
-                | Effect::Frame(_)
-                | Effect::Capability(_) => {}
+                Effect::Report { state_json } => {
+                    // The host has held it against the plugin's schema, so that it parses.
+                    self.cell.state.lock().model_state = serde_json::from_str(&state_json).ok();
+                }
+                Effect::Occurrence { event_json } => self.occurrence(&event_json),
+                Effect::PayloadCommand {
+                    request,
+                    payload,
+                    command_json,
+                } => self.payload_command(request, &payload, command_json),
+                Effect::Capability(capability) => self.cell.state.lock().capability = Some(capability),
+                // No manifest of a UAV model that names one of these is taken.
+                Effect::Mavlink(_) | Effect::Transmit { .. } | Effect::Frame(_) => {}
             }
         }
     }
@@ -75,6 +82,43 @@ impl VehicleState {
         self.record_progress(id, name.unwrap_or("command"), &progress);
         if let CommandProgress::Refused { refusal } = progress {
             self.model.note_refusal(id, refusal);
+        }
+    }
+
+    fn occurrence(&self, event_json: &str) {
+        let Ok(event) = serde_json::from_str::<serde_json::Value>(event_json) else {
+            return;
+        };
+        let text = format!("{}: {event}", self.cell.name);
+        self.record(Severity::Info, EventKind::Occurrence { payload: None, event }, text);
+    }
+
+    /// Passed on to the payload's own actor; its answer comes as a message.
+    fn payload_command(&mut self, request: RequestId, payload: &str, command_json: String) {
+        let asked = match self.cell.payload(payload) {
+            None => Err(Refusal::UnknownPayload {
+                vehicle: self.cell.id,
+                payload: payload.to_owned(),
+            }),
+            Some(cell) => {
+                let message = PayloadMessage::Command {
+                    id: self.board.next_command_id(),
+                    command_json,
+                    asker: Asker::Model(request),
+                };
+                let sent = cell.actor.load_full().map(|actor| actor.cast(message).is_ok());
+                sent.filter(|sent| *sent)
+                    .map(|_| ())
+                    .ok_or_else(|| Refusal::NotRunning {
+                        what: format!("payload {payload} of vehicle {}", self.cell.id),
+                    })
+            }
+        };
+        if let Err(refusal) = asked {
+            self.waiting.push(Event::PayloadResult {
+                request,
+                refusal: Some(refusal),
+            });
         }
     }
 
@@ -193,10 +237,5 @@ impl VehicleState {
             },
             text,
         );
-    }
-
-    /// The incarnation the plugin instance runs under.
-    pub(super) fn model_incarnation(&self) -> Incarnation {
-        self.model.incarnation()
     }
 }

@@ -1,48 +1,35 @@
-//! The life of a vehicle's UAV-model instance: create, call, snapshot, restart after a failure with the last snapshot, give up.
+//! What a vehicle's actor adds to the life of its UAV-model instance: which events a new one must be told, what it said of a command,
+//! and handing the vehicle to its autopilot when the model is given up.
 
 use super::VehicleState;
-use crate::restart::{Decision, RestartHistory, VEHICLE_LIMITS};
-use crate::snapshot::{ActorHealth, ActorStatus, EventKind};
-use skein_domain::exchange::{Create, Event, EventBatch, Severity};
-use skein_domain::{AutopilotCommand, CommandId, FlightMode, FlightState, Incarnation, NodeTime, Refusal, RequestId};
-use skein_plugin_host::Instance;
-
-/// How often a snapshot is taken while nothing special happens, in seconds: what a restarted model may be behind.
-const SNAPSHOT_EVERY_S: f64 = 0.2;
+use crate::plugin_life::{Called, PluginLife};
+use skein_domain::exchange::Event;
+use skein_domain::{AutopilotCommand, CommandId, FlightMode, FlightState, NodeTime, Refusal, RequestId};
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// The request id of requests that the actor itself makes, beyond what models use.
 const ACTOR_REQUEST: RequestId = RequestId(u32::MAX);
 
-/// The model instance and what is needed to start it again.
+/// The model instance and what it knows.
 pub(super) struct Model {
-    instance: Option<Instance>,
-    incarnation: Incarnation,
-    history: RestartHistory,
-    /// Not started again before; `None` when given up.
-    start_at: Option<NodeTime>,
-    snapshot_at: NodeTime,
+    pub(super) life: PluginLife,
     /// A refusal reported within the present call, for the command's receipt.
     refusal: Option<(CommandId, Refusal)>,
+    /// Revisions of the payloads' reports that it has.
+    pub(super) seen: BTreeMap<String, u64>,
+    /// What it knows to be tracked.
+    pub(super) tracks: Arc<Vec<skein_domain::payload::Track>>,
 }
 
 impl Model {
-    pub(super) fn new(incarnation: Incarnation) -> Self {
+    pub(super) fn new(life: PluginLife) -> Self {
         Self {
-            instance: None,
-            incarnation,
-            history: RestartHistory::default(),
-            start_at: Some(NodeTime(0)),
-            snapshot_at: NodeTime(0),
+            life,
             refusal: None,
+            seen: BTreeMap::new(),
+            tracks: Arc::default(),
         }
-    }
-
-    pub(super) fn is_running(&self) -> bool {
-        self.instance.is_some()
-    }
-
-    pub(super) fn incarnation(&self) -> Incarnation {
-        self.incarnation
     }
 
     pub(super) fn note_refusal(&mut self, id: CommandId, refusal: Refusal) {
@@ -54,115 +41,48 @@ impl Model {
             .take_if(|(noted, _)| *noted == id)
             .map(|(_, refusal)| refusal)
     }
+
+    /// A new instance has the state of the one before it, but not what others told that one.
+    fn forget_what_was_told(&mut self) {
+        self.seen.clear();
+        self.tracks = Arc::default();
+    }
 }
 
 impl VehicleState {
     /// Starts the model if it is not running and its back-off is over; tells whether it runs.
     pub(super) async fn ensure_model(&mut self) -> bool {
-        if self.model.is_running() {
-            return true;
+        let was_running = self.model.life.is_running();
+        let (running, given_up) = self.model.life.ensure().await;
+        if running && !was_running {
+            self.model_renewed();
         }
-        let now = self.board.now();
-        if self.model.start_at.is_none_or(|at| at > now) {
-            return false;
+        if given_up.is_some() {
+            self.hand_to_autopilot(self.board.now());
         }
-        let create = Create {
-            vehicle: self.cell.id,
-            incarnation: self.model.incarnation,
-            config_json: self.cell.model_config_json.clone(),
-            snapshot: self.cell.snapshot.lock().clone(),
-            now,
-            payload: None,
-            system_id: Some(self.cell.system_id),
-        };
-        match self.board.runners.create(self.cell.plugin.clone(), create).await {
-            Ok(instance) => {
-                self.model.instance = Some(instance);
-                // The instance has its task from the snapshot, but a newer one may have come meanwhile.
-                self.task_version = self.cell.state.lock().task_version;
-                self.publish_model(ActorStatus::Running, None);
-                if self.model.incarnation > Incarnation(1) {
-                    self.tell_model(Severity::Advisory, ActorStatus::Running, "runs again with its state");
-                }
-                true
-            }
-            Err(error) => {
-                self.model_failed(&error.to_string());
-                false
-            }
-        }
+        running
     }
 
     /// Hands a batch to the model and carries out its effects.
     pub(super) async fn call_model(&mut self, events: Vec<Event>) {
-        let Some(instance) = &self.model.instance else { return };
-        let urgent = events
-            .iter()
-            .any(|e| matches!(e, Event::Command { .. } | Event::Task(_)));
-        match instance
-            .call(EventBatch {
-                now: self.board.now(),
-                events,
-            })
-            .await
-        {
-            Ok(batch) => {
+        let before = self.model.life.incarnation();
+        match self.model.life.call(events, &[]).await {
+            Called::Answered(effects, _) => {
                 self.cell.state.lock().task_version = self.task_version;
-                let changed = batch
-                    .effects
-                    .iter()
-                    .any(|e| matches!(e, skein_domain::exchange::Effect::State { .. }));
-                self.carry_out(batch.effects);
-                if urgent || changed {
-                    // What a command or task brought about must survive a failure in the very next call.
-                    self.model.snapshot_at = NodeTime(0);
-                    self.keep_snapshot().await;
-                }
+                self.carry_out(effects);
             }
-            Err(error) => self.model_failed(&error.to_string()),
+            Called::Failed => {}
+            Called::GivenUp(_) => self.hand_to_autopilot(self.board.now()),
+        }
+        if self.model.life.incarnation() != before {
+            self.model_renewed();
         }
     }
 
-    /// Takes a snapshot if it is time for one.
-    pub(super) async fn keep_snapshot(&mut self) {
-        let now = self.board.now();
-        let Some(instance) = &self.model.instance else { return };
-        if self.model.snapshot_at > now {
-            return;
-        }
-        self.model.snapshot_at = now.plus_seconds(SNAPSHOT_EVERY_S);
-        match instance.snapshot().await {
-            Ok(snapshot) => *self.cell.snapshot.lock() = Some(snapshot),
-            Err(error) => self.model_failed(&error.to_string()),
-        }
-    }
-
-    /// Ends the failed instance and decides when the next starts. Meanwhile the link holds position by itself.
-    fn model_failed(&mut self, error: &str) {
-        let now = self.board.now();
-        self.model.instance = None;
-        self.model.incarnation = self.model.incarnation.next();
-        match self.model.history.decide(&VEHICLE_LIMITS, now, fraction(now)) {
-            Decision::RestartAfter(delay_s) => {
-                self.model.start_at = Some(now.plus_seconds(delay_s));
-                self.publish_model(ActorStatus::Restarting, Some(error));
-                self.tell_model(
-                    Severity::Warning,
-                    ActorStatus::Restarting,
-                    &format!("failed: {error}; restarting"),
-                );
-            }
-            Decision::GiveUp => {
-                self.model.start_at = None;
-                self.publish_model(ActorStatus::GivenUp, Some(error));
-                self.tell_model(
-                    Severity::Critical,
-                    ActorStatus::GivenUp,
-                    &format!("failed too often: {error}"),
-                );
-                self.hand_to_autopilot(now);
-            }
-        }
+    /// The instance is another now. It has its task from the snapshot, but a newer one may have come meanwhile.
+    pub(super) fn model_renewed(&mut self) {
+        self.task_version = self.cell.state.lock().task_version;
+        self.model.forget_what_was_told();
     }
 
     /// The model is given up: the autopilot itself holds the vehicle, without setpoints.
@@ -178,29 +98,4 @@ impl VehicleState {
         published.detail = "its model failed too often; the autopilot holds".into();
         published.since = now;
     }
-
-    fn publish_model(&self, status: ActorStatus, error: Option<&str>) {
-        let mut published = self.cell.state.lock();
-        let last_error = error.map_or_else(|| published.model.last_error.clone(), ToOwned::to_owned);
-        published.model = ActorHealth {
-            name: format!("model-{}", self.cell.id),
-            status,
-            incarnation: self.model_incarnation(),
-            last_error,
-            since: self.board.now(),
-        };
-    }
-
-    fn tell_model(&self, severity: Severity, status: ActorStatus, what: &str) {
-        let kind = EventKind::Supervision {
-            actor: format!("model-{}", self.cell.id),
-            status,
-        };
-        self.record(severity, kind, format!("{}: model {what}", self.cell.name));
-    }
-}
-
-/// Jitter for the back-off: the microseconds of the failure's time are as good as random between vehicles.
-fn fraction(now: NodeTime) -> f64 {
-    (now.0 % 1_000) as f64 / 1_000.0
 }

@@ -2,10 +2,12 @@
 
 use super::VehicleState;
 use crate::board::{PeerEntry, PeerSnapshot};
+use crate::payload::others;
 use crate::snapshot::EventKind;
-use skein_domain::exchange::{Event, OwnState, Severity};
+use skein_domain::exchange::{Event, OwnState, PayloadReport, Severity};
 use skein_domain::link::{LinkEvent, StreamState};
-use skein_domain::{FlightMode, Geodetic, Task};
+use skein_domain::{FlightMode, SwarmFrame, Task};
+use std::sync::Arc;
 
 impl VehicleState {
     /// The whole period.
@@ -17,7 +19,7 @@ impl VehicleState {
         let mut events = self.gather(&peers);
         events.push(Event::Tick);
         self.call_model(events).await;
-        self.keep_snapshot().await;
+        self.model.life.publish_statistics();
     }
 
     /// Everything that happened since the last batch, and the vehicle's own state.
@@ -26,7 +28,7 @@ impl VehicleState {
         let Some(entry) = peers.entry(self.cell.id) else {
             return events;
         };
-        let mut own = own_state(entry, self.board.frame().map(|frame| frame.origin));
+        let mut own = own_state(entry, self.board.frame());
         let link = self.cell.link.load_full();
         for event in link.0.take_events() {
             // The peers were read before these events came: the model must not see a mode beside an older armed state.
@@ -38,6 +40,7 @@ impl VehicleState {
             self.take_link_event(event, &mut events);
         }
         events.push(Event::Own(own));
+        self.gather_surroundings(peers, &mut events);
         let intent = self.board.intent.load();
         if let Some(task) = intent.tasks.get(&self.cell.id) {
             if task.version > self.task_version {
@@ -51,6 +54,33 @@ impl VehicleState {
             }
         }
         events
+    }
+
+    /// What a model that carries or observes something wants to know. A vehicle without payloads is spared it.
+    fn gather_surroundings(&mut self, peers: &PeerSnapshot, events: &mut Vec<Event>) {
+        let tracks = self.board.tracks.load_full();
+        if !Arc::ptr_eq(&tracks, &self.model.tracks) {
+            events.push(Event::Tracks(tracks.as_ref().clone()));
+            self.model.tracks = tracks;
+        }
+        let payloads = self.cell.payloads();
+        if payloads.is_empty() {
+            return;
+        }
+        events.push(Event::Peers(others(peers, self.cell.id)));
+        for payload in payloads {
+            let (revision, report) = {
+                let published = payload.state.lock();
+                (published.revision, published.report.clone())
+            };
+            if revision > 0 && self.model.seen.insert(payload.name.clone(), revision) != Some(revision) {
+                events.push(Event::Payload(PayloadReport {
+                    name: payload.name.clone(),
+                    kind: payload.kind,
+                    state_json: report.map(|r| r.json.as_ref().to_owned()),
+                }));
+            }
+        }
     }
 
     fn take_link_event(&mut self, event: LinkEvent, events: &mut Vec<Event>) {
@@ -143,7 +173,8 @@ impl VehicleState {
     }
 }
 
-fn own_state(entry: &PeerEntry, frame_origin: Option<Geodetic>) -> OwnState {
+/// A vehicle's own state as its plugins see it.
+pub fn own_state(entry: &PeerEntry, frame: Option<SwarmFrame>) -> OwnState {
     OwnState {
         kinematics: entry.kinematics,
         mode: entry.telemetry.mode,
@@ -156,6 +187,6 @@ fn own_state(entry: &PeerEntry, frame_origin: Option<Geodetic>) -> OwnState {
         roll_rad: Some(f64::from(entry.telemetry.roll_rad)),
         pitch_rad: Some(f64::from(entry.telemetry.pitch_rad)),
         global: entry.telemetry.global,
-        frame_origin,
+        frame_origin: frame.map(|frame| frame.origin),
     }
 }

@@ -34,9 +34,12 @@ impl<'a> Director<'a> {
     /// Actors and plugins that were started more than once, in words.
     pub fn restarts(&self) -> Vec<String> {
         let fleet = self.node.snapshot();
-        let vehicles = fleet.vehicles.iter().flat_map(|v| [&v.actor, &v.model]);
+        let vehicles = fleet.vehicles.iter().flat_map(|v| {
+            let payloads = v.payloads.iter().map(|payload| payload.plugin.as_actor());
+            [v.actor.clone(), v.model.as_actor()].into_iter().chain(payloads)
+        });
         vehicles
-            .chain(&fleet.actors)
+            .chain(fleet.actors.iter().cloned())
             .filter(|health| health.incarnation.0 > 1)
             .map(|h| {
                 format!(

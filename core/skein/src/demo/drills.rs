@@ -19,16 +19,16 @@ pub fn start(node: NodeHandle) -> JoinHandle<()> {
         let leader = node.snapshot().vehicles.iter().find(|v| v.is_leader).map(|v| v.id);
         let follower = |i: usize| ids.iter().copied().filter(|id| Some(*id) != leader).nth(i);
         let faults = [
-            follower(0).map(|vehicle| Fault::PluginPanic { vehicle }),
+            follower(0).map(|vehicle| Fault::PluginPanic { vehicle, payload: None }),
             follower(1)
                 .or(follower(0))
                 .map(|vehicle| Fault::VehicleActor { vehicle }),
             Some(Fault::Coordinator),
-            leader.map(|vehicle| Fault::PluginPanic { vehicle }),
+            leader.map(|vehicle| Fault::PluginPanic { vehicle, payload: None }),
         ];
         for fault in faults.into_iter().flatten() {
             tokio::time::sleep(APART).await;
-            match node.inject_fault(fault).await {
+            match node.inject_fault(fault.clone()).await {
                 Ok(()) => println!("          fault injected: {fault:?}"),
                 Err(refusal) => println!("          fault {fault:?} not injected: {refusal}"),
             }

@@ -57,6 +57,171 @@ voltage_v: number | null,
 current_a: number | null, };
 
 /**
+ * What a camera can be asked.
+ */
+export type CameraCommand = { "command": "take_pictures", 
+/**
+ * How many; 0 until told to stop.
+ */
+count: number, 
+/**
+ * Time between two, in seconds.
+ */
+interval_s: number, } | { "command": "stop_pictures" } | { "command": "start_recording" } | { "command": "stop_recording" } | { "command": "zoom", 
+/**
+ * The factor.
+ */
+factor: number, } | { "command": "set_mode", 
+/**
+ * The mode.
+ */
+mode: CameraMode, } | { "command": "start_stream", 
+/**
+ * Its number, from 1.
+ */
+stream: number, } | { "command": "stop_stream", 
+/**
+ * Its number, from 1.
+ */
+stream: number, };
+
+/**
+ * The mode of a camera.
+ */
+export type CameraMode = "picture" | "video" | "survey";
+
+/**
+ * Where a camera was and looked when it took a frame.
+ */
+export type CameraPose = { 
+/**
+ * Position in the swarm frame.
+ */
+position: PositionNed, 
+/**
+ * Roll of the picture in radians.
+ */
+roll_rad: number, 
+/**
+ * Pitch of the optical axis in radians, upwards positive.
+ */
+pitch_rad: number, 
+/**
+ * Yaw of the optical axis in radians, clockwise from north.
+ */
+yaw_rad: number, 
+/**
+ * Horizontal field of view in radians.
+ */
+field_of_view_rad: number, };
+
+/**
+ * The state of a camera.
+ */
+export type CameraState = { 
+/**
+ * It is heard, or its source delivers.
+ */
+connected: boolean, 
+/**
+ * Who made it.
+ */
+vendor: string, 
+/**
+ * What it is.
+ */
+model: string, 
+/**
+ * Mode.
+ */
+mode: CameraMode, 
+/**
+ * Pictures are being taken at an interval.
+ */
+capturing: boolean, 
+/**
+ * Pictures taken so far.
+ */
+pictures: number, 
+/**
+ * It records.
+ */
+recording: boolean, 
+/**
+ * For how long, in seconds.
+ */
+recording_s: number, 
+/**
+ * Zoom factor, 1 being the widest.
+ */
+zoom: number | null, 
+/**
+ * Room left on its storage in mebibytes.
+ */
+storage_free_mib: number | null, 
+/**
+ * Size of its storage in mebibytes.
+ */
+storage_total_mib: number | null, 
+/**
+ * Width of its pictures in pixels.
+ */
+width_px: number | null, 
+/**
+ * Height of its pictures in pixels.
+ */
+height_px: number | null, 
+/**
+ * Horizontal field of view in radians at the present zoom.
+ */
+field_of_view_rad: number | null, 
+/**
+ * Frames it has given since it was started.
+ */
+frames: number, 
+/**
+ * Streams it offers.
+ */
+streams: Array<CameraStream>, 
+/**
+ * What is wrong with it; empty if nothing.
+ */
+fault: string, };
+
+/**
+ * One video stream of a camera.
+ */
+export type CameraStream = { 
+/**
+ * Its number, from 1.
+ */
+stream: number, 
+/**
+ * Name.
+ */
+name: string, 
+/**
+ * Where it can be read.
+ */
+uri: string, 
+/**
+ * It runs.
+ */
+running: boolean, 
+/**
+ * Frames per second.
+ */
+rate_hz: number, 
+/**
+ * Width in pixels.
+ */
+width_px: number, 
+/**
+ * Height in pixels.
+ */
+height_px: number, };
+
+/**
  * What a client may say on the stream as text.
  */
 export type ClientMessage = { "type": "rate", 
@@ -119,6 +284,19 @@ export type CommandReceipts = {
 receipts: Array<CommandReceipt>, };
 
 /**
+ * Whether a vehicle can host the coordinator, and how gladly.
+ */
+export type CoordinatorCapability = { 
+/**
+ * It can, as things stand.
+ */
+capable: boolean, 
+/**
+ * The greatest takes over first.
+ */
+priority: number, };
+
+/**
  * Every answer that is not a success.
  */
 export type ErrorBody = { 
@@ -143,6 +321,11 @@ message: string,
  * Facts that go with the code: the refusal itself, the place in the body, what would be allowed. May be null.
  */
 detail: unknown, };
+
+/**
+ * What becomes of a vehicle when one of its payloads has failed too often.
+ */
+export type Escalation = "degrade" | "hold" | "return";
 
 /**
  * What kind of thing happened.
@@ -175,7 +358,23 @@ actor: string,
 /**
  * What it is doing now.
  */
-status: ActorStatus, } | { "kind": "stream" } | { "kind": "status_text" } | { "kind": "notice" };
+status: ActorStatus, } | { "kind": "stream" } | { "kind": "status_text" } | { "kind": "occurrence", 
+/**
+ * The payload's name on the vehicle; absent for the UAV model.
+ */
+payload: string | null, 
+/**
+ * What it tells.
+ */
+event: unknown, } | { "kind": "payload", 
+/**
+ * Its name on the vehicle.
+ */
+payload: string, } | { "kind": "plugin", 
+/**
+ * Its name.
+ */
+plugin: string, } | { "kind": "notice" };
 
 /**
  * Events after a given one.
@@ -220,17 +419,33 @@ kind: EventKind,
 text: string, };
 
 /**
- * A fault to inject, where the configuration permits it.
+ * A fault to inject, where the configuration permits it. A plugin is the vehicle's UAV model, or with a name its payload.
  */
 export type Fault = { "fault": "plugin_panic", 
 /**
  * The vehicle.
  */
-vehicle: VehicleId, } | { "fault": "plugin_hang", 
+vehicle: VehicleId, 
+/**
+ * The payload; the UAV model if left out.
+ */
+payload: string | null, } | { "fault": "plugin_hang", 
 /**
  * The vehicle.
  */
-vehicle: VehicleId, } | { "fault": "vehicle_actor", 
+vehicle: VehicleId, 
+/**
+ * The payload; the UAV model if left out.
+ */
+payload: string | null, } | { "fault": "plugin_kill", 
+/**
+ * The vehicle.
+ */
+vehicle: VehicleId, 
+/**
+ * The payload; the UAV model if left out.
+ */
+payload: string | null, } | { "fault": "vehicle_actor", 
 /**
  * The vehicle.
  */
@@ -317,7 +532,11 @@ formation: FormationSnapshot | null,
 /**
  * Actors of the node under supervision.
  */
-actors: Array<ActorHealth>, };
+actors: Array<ActorHealth>, 
+/**
+ * What is tracked.
+ */
+tracks: Array<Track>, };
 
 /**
  * The autopilot's flight mode, in words that fit PX4 and its peers.
@@ -426,6 +645,47 @@ planned_min_distance_m: number,
 intent_version: number, };
 
 /**
+ * What is known of a frame beside its bytes. The bytes stay where they are: `id` names them.
+ */
+export type FrameHeader = { 
+/**
+ * Names the bytes at the boundary they cross; the host's and only good there.
+ */
+id: number, 
+/**
+ * Counts the frames of one source, from 1.
+ */
+sequence: number, 
+/**
+ * When it was taken, on the node's clock.
+ */
+time: NodeTime, 
+/**
+ * Width in pixels.
+ */
+width_px: number, 
+/**
+ * Height in pixels.
+ */
+height_px: number, 
+/**
+ * Bytes per row; 0 where rows have no meaning.
+ */
+stride_bytes: number, 
+/**
+ * How to read the bytes.
+ */
+format: PixelFormat, 
+/**
+ * Number of bytes.
+ */
+len: number, 
+/**
+ * Where the camera was and looked, if known.
+ */
+pose: CameraPose | null, };
+
+/**
  * A place on Earth: WGS 84 degrees and metres above mean sea level.
  */
 export type Geodetic = { 
@@ -441,6 +701,119 @@ longitude_deg: number,
  * Altitude above mean sea level in metres.
  */
 altitude_amsl_m: number, };
+
+/**
+ * What a gimbal can be asked.
+ */
+export type GimbalCommand = { "command": "angles", 
+/**
+ * Pitch in radians about the horizon, upwards positive.
+ */
+pitch_rad: number, 
+/**
+ * Yaw in radians, clockwise from the zero of `yaw_frame`.
+ */
+yaw_rad: number, 
+/**
+ * What the yaw counts from.
+ */
+yaw_frame: GimbalYawFrame, } | { "command": "rates", 
+/**
+ * Upwards positive, in radians per second.
+ */
+pitch_rad_s: number, 
+/**
+ * Clockwise positive, in radians per second.
+ */
+yaw_rad_s: number, } | { "command": "point_at", 
+/**
+ * The place.
+ */
+place: Geodetic, } | { "command": "neutral" } | { "command": "take_control" } | { "command": "release_control" };
+
+/**
+ * What a gimbal is doing.
+ */
+export type GimbalMode = "idle" | "angles" | "rates" | "point_at";
+
+/**
+ * Who steers a gimbal.
+ */
+export type GimbalOwner = { "kind": "unknown" } | { "kind": "nobody" } | { "kind": "us" } | { "kind": "other", 
+/**
+ * Its system id.
+ */
+system_id: number, 
+/**
+ * Its component id.
+ */
+component_id: number, };
+
+/**
+ * The state of a gimbal.
+ */
+export type GimbalState = { 
+/**
+ * It is heard.
+ */
+connected: boolean, 
+/**
+ * What it is doing.
+ */
+mode: GimbalMode, 
+/**
+ * Who steers it.
+ */
+owner: GimbalOwner, 
+/**
+ * Roll in radians about the horizon.
+ */
+roll_rad: number, 
+/**
+ * Pitch in radians about the horizon, upwards positive.
+ */
+pitch_rad: number, 
+/**
+ * Yaw in radians from the vehicle's nose, clockwise.
+ */
+yaw_vehicle_rad: number, 
+/**
+ * Yaw in radians from north, clockwise; absent while the vehicle's own is not known.
+ */
+yaw_north_rad: number | null, 
+/**
+ * Where it is to point: pitch and yaw as last asked for, yaw from north.
+ */
+wanted_pitch_rad: number | null, 
+/**
+ * See `wanted_pitch_rad`.
+ */
+wanted_yaw_north_rad: number | null, 
+/**
+ * The place it keeps pointing at.
+ */
+place: Geodetic | null, 
+/**
+ * Lowest pitch it can reach, in radians.
+ */
+pitch_min_rad: number | null, 
+/**
+ * Highest pitch it can reach, in radians.
+ */
+pitch_max_rad: number | null, 
+/**
+ * What it is, in words.
+ */
+model: string, 
+/**
+ * What is wrong with it; empty if nothing.
+ */
+fault: string, };
+
+/**
+ * The frame of a gimbal's yaw. Roll and pitch are always about the horizon.
+ */
+export type GimbalYawFrame = "vehicle" | "north";
 
 /**
  * Satellite navigation, as reported.
@@ -517,6 +890,28 @@ export type HealthStatus = "ok" | "degraded" | "stalled";
 export type Incarnation = number;
 
 /**
+ * What became of one instance in an exchange of versions.
+ */
+export type InstanceUpgrade = { 
+/**
+ * Its name in the supervision tree.
+ */
+name: string, 
+/**
+ * Whether it has its former state; absent if it did not come up.
+ */
+restored: Restored | null, 
+/**
+ * Why it did not come up; the old version flies on then.
+ */
+error: string | null, };
+
+/**
+ * Where a plugin instance runs.
+ */
+export type Isolation = "in_process" | "child";
+
+/**
  * Whether the vehicle stands on the ground, as its own detector says.
  */
 export type LandedState = "unknown" | "on_ground" | "in_air" | "taking_off" | "landing";
@@ -560,6 +955,181 @@ setpoint_rate_hz: number, };
 export type NodeTime = number;
 
 /**
+ * What changes seldom about one payload. Its state is in its vehicle's snapshot.
+ */
+export type PayloadInfo = { 
+/**
+ * Its name on the vehicle.
+ */
+name: string, 
+/**
+ * What it is.
+ */
+kind: PayloadKind, 
+/**
+ * Name of its plugin.
+ */
+plugin: string, 
+/**
+ * Version of that plugin.
+ */
+version: string, 
+/**
+ * Where the plugin runs.
+ */
+isolation: Isolation, 
+/**
+ * Its plugin instance.
+ */
+health: ActorHealth, 
+/**
+ * How many of its starts followed a failure.
+ */
+restarts: number, 
+/**
+ * Whether it has given a frame.
+ */
+has_frame: boolean, };
+
+/**
+ * What a payload is.
+ */
+export type PayloadKind = "gimbal" | "camera" | "radio" | "detector";
+
+/**
+ * What a vehicle carries.
+ */
+export type PayloadList = { 
+/**
+ * By name.
+ */
+payloads: Array<PayloadSnapshot>, };
+
+/**
+ * `[[adopt.payloads]]`, and what the API takes to attach one at run time.
+ */
+export type PayloadRule = { 
+/**
+ * Its name on the vehicle.
+ */
+name: string, 
+/**
+ * Payload plugin.
+ */
+plugin: string, 
+/**
+ * Where the plugin runs.
+ */
+isolation: Isolation, 
+/**
+ * How its device is reached if not over the vehicle's MAVLink: `udp://ADDRESS:PORT` or `serial:///dev/ttyUSB0?baud=115200`.
+ */
+transport: string | null, 
+/**
+ * What happens when it has failed too often.
+ */
+on_failure: Escalation, 
+/**
+ * Configuration handed to the plugin.
+ */
+config: Record<string, unknown>, };
+
+/**
+ * One payload at one moment.
+ */
+export type PayloadSnapshot = { 
+/**
+ * Its name on the vehicle.
+ */
+name: string, 
+/**
+ * What it is.
+ */
+kind: PayloadKind, 
+/**
+ * Its actor.
+ */
+actor: ActorHealth, 
+/**
+ * Its plugin instance.
+ */
+plugin: PluginHealth, 
+/**
+ * What it reports of itself, as its state schema has it; absent while it does not run.
+ */
+state: unknown, 
+/**
+ * Why its transport does not work; empty if it does or has none.
+ */
+transport_fault: string, 
+/**
+ * The last frame it gave.
+ */
+frame: FrameHeader | null, };
+
+/**
+ * How the bytes of a frame are to be read. A number, so that a reader can name one it does not know.
+ */
+export type PixelFormat = "gray8" | "rgb8" | "jpeg";
+
+/**
+ * A plugin instance under supervision.
+ */
+export type PluginHealth = { 
+/**
+ * Name in the supervision tree, for example `model-3` or `payload-3-gimbal`.
+ */
+name: string, 
+/**
+ * The plugin.
+ */
+plugin: string, 
+/**
+ * Its version.
+ */
+version: string, 
+/**
+ * Where it runs.
+ */
+isolation: Isolation, 
+/**
+ * Its process, if it has one of its own.
+ */
+process_id: number | null, 
+/**
+ * Running, restarting after back-off, or given up.
+ */
+status: ActorStatus, 
+/**
+ * How many times it was started.
+ */
+incarnation: Incarnation, 
+/**
+ * How many of its starts followed a failure.
+ */
+restarts: number, 
+/**
+ * The last error that ended it; empty if none did.
+ */
+last_error: string, 
+/**
+ * Since when it has this status.
+ */
+since: NodeTime, 
+/**
+ * Calls of this incarnation.
+ */
+calls: number, 
+/**
+ * Half of them were no slower, in microseconds.
+ */
+call_p50_us: number, 
+/**
+ * All but one in a hundred were no slower, in microseconds.
+ */
+call_p99_us: number, };
+
+/**
  * A plugin that was found, for screens.
  */
 export type PluginInfo = { 
@@ -568,9 +1138,13 @@ export type PluginInfo = {
  */
 name: string, 
 /**
- * Its version.
+ * The active version.
  */
 version: string, 
+/**
+ * What it is.
+ */
+kind: string, 
 /**
  * What it is for.
  */
@@ -580,9 +1154,45 @@ description: string,
  */
 path: string, 
 /**
+ * SHA-256 of the file, in hexadecimal.
+ */
+sha256: string, 
+/**
+ * The effects it may return.
+ */
+effects: Array<string>, 
+/**
  * JSON Schema of its configuration, as text.
  */
-config_schema_json: string, };
+config_schema_json: string, 
+/**
+ * JSON Schema of its commands, as text.
+ */
+command_schema_json: string | null, 
+/**
+ * JSON Schema of the state it reports, as text.
+ */
+state_schema_json: string | null, 
+/**
+ * JSON Schema of the events it tells, as text.
+ */
+event_schema_json: string | null, 
+/**
+ * All loaded versions, oldest first.
+ */
+versions: Array<string>, 
+/**
+ * A loaded version that is not active yet.
+ */
+candidate: string | null, 
+/**
+ * The version that a roll back would go to.
+ */
+previous: string | null, 
+/**
+ * Names of the instances it has in the supervision tree.
+ */
+instances: Array<string>, };
 
 /**
  * Plugins that were found.
@@ -613,6 +1223,88 @@ east_m: number,
  *Third axis, in metres.
  */
 down_m: number, };
+
+/**
+ * What a radio can be asked, where the device allows it.
+ */
+export type RadioCommand = { "command": "set_channel", 
+/**
+ * Its number as the device counts.
+ */
+channel: number, } | { "command": "set_power", 
+/**
+ * In decibels over a milliwatt.
+ */
+power_dbm: number, };
+
+/**
+ * The state of a radio link.
+ */
+export type RadioState = { 
+/**
+ * It is heard.
+ */
+connected: boolean, 
+/**
+ * What the figures come from: `radio_status`, `nl80211`.
+ */
+source: string, 
+/**
+ * Signal strength here, in decibels over a milliwatt.
+ */
+rssi_dbm: number | null, 
+/**
+ * Signal strength at the far end, in decibels over a milliwatt.
+ */
+remote_rssi_dbm: number | null, 
+/**
+ * Noise here, in decibels over a milliwatt.
+ */
+noise_dbm: number | null, 
+/**
+ * Signal over noise in decibels, of the weaker end.
+ */
+snr_db: number | null, 
+/**
+ * Share of packets lost, 0..=1.
+ */
+loss: number | null, 
+/**
+ * Time a packet takes, in seconds.
+ */
+latency_s: number | null, 
+/**
+ * Data rate in bits per second.
+ */
+throughput_bit_s: number | null, 
+/**
+ * Channel.
+ */
+channel: number | null, 
+/**
+ * Transmission power in decibels over a milliwatt.
+ */
+power_dbm: number | null, 
+/**
+ * Distance to the ground station in metres.
+ */
+distance_m: number | null, 
+/**
+ * Distance at which the link is expected to fail, in metres, from how it fell off so far.
+ */
+range_m: number | null, 
+/**
+ * Time until the vehicle is out of range if it goes on as now, in seconds.
+ */
+out_of_range_in_s: number | null, 
+/**
+ * It is about to leave the range.
+ */
+warning: boolean, 
+/**
+ * What is wrong with it; empty if nothing.
+ */
+fault: string, };
 
 /**
  * A typed refusal. Its display text is the sentence an operator reads.
@@ -709,7 +1401,66 @@ what: string, } | { "reason": "not_permitted",
 /**
  * What and why.
  */
-detail: string, };
+detail: string, } | { "reason": "not_supported", 
+/**
+ * What cannot be done, and by what.
+ */
+detail: string, } | { "reason": "unknown_payload", 
+/**
+ * The vehicle.
+ */
+vehicle: VehicleId, 
+/**
+ * The name asked for.
+ */
+payload: string, } | { "reason": "unknown_track", 
+/**
+ * The number asked for.
+ */
+track: number, };
+
+/**
+ * Restarts of plugin instances.
+ */
+export type RestartList = { 
+/**
+ * Oldest first.
+ */
+restarts: Array<RestartRecord>, };
+
+/**
+ * One restart of a plugin instance after a failure.
+ */
+export type RestartRecord = { 
+/**
+ * When it ran again.
+ */
+time: NodeTime, 
+/**
+ * Its name in the supervision tree.
+ */
+name: string, 
+/**
+ * Where it runs.
+ */
+isolation: Isolation, 
+/**
+ * From the failure, or the end of the back-off, until it had its state again, in seconds.
+ */
+took_s: number, 
+/**
+ * The deliberate wait before, in seconds.
+ */
+backoff_s: number, 
+/**
+ * Whether it has the state of the one before it.
+ */
+restored: Restored, };
+
+/**
+ * Whether a restarted instance has the state of the one before it.
+ */
+export type Restored = "fresh" | "exactly" | "differently";
 
 /**
  * A leader's route in the swarm frame, flown with rounded corners at one speed.
@@ -791,9 +1542,47 @@ origin: Geodetic, };
 export type SystemId = number;
 
 /**
+ * What is looked at.
+ */
+export type Target = { "kind": "place", 
+/**
+ * Where.
+ */
+position: PositionNed, } | { "kind": "vehicle", 
+/**
+ * Which.
+ */
+vehicle: VehicleId, } | { "kind": "track", 
+/**
+ * The track's number.
+ */
+track: number, };
+
+/**
  * Whom a command is for.
  */
 export type Targets = "all" | { "vehicles": Array<VehicleId> };
+
+/**
+ * Something tracked: where it is and where it goes, in the swarm frame.
+ */
+export type Track = { 
+/**
+ * Its number.
+ */
+track: number, 
+/**
+ * Where it was at `time`.
+ */
+position: PositionNed, 
+/**
+ * Its velocity at `time`.
+ */
+velocity: VelocityNed, 
+/**
+ * When that was, on the node's clock.
+ */
+time: NodeTime, };
 
 /**
  * A vehicle that is heard but not flown.
@@ -811,6 +1600,31 @@ endpoint: string,
  * Why it is not flown, one sentence.
  */
 why: string, };
+
+/**
+ * What became of an exchange of versions.
+ */
+export type UpgradeReceipt = { 
+/**
+ * The plugin.
+ */
+name: string, 
+/**
+ * The version before.
+ */
+from: string, 
+/**
+ * The version asked for.
+ */
+to: string, 
+/**
+ * Its instances.
+ */
+instances: Array<InstanceUpgrade>, 
+/**
+ * One did not come up: all are back to the version before.
+ */
+rolled_back: boolean, };
 
 /**
  * What an operator, the coordinator or another program may ask of one vehicle.
@@ -835,7 +1649,23 @@ yaw_rad: number | null,
 /**
  * Speed in metres per second; the model's cruise speed if left out.
  */
-speed_m_s: number | null, };
+speed_m_s: number | null, } | { "command": "observe", 
+/**
+ * What is to be kept in view.
+ */
+target: Target, 
+/**
+ * Horizontal distance to keep in metres; the model's own if left out.
+ */
+stand_off_m: number | null, 
+/**
+ * Height above the target to keep in metres; the present one if left out.
+ */
+height_m: number | null, } | { "command": "look_at", 
+/**
+ * What is to be looked at.
+ */
+target: Target, } | { "command": "stop_observing" };
 
 /**
  * A vehicle of the swarm, unique over all links. By default equal to its MAVLink system id.
@@ -881,7 +1711,15 @@ actor: ActorHealth,
 /**
  * Its UAV-model plugin instance.
  */
-model: ActorHealth, };
+model: ActorHealth, 
+/**
+ * What it carries, by name.
+ */
+payloads: Array<PayloadInfo>, 
+/**
+ * Why it can do less than it was built for; empty if nothing is amiss.
+ */
+degraded: Array<string>, };
 
 /**
  * One vehicle as the swarm sees it: telemetry in the common frame. What peers, plugins and screens read.
@@ -1024,7 +1862,23 @@ actor: ActorHealth,
 /**
  * Its UAV-model plugin instance.
  */
-model: ActorHealth, };
+model: PluginHealth, 
+/**
+ * What the model reports of itself, as its state schema has it.
+ */
+model_state: unknown, 
+/**
+ * Whether it can host the coordinator; absent if its model does not say.
+ */
+capability: CoordinatorCapability | null, 
+/**
+ * What it carries, by name.
+ */
+payloads: Array<PayloadSnapshot>, 
+/**
+ * Why it can do less than it was built for; empty if nothing is amiss.
+ */
+degraded: Array<string>, };
 
 /**
  * A velocity along north, east and down.

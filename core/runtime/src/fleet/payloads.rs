@@ -1,0 +1,217 @@
+//! Payloads in the fleet's hands: put on a vehicle by its adoption rule or at run time, their actors supervised beside the vehicle's.
+//!
+//! They are the fleet's children and not their vehicle's: ractor ends children with their parent, and the end of a vehicle's actor
+//! must not take its gimbal along.
+
+use super::{Child, FleetMessage, FleetState};
+use crate::board::{Board, VehicleCell};
+use crate::payload::{Payload, PayloadArguments, PayloadCell, PayloadPublished};
+use crate::plugin_life::{LifeIdentity, LifeRecord};
+use crate::restart::{Decision, PAYLOAD_LIMITS, RestartHistory, fraction};
+use crate::snapshot::{ActorStatus, EventKind};
+use arc_swap::ArcSwapOption;
+use parking_lot::Mutex;
+use ractor::{Actor, ActorRef};
+use skein_config::PayloadRule;
+use skein_domain::exchange::Severity;
+use skein_domain::payload::PayloadKind;
+use skein_domain::{Incarnation, Refusal, VehicleId};
+use skein_plugin_host::PluginKind;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64};
+use std::time::Duration;
+
+/// A payload of the fleet: vehicle and name.
+pub(super) type PayloadKey = (VehicleId, String);
+
+/// Failures of one payload's actor.
+#[derive(Default)]
+pub(super) struct PayloadRecord {
+    incarnation: Incarnation,
+    history: RestartHistory,
+}
+
+/// What a plugin of this kind is on a vehicle.
+pub fn payload_kind(kind: PluginKind) -> Option<PayloadKind> {
+    match kind {
+        PluginKind::GIMBAL => Some(PayloadKind::Gimbal),
+        PluginKind::CAMERA => Some(PayloadKind::Camera),
+        PluginKind::RADIO => Some(PayloadKind::Radio),
+        PluginKind::DETECTOR => Some(PayloadKind::Detector),
+        _ => None,
+    }
+}
+
+/// A payload as its rule describes it, for a vehicle.
+///
+/// # Errors
+/// What of the rule cannot be, in a sentence.
+pub fn payload_cell(board: &Board, vehicle: &VehicleCell, rule: &PayloadRule) -> Result<PayloadCell, Refusal> {
+    let invalid = |detail: String| Refusal::InvalidValue {
+        detail: format!("payload {:?}: {detail}", rule.name),
+    };
+    rule.check().map_err(invalid)?;
+    let plugin = board
+        .catalog
+        .get(&rule.plugin)
+        .ok_or_else(|| invalid(format!("the plugin \"{}\" is not among those found", rule.plugin)))?;
+    let kind = payload_kind(plugin.manifest().kind).ok_or_else(|| {
+        invalid(format!(
+            "the plugin \"{}\" is a {}",
+            rule.plugin,
+            plugin.manifest().kind
+        ))
+    })?;
+    let config_json = rule.config_json();
+    plugin
+        .manifest()
+        .check_config(&config_json)
+        .map_err(|e| invalid(format!("config: {e}")))?;
+    let transport = rule
+        .transport
+        .as_ref()
+        .map(|text| text.parse().map_err(|e| invalid(format!("transport: {e}"))))
+        .transpose()?;
+    let identity = LifeIdentity {
+        name: format!("payload-{}-{}", vehicle.id, rule.name),
+        label: format!("{}: {}", vehicle.name, rule.name),
+        vehicle: vehicle.id,
+        payload: Some(rule.name.clone()),
+        system_id: vehicle.system_id,
+    };
+    Ok(PayloadCell {
+        name: rule.name.clone(),
+        kind,
+        rule: rule.clone(),
+        life: Arc::new(LifeRecord::new(identity, plugin, config_json, rule.isolation)),
+        transport,
+        actor: ArcSwapOption::empty(),
+        tick_waiting: AtomicBool::new(false),
+        next_tick_us: AtomicU64::new(0),
+        state: Mutex::new(PayloadPublished::default()),
+        frame: ArcSwapOption::empty(),
+    })
+}
+
+impl FleetState {
+    /// Puts a payload on a vehicle and starts it.
+    pub(super) async fn attach(
+        &mut self,
+        myself: &ActorRef<FleetMessage>,
+        vehicle: VehicleId,
+        rule: &PayloadRule,
+    ) -> Result<(), Refusal> {
+        let cell = self.board.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+        if cell.payload(&rule.name).is_some() {
+            return Err(Refusal::InvalidValue {
+                detail: format!("vehicle {vehicle} has a payload \"{}\" already", rule.name),
+            });
+        }
+        let payload = Arc::new(payload_cell(&self.board, &cell, rule)?);
+        cell.payloads.write().insert(rule.name.clone(), payload);
+        self.tell(
+            &cell,
+            &rule.name,
+            Severity::Info,
+            &format!("attached, plugin {}", rule.plugin),
+        );
+        self.start_payload(myself, (vehicle, rule.name.clone())).await;
+        Ok(())
+    }
+
+    /// Takes a payload off its vehicle and ends it.
+    pub(super) fn detach(&mut self, vehicle: VehicleId, name: &str) -> Result<(), Refusal> {
+        let cell = self.board.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+        let payload = cell
+            .payloads
+            .write()
+            .remove(name)
+            .ok_or_else(|| Refusal::UnknownPayload {
+                vehicle,
+                payload: name.to_owned(),
+            })?;
+        self.payload_records.remove(&(vehicle, name.to_owned()));
+        if let Some(actor) = payload.actor.swap(None) {
+            self.children.remove(&actor.get_id());
+            actor.stop(Some("detached".into()));
+        }
+        self.tell(&cell, name, Severity::Info, "detached");
+        Ok(())
+    }
+
+    /// Starts the payloads of a vehicle that have no actor.
+    pub(super) async fn start_payloads(&mut self, myself: &ActorRef<FleetMessage>, cell: &VehicleCell) {
+        for payload in cell.payloads() {
+            let key = (cell.id, payload.name.clone());
+            self.payload_records.entry(key.clone()).or_default().incarnation = payload.state.lock().actor.incarnation;
+            self.start_payload(myself, key).await;
+        }
+    }
+
+    /// Starts the next incarnation of a payload's actor.
+    pub(super) async fn start_payload(&mut self, myself: &ActorRef<FleetMessage>, key: PayloadKey) {
+        let Some(vehicle) = self.board.cell(key.0) else { return };
+        let Some(cell) = vehicle.payload(&key.1) else { return };
+        let record = self.payload_records.entry(key.clone()).or_default();
+        record.incarnation = record.incarnation.next();
+        let arguments = PayloadArguments {
+            board: self.board.clone(),
+            vehicle,
+            cell,
+            incarnation: record.incarnation,
+        };
+        match Payload::spawn_linked(None, Payload, arguments, myself.get_cell()).await {
+            Ok((actor, _)) => {
+                self.children.insert(actor.get_id(), Child::Payload(key));
+            }
+            Err(error) => self.payload_ended(myself, key, &error.to_string()),
+        }
+    }
+
+    /// A payload's actor ended by itself.
+    pub(super) fn payload_ended(&mut self, myself: &ActorRef<FleetMessage>, key: PayloadKey, error: &str) {
+        let Some(vehicle) = self.board.cell(key.0) else { return };
+        let Some(cell) = vehicle.payload(&key.1) else { return };
+        let now = self.board.now();
+        cell.actor.store(None);
+        let record = self.payload_records.entry(key.clone()).or_default();
+        let decision = record.history.decide(&PAYLOAD_LIMITS, now, fraction(now));
+        let (status, severity, text) = match decision {
+            Decision::RestartAfter(_) => (
+                ActorStatus::Restarting,
+                Severity::Warning,
+                format!("actor ended ({error}); restarting"),
+            ),
+            Decision::GiveUp => (
+                ActorStatus::GivenUp,
+                Severity::Critical,
+                format!("actor failed too often ({error})"),
+            ),
+        };
+        {
+            let mut published = cell.state.lock();
+            published.actor.status = status;
+            published.actor.last_error = error.to_owned();
+            published.actor.since = now;
+            if published.report.take().is_some() {
+                published.revision += 1;
+            }
+        }
+        self.tell(&vehicle, &key.1, severity, &text);
+        if let Decision::RestartAfter(delay_s) = decision {
+            myself.send_after(Duration::from_secs_f64(delay_s), move || {
+                FleetMessage::RestartPayload(key)
+            });
+        }
+    }
+
+    fn tell(&self, vehicle: &VehicleCell, payload: &str, severity: Severity, text: &str) {
+        let kind = EventKind::Payload {
+            payload: payload.to_owned(),
+        };
+        let text = format!("{}: {payload} {text}", vehicle.name);
+        self.board
+            .events
+            .record(self.board.now(), Some(vehicle.id), severity, kind, text);
+    }
+}

@@ -1,0 +1,358 @@
+//! The payload actor: one per payload of a vehicle. It hands its plugin one batch of events when its tick is due and at once for a
+//! command, and carries out the effects: messages to the device pass the gate, a report goes to the board.
+//!
+//! Order: commands and ticks are handled one after the other, as they came. Bound: at most one tick waits in the mailbox; messages of
+//! the device wait in queues that drop the oldest. Must never do: wait for another actor or for the device, or send anything that
+//! moves a vehicle.
+
+mod effects;
+mod period;
+mod tap;
+pub mod transport;
+
+pub use period::others;
+
+use crate::board::{Board, LinkSlot, VehicleCell};
+use crate::handle::CommandReceipt;
+use crate::plugin_life::{Called, LifeRecord, PluginLife};
+use crate::restart::PAYLOAD_LIMITS;
+use crate::snapshot::{ActorHealth, ActorStatus, EventKind, Restored};
+use crate::vehicle::VehicleMessage;
+use arc_swap::ArcSwapOption;
+use parking_lot::Mutex;
+use ractor::{Actor, ActorProcessingErr, ActorRef, RpcReplyPort};
+use skein_config::{Escalation, PayloadRule};
+use skein_domain::exchange::{Event, FaultDrill, Severity};
+use skein_domain::payload::PayloadKind;
+use skein_domain::{CommandId, Incarnation, NodeTime, Refusal, RequestId, VehicleCommand};
+use skein_plugin_host::{Frame, Plugin};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use tap::Tap;
+use transport::{Transport, TransportAddress};
+
+/// One payload of a vehicle. It outlives its actor, so that a new incarnation finds its state.
+pub struct PayloadCell {
+    /// Its name on the vehicle.
+    pub name: String,
+    /// What it is.
+    pub kind: PayloadKind,
+    /// How it is configured.
+    pub rule: PayloadRule,
+    /// Its plugin instance.
+    pub life: Arc<LifeRecord>,
+    /// How its device is reached, if not over MAVLink.
+    pub transport: Option<TransportAddress>,
+    /// The running actor, if any.
+    pub actor: ArcSwapOption<ActorRef<PayloadMessage>>,
+    /// A tick has been sent and not yet been taken up.
+    pub tick_waiting: AtomicBool,
+    /// When the next tick is due, in microseconds of the node's clock.
+    pub next_tick_us: AtomicU64,
+    /// What it last published.
+    pub state: Mutex<PayloadPublished>,
+    /// The last frame it gave.
+    pub frame: ArcSwapOption<Frame>,
+}
+
+impl PayloadCell {
+    /// Time between two ticks in microseconds, as its plugin wishes.
+    pub fn tick_period_us(&self) -> u64 {
+        let rate_hz = self.life.plugin.load().manifest().tick_rate_hz.clamp(1, 1_000);
+        1_000_000 / u64::from(rate_hz)
+    }
+}
+
+/// What a payload publishes for its vehicle, its siblings and the screens.
+#[derive(Debug, Clone, Default)]
+pub struct PayloadPublished {
+    /// Actor's health.
+    pub actor: ActorHealth,
+    /// Its state as it reported it; none while it does not run.
+    pub report: Option<Report>,
+    /// Grows with every change of the report.
+    pub revision: u64,
+    /// Why its transport does not work; empty if it does or has none.
+    pub transport_fault: String,
+}
+
+/// A state as a plugin reported it.
+#[derive(Debug, Clone)]
+pub struct Report {
+    /// As text, for other plugins.
+    pub json: Arc<str>,
+    /// Parsed, for screens.
+    pub value: Arc<serde_json::Value>,
+}
+
+/// Who asked a payload for something, and where the answer goes.
+pub enum Asker {
+    /// An operator or another program.
+    Operator(RpcReplyPort<CommandReceipt>),
+    /// The UAV model of its vehicle.
+    Model(RequestId),
+}
+
+/// What became of the exchange of a version.
+pub type ExchangeReply = RpcReplyPort<Result<Restored, String>>;
+
+/// What a payload actor is told. Private to the runtime.
+pub enum PayloadMessage {
+    /// Its tick is due.
+    Tick,
+    /// A command. Answered at once: taken up or refused.
+    Command {
+        /// Its id.
+        id: CommandId,
+        /// As JSON text.
+        command_json: String,
+        /// Who asks.
+        asker: Asker,
+    },
+    /// Make the plugin fail.
+    Drill(FaultDrill),
+    /// End the plugin's process, or make it panic if it has none of its own.
+    Kill,
+    /// Go over to another version.
+    Exchange(Arc<Plugin>, ExchangeReply),
+    /// Forget all failures and start anew.
+    Reset,
+}
+
+/// The actor.
+pub struct Payload;
+
+/// What an incarnation is started with.
+pub struct PayloadArguments {
+    pub board: Arc<Board>,
+    pub vehicle: Arc<VehicleCell>,
+    pub cell: Arc<PayloadCell>,
+    pub incarnation: Incarnation,
+}
+
+/// State of one incarnation.
+pub struct PayloadState {
+    board: Arc<Board>,
+    vehicle: Arc<VehicleCell>,
+    cell: Arc<PayloadCell>,
+    life: PluginLife,
+    /// The tap, and the link it listens on.
+    tap: Option<(Arc<Tap>, Arc<LinkSlot>)>,
+    transport: Option<Transport>,
+    /// Events for the next batch.
+    waiting: Vec<Event>,
+    /// Revisions of the siblings' reports that the plugin has.
+    seen: BTreeMap<String, u64>,
+    /// Commands under way.
+    commands: BTreeMap<CommandId, String>,
+    /// A refusal told within the present call, for the command's receipt.
+    refusal: Option<(CommandId, Refusal)>,
+    /// The refusal of the gate last told, and when.
+    told_refusal: Option<(&'static str, NodeTime)>,
+    tracks: Arc<Vec<skein_domain::payload::Track>>,
+}
+
+impl Actor for Payload {
+    type Msg = PayloadMessage;
+    type State = PayloadState;
+    type Arguments = PayloadArguments;
+
+    async fn pre_start(
+        &self,
+        myself: ActorRef<PayloadMessage>,
+        arguments: PayloadArguments,
+    ) -> Result<PayloadState, ActorProcessingErr> {
+        let PayloadArguments {
+            board,
+            vehicle,
+            cell,
+            incarnation,
+        } = arguments;
+        {
+            let mut published = cell.state.lock();
+            published.actor = ActorHealth {
+                name: cell.life.health.lock().name.clone(),
+                status: ActorStatus::Running,
+                incarnation,
+                last_error: std::mem::take(&mut published.actor.last_error),
+                since: board.now(),
+            };
+        }
+        cell.tick_waiting.store(false, Ordering::Release);
+        cell.actor.store(Some(Arc::new(myself)));
+        Ok(PayloadState {
+            life: PluginLife::new(board.clone(), cell.life.clone(), &PAYLOAD_LIMITS),
+            tap: None,
+            transport: cell.transport.clone().map(Transport::open),
+            waiting: Vec::new(),
+            seen: BTreeMap::new(),
+            commands: BTreeMap::new(),
+            refusal: None,
+            told_refusal: None,
+            tracks: Arc::default(),
+            board,
+            vehicle,
+            cell,
+        })
+    }
+
+    async fn handle(
+        &self,
+        _: ActorRef<PayloadMessage>,
+        message: PayloadMessage,
+        state: &mut PayloadState,
+    ) -> Result<(), ActorProcessingErr> {
+        match message {
+            PayloadMessage::Tick => {
+                state.cell.tick_waiting.store(false, Ordering::Release);
+                state.period(true).await;
+            }
+            PayloadMessage::Command {
+                id,
+                command_json,
+                asker,
+            } => state.command(id, command_json, asker).await,
+            PayloadMessage::Drill(drill) => state.waiting.push(Event::FaultDrill(drill)),
+            PayloadMessage::Kill => {
+                if !state.life.kill() {
+                    state.waiting.push(Event::FaultDrill(FaultDrill::Panic));
+                }
+            }
+            PayloadMessage::Exchange(plugin, reply) => {
+                let outcome = state.life.exchange(plugin).await.map_err(|e| e.to_string());
+                state.seen.clear();
+                // Whoever asked may have given up waiting; the event log has it.
+                let _ = reply.send(outcome);
+            }
+            PayloadMessage::Reset => state.life.reset(false),
+        }
+        Ok(())
+    }
+}
+
+impl PayloadState {
+    /// Checks a command against the plugin's schema and hands it over at once.
+    async fn command(&mut self, id: CommandId, command_json: String, asker: Asker) {
+        let refusal = self.try_command(id, command_json).await.err();
+        match asker {
+            Asker::Operator(reply) => {
+                let receipt = CommandReceipt {
+                    vehicle: self.vehicle.id,
+                    id,
+                    refusal,
+                };
+                // The asker may have given up waiting.
+                let _ = reply.send(receipt);
+            }
+            Asker::Model(request) => {
+                if let Some(actor) = self.vehicle.actor.load_full() {
+                    // A vehicle's actor that has just ended asks again.
+                    let _ = actor.cast(VehicleMessage::PayloadResult { request, refusal });
+                }
+            }
+        }
+    }
+
+    async fn try_command(&mut self, id: CommandId, command_json: String) -> Result<(), Refusal> {
+        let plugin = self.cell.life.plugin.load_full();
+        plugin
+            .manifest()
+            .check_command(&command_json)
+            .map_err(|e| Refusal::InvalidValue { detail: e.to_string() })?;
+        if !self.ensure().await {
+            return Err(Refusal::NotRunning {
+                what: format!("payload {} of vehicle {}", self.cell.name, self.vehicle.id),
+            });
+        }
+        self.commands.insert(id, command_name(&command_json));
+        self.waiting.push(Event::PayloadCommand { id, command_json });
+        self.period(false).await;
+        match self.refusal.take_if(|(refused, _)| *refused == id) {
+            Some((_, refusal)) => Err(refusal),
+            None => Ok(()),
+        }
+    }
+
+    /// Starts the instance if it can be; tells whether it runs.
+    async fn ensure(&mut self) -> bool {
+        let was_running = self.life.is_running();
+        let (running, given_up) = self.life.ensure().await;
+        if running && !was_running {
+            // A new instance knows of nothing yet.
+            self.seen.clear();
+            self.tracks = Arc::default();
+        }
+        if let Some(why) = given_up {
+            self.escalate(&why);
+        }
+        running
+    }
+
+    /// Hands a batch over and carries out what comes back.
+    async fn call(&mut self, events: Vec<Event>, frames: &[Arc<Frame>]) {
+        let before = self.life.incarnation();
+        match self.life.call(events, frames).await {
+            Called::Answered(effects, frames) => self.carry_out(effects, frames),
+            Called::Failed => {}
+            Called::GivenUp(why) => self.escalate(&why),
+        }
+        if self.life.incarnation() != before {
+            self.seen.clear();
+            self.tracks = Arc::default();
+            if !self.life.is_running() {
+                self.withdraw_report();
+            }
+        }
+    }
+
+    /// What was reported is not true any more.
+    fn withdraw_report(&self) {
+        let mut published = self.cell.state.lock();
+        if published.report.take().is_some() {
+            published.revision += 1;
+        }
+    }
+
+    /// The payload failed too often: its vehicle is degraded, and does what the configuration says.
+    fn escalate(&mut self, why: &str) {
+        self.withdraw_report();
+        let (vehicle, name) = (&self.vehicle, &self.cell.name);
+        let (severity, what, command) = match self.cell.rule.on_failure {
+            Escalation::Degrade => (Severity::Warning, "flies on without it", None),
+            Escalation::Hold => (Severity::Critical, "holds", Some(VehicleCommand::Hold)),
+            Escalation::Return => (Severity::Critical, "returns", Some(VehicleCommand::Return)),
+        };
+        let kind = EventKind::Payload { payload: name.clone() };
+        let text = format!(
+            "{}: {name} failed too often ({why}); the vehicle is degraded and {what}",
+            vehicle.name
+        );
+        self.board
+            .events
+            .record(self.board.now(), Some(vehicle.id), severity, kind, text);
+        let flying = self.board.peers.load().entry(vehicle.id).is_some_and(|e| e.airborne);
+        let Some(command) = command.filter(|_| flying) else {
+            return;
+        };
+        self.board.withdrawn.lock().insert(vehicle.id);
+        if let Some(actor) = vehicle.actor.load_full() {
+            let message = VehicleMessage::Command {
+                id: self.board.next_command_id(),
+                command,
+                not_before: self.board.now(),
+                reply: None,
+            };
+            // A vehicle's actor that has just ended comes up with its last task; the degradation stays visible.
+            let _ = actor.cast(message);
+        }
+    }
+}
+
+/// The command's own word for itself, for the event log.
+fn command_name(command_json: &str) -> String {
+    serde_json::from_str::<serde_json::Value>(command_json)
+        .ok()
+        .and_then(|value| value.get("command").and_then(|c| c.as_str()).map(ToOwned::to_owned))
+        .unwrap_or_else(|| "command".into())
+}

@@ -1,0 +1,102 @@
+//! One period of a payload: gather what happened around it, ask its plugin, carry out what it wants.
+
+use super::PayloadState;
+use super::tap::Tap;
+use crate::board::PeerSnapshot;
+use crate::vehicle::own_state;
+use skein_domain::exchange::{Event, PayloadReport, PeerState};
+use skein_domain::link::MessageTap;
+use std::sync::{Arc, Weak};
+
+impl PayloadState {
+    /// The whole period; with a tick at its end if one is due.
+    pub(super) async fn period(&mut self, tick: bool) {
+        if !self.ensure().await {
+            self.cell.state.lock().transport_fault = self.transport.as_ref().map(|t| t.fault()).unwrap_or_default();
+            return;
+        }
+        let mut events = self.gather();
+        if tick {
+            events.push(Event::Tick);
+        }
+        self.call(events, &[]).await;
+        if tick {
+            self.life.publish_statistics();
+            self.cell.state.lock().transport_fault = self.transport.as_ref().map(|t| t.fault()).unwrap_or_default();
+        }
+    }
+
+    /// Surroundings first, then what the device said, then commands and drills.
+    fn gather(&mut self) -> Vec<Event> {
+        let mut events = Vec::new();
+        let peers = self.board.peers.load_full();
+        if let Some(entry) = peers.entry(self.vehicle.id) {
+            events.push(Event::Own(own_state(entry, self.board.frame())));
+        }
+        events.push(Event::Peers(others(&peers, self.vehicle.id)));
+        self.gather_siblings(&mut events);
+        let tracks = self.board.tracks.load_full();
+        if !Arc::ptr_eq(&tracks, &self.tracks) {
+            events.push(Event::Tracks(tracks.as_ref().clone()));
+            self.tracks = tracks;
+        }
+        self.gather_device(&mut events);
+        events.append(&mut self.waiting);
+        events
+    }
+
+    fn gather_siblings(&mut self, events: &mut Vec<Event>) {
+        for sibling in self.vehicle.payloads() {
+            if sibling.name == self.cell.name {
+                continue;
+            }
+            let (revision, report) = {
+                let published = sibling.state.lock();
+                (published.revision, published.report.clone())
+            };
+            if revision > 0 && self.seen.insert(sibling.name.clone(), revision) != Some(revision) {
+                events.push(Event::Payload(PayloadReport {
+                    name: sibling.name.clone(),
+                    kind: sibling.kind,
+                    state_json: report.map(|r| r.json.as_ref().to_owned()),
+                }));
+            }
+        }
+    }
+
+    fn gather_device(&mut self, events: &mut Vec<Event>) {
+        let link = self.vehicle.link.load_full();
+        let plugin = self.cell.life.plugin.load();
+        let wanted = &plugin.manifest().mavlink_messages;
+        let tapped = self
+            .tap
+            .as_ref()
+            .is_some_and(|(tap, of)| tap.wanted() == wanted && Arc::ptr_eq(of, &link));
+        if !tapped && !wanted.is_empty() {
+            let tap = Arc::new(Tap::new(wanted.clone()));
+            let listening: Weak<dyn MessageTap> = Arc::downgrade(&(tap.clone() as Arc<dyn MessageTap>));
+            link.0.tap(listening);
+            self.tap = Some((tap, link));
+        }
+        if let Some((tap, _)) = &self.tap {
+            events.extend(tap.drain().into_iter().map(Event::Mavlink));
+        }
+        if let Some(transport) = &self.transport {
+            events.extend(transport.drain().into_iter().map(|bytes| Event::Received { bytes }));
+        }
+    }
+}
+
+/// All vehicles with a position but one, as plugins see them.
+pub fn others(peers: &PeerSnapshot, own: skein_domain::VehicleId) -> Vec<PeerState> {
+    peers
+        .peers
+        .iter()
+        .filter(|peer| peer.id != own)
+        .map(|peer| PeerState {
+            id: peer.id,
+            kinematics: peer.kinematics,
+            airborne: peer.airborne,
+        })
+        .collect()
+}
