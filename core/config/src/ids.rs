@@ -16,6 +16,12 @@ impl SystemIdSet {
         Self(vec![(1, 255)])
     }
 
+    /// Only this one.
+    #[must_use]
+    pub fn one(id: SystemId) -> Self {
+        Self(vec![(id.0, id.0)])
+    }
+
     /// Whether the id is in the set.
     #[must_use]
     pub fn contains(&self, id: SystemId) -> bool {

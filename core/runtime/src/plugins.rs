@@ -187,6 +187,12 @@ impl NodeHandle {
             .collect()
     }
 
+    /// The program that is started with `plugin-host` for an instance in a child process; this one unless it is told. For programs
+    /// that are not `skein` but run a node, such as tests.
+    pub fn set_plugin_host_program(&self, program: PathBuf) {
+        self.board.runners.set_host_program(program);
+    }
+
     fn info(&self, plugin: &Arc<Plugin>) -> PluginInfo {
         let manifest = plugin.manifest();
         let catalog = &self.board.catalog;

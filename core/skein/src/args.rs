@@ -48,8 +48,13 @@ pub enum Command {
     Sim(SimArguments),
     /// Check ports, plugins, configuration and clock, and say how to mend what is wrong.
     Doctor(DoctorArguments),
+    /// Write, check and list plugins.
+    Plugin(crate::plugin::PluginArguments),
     /// Measure what the program costs.
     Bench(BenchArguments),
+    /// Runs one plugin instance for a node, which starts it with a socket as its standard input.
+    #[command(hide = true)]
+    PluginHost,
 }
 
 /// `skein demo`
@@ -67,9 +72,10 @@ pub struct DemoArguments {
     /// Write the figures of the flight to this file, as JSON.
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
-    /// Kill a plugin, a vehicle actor and the coordinator in flight. The criteria stay the same.
-    #[arg(long)]
-    pub faults: bool,
+    /// Faults in flight: `actors` kills a plugin, a vehicle actor and the coordinator; `plugins` ends a random plugin twice a second.
+    /// The criteria stay the same.
+    #[arg(long, value_enum, value_name = "WHAT", num_args = 0..=1, default_missing_value = "actors")]
+    pub faults: Option<FaultPlan>,
     /// Vehicles and dashboard only: fly it yourself.
     #[arg(long)]
     pub manual: bool,
@@ -82,6 +88,15 @@ pub struct DemoArguments {
     /// Directory of the plugins [default: `plugins` beside this program].
     #[arg(long, value_name = "DIR")]
     pub plugins: Option<PathBuf>,
+}
+
+/// What fails in the demonstration.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FaultPlan {
+    /// A plugin, a vehicle actor and the coordinator, each once.
+    Actors,
+    /// A random plugin (UAV models and payloads, in both isolations) twice a second.
+    Plugins,
 }
 
 /// `skein run`

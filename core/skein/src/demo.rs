@@ -3,6 +3,7 @@
 
 mod director;
 mod drills;
+mod fleet;
 mod layout;
 mod referee;
 pub mod report;
@@ -12,10 +13,11 @@ use crate::build::{Running, build, plugins_beside_program};
 use crate::run::stop_asked;
 use anyhow::{Context, bail};
 use director::Director;
+use drills::Drills;
 use layout::Layout;
 use referee::Referee;
-use skein_config::{AdoptionRule, EndpointSettings, NodeConfig, PluginSettings};
-use skein_sim::{PortPlan, SimSettings, Simulation};
+use skein_config::{EndpointSettings, NodeConfig, PluginSettings};
+use skein_sim::{PayloadPlan, PortPlan, SimSettings, Simulation};
 use std::net::SocketAddr;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -63,7 +65,7 @@ fn configuration(arguments: &DemoArguments, layout: &Layout) -> NodeConfig {
             name: Some(ENDPOINT.into()),
             address: "udp-listen://127.0.0.1:0".into(),
         }],
-        adopt: vec![AdoptionRule::default()],
+        adopt: fleet::rules(arguments.vehicles, arguments.faults),
         plugins: PluginSettings {
             directories: vec![arguments.plugins.clone().unwrap_or_else(plugins_beside_program)],
             ..PluginSettings::default()
@@ -74,7 +76,7 @@ fn configuration(arguments: &DemoArguments, layout: &Layout) -> NodeConfig {
     config.web.listen = SocketAddr::from(([127, 0, 0, 1], port));
     config.coordinator.take_off_stagger_s = layout.take_off_stagger_s;
     config.coordinator.transition_speed_m_s = layout::TRANSITION_SPEED_M_S;
-    config.faults.enabled = arguments.faults || arguments.manual;
+    config.faults.enabled = arguments.faults.is_some() || arguments.manual;
     config
 }
 
@@ -86,6 +88,7 @@ fn simulate(arguments: &DemoArguments, running: &Running) -> anyhow::Result<Simu
         seed: arguments.seed,
         spacing_m: layout::SPACING_M,
         ports: PortPlan::SendTo(address),
+        payloads: PayloadPlan::all(),
         ..SimSettings::default()
     };
     Ok(Simulation::start(settings)?)
@@ -99,15 +102,15 @@ async fn fly(
 ) -> anyhow::Result<ExitCode> {
     println!("{}", layout.describe());
     let referee = Referee::watch(simulation, running.handle())?;
-    let drills = arguments.faults.then(|| drills::start(running.handle()));
+    let drills = arguments
+        .faults
+        .map(|plan| Drills::start(plan, running.handle(), arguments.seed));
     let mut director = Director::new(running.handle(), layout, &referee);
     let flown = director.fly().await;
-    if let Some(drills) = drills {
-        drills.abort();
-    }
+    let faults_injected = drills.map_or(0, Drills::stop);
     // The last frames of the truth are in when the referee has seen one more.
     tokio::time::sleep(Duration::from_millis(100)).await;
-    let report = report::make(arguments, &director, &referee, flown.as_ref().err());
+    let report = report::make(arguments, &director, &referee, faults_injected, flown.as_ref().err());
     if let Some(file) = &arguments.report {
         let json = serde_json::to_string_pretty(&report)?;
         std::fs::write(file, json + "\n").with_context(|| format!("cannot write the report to {}", file.display()))?;

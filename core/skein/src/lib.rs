@@ -12,6 +12,7 @@ pub mod doctor;
 pub mod exit;
 mod gateway;
 pub mod logging;
+pub mod plugin;
 pub mod run;
 pub mod simulate;
 

@@ -3,7 +3,7 @@
 
 use clap::Parser;
 use skein::args::{Arguments, Bench, BenchArguments, Command};
-use skein::{demo, doctor, exit, logging, run, simulate};
+use skein::{demo, doctor, exit, logging, plugin, run, simulate};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -27,8 +27,11 @@ fn main() -> ExitCode {
 }
 
 fn execute(command: Command) -> anyhow::Result<ExitCode> {
-    if let Command::Bench(BenchArguments { what }) = command {
-        return bench(what);
+    match command {
+        Command::Bench(BenchArguments { what }) => return bench(what),
+        // Without a runtime: it is one plugin and a socket.
+        Command::PluginHost => return plugin_host(),
+        _ => {}
     }
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
     let done = |()| ExitCode::SUCCESS;
@@ -38,9 +41,16 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
             Command::Run(arguments) => run::run(arguments).await.map(done),
             Command::Sim(arguments) => simulate::simulate(arguments).await.map(done),
             Command::Doctor(arguments) => doctor::doctor(&arguments),
-            Command::Bench(_) => Ok(ExitCode::SUCCESS),
+            Command::Plugin(arguments) => plugin::plugin(arguments).await,
+            Command::Bench(_) | Command::PluginHost => Ok(ExitCode::SUCCESS),
         }
     })
+}
+
+/// Serves one plugin instance until its node ends it.
+fn plugin_host() -> anyhow::Result<ExitCode> {
+    skein_plugin_host::child::serve()?;
+    Ok(ExitCode::SUCCESS)
 }
 
 /// The benches make their own runtimes: each measures one of its own.

@@ -5,7 +5,7 @@ use super::layout::{self, Layout};
 use super::referee::{Landing, Referee};
 use anyhow::{Context, bail};
 use skein_domain::{FlightState, FormationRequest, PositionNed, Refusal, Shape, SwarmFrame, VehicleCommand, VehicleId};
-use skein_runtime::{FleetSnapshot, NodeHandle, Targets};
+use skein_runtime::{FleetSnapshot, NodeHandle, RestartRecord, Targets};
 use std::time::Duration;
 use tokio::time::Instant;
 
@@ -48,6 +48,11 @@ impl<'a> Director<'a> {
                 )
             })
             .collect()
+    }
+
+    /// Restarts of plugin instances.
+    pub fn plugin_restarts(&self) -> Vec<RestartRecord> {
+        self.node.restarts()
     }
 
     fn say(&self, what: &str) {

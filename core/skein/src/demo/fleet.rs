@@ -1,0 +1,54 @@
+//! What flies in the demonstration: a mixed swarm. Every third vehicle could host the coordinator, every third observes with a gimbal and
+//! a camera, and each has a radio.
+
+use crate::args::FaultPlan;
+use skein_config::{AdoptionRule, Isolation, PayloadRule, SystemIdSet};
+use skein_domain::SystemId;
+
+/// The adoption rules, one per vehicle.
+pub fn rules(vehicles: u8, faults: Option<FaultPlan>) -> Vec<AdoptionRule> {
+    let mixed = faults == Some(FaultPlan::Plugins);
+    (1..=vehicles).map(|system_id| rule(system_id, mixed)).collect()
+}
+
+fn rule(system_id: u8, mixed_isolation: bool) -> AdoptionRule {
+    let (model, carries): (_, &[&str]) = match system_id % 3 {
+        1 => ("coordinator-uav", &["radio"]),
+        2 => ("observation-uav", &["gimbal", "camera", "radio"]),
+        _ => ("generic-uav", &["radio"]),
+    };
+    // Half of the models and of the payloads each way, so that no kind of plugin runs in one way only.
+    let isolation = |number: usize| match (mixed_isolation, (usize::from(system_id) / 3 + number) % 2) {
+        (true, 1) => Isolation::Child,
+        _ => Isolation::InProcess,
+    };
+    AdoptionRule {
+        system_ids: SystemIdSet::one(SystemId(system_id)),
+        model: model.into(),
+        model_isolation: isolation(usize::from(system_id)),
+        payloads: carries
+            .iter()
+            .enumerate()
+            .map(|(i, name)| PayloadRule {
+                isolation: isolation(i),
+                ..payload(name)
+            })
+            .collect(),
+        ..AdoptionRule::default()
+    }
+}
+
+fn payload(name: &str) -> PayloadRule {
+    let config = match name {
+        "camera" => serde_json::json!({ "source": "synthetic" }),
+        _ => serde_json::json!({}),
+    };
+    PayloadRule {
+        name: name.into(),
+        plugin: name.into(),
+        isolation: Isolation::InProcess,
+        transport: None,
+        on_failure: skein_config::Escalation::Degrade,
+        config,
+    }
+}
