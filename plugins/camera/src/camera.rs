@@ -1,0 +1,233 @@
+//! The plugin: commands in, frames and the state out.
+
+mod frames;
+mod report;
+
+use crate::capture::Capture;
+use crate::occurrence::CameraEvent;
+use crate::remote::{self, Remote};
+use crate::settings::{Settings, Source};
+use frames::Frames;
+use minicbor::{Decode, Encode};
+use payload_mavlink::Outcome;
+use report::Reporter;
+use skein_domain::exchange::{Create, Event, OwnState};
+use skein_domain::manifest::EffectKind;
+use skein_domain::payload::{CameraCommand, CameraState};
+use skein_domain::{CommandId, NodeTime, Refusal};
+use skein_plugin_sdk::{CreateError, Effects, Payload, PayloadManifest, PluginKind, log};
+
+/// Changes when an older snapshot would be misunderstood. Fields that are only added keep it.
+const SNAPSHOT_VERSION: u32 = 1;
+
+/// A camera of one vehicle.
+#[derive(Debug)]
+pub struct Camera {
+    settings: Settings,
+    core: Core,
+    frames: Frames,
+    /// The vehicle as it was last told; every batch tells it anew.
+    own: OwnState,
+    reporter: Reporter,
+}
+
+/// What outlives a restart.
+#[derive(Debug, Clone, PartialEq, Encode, Decode)]
+struct Core {
+    #[n(0)]
+    capture: Capture,
+    #[n(1)]
+    remote: Option<Remote>,
+    /// Pictures taken from the source of stills or video: it goes on behind them.
+    #[n(2)]
+    taken: u64,
+}
+
+impl Payload for Camera {
+    type Config = Settings;
+    type Command = CameraCommand;
+    type State = CameraState;
+    type Occurrence = CameraEvent;
+
+    const MANIFEST: PayloadManifest = PayloadManifest {
+        kind: PluginKind::CAMERA,
+        name: "camera",
+        version: env!("CARGO_PKG_VERSION"),
+        description: "A camera over MAVLink's camera protocol v2, and frames from a simulated scene, a folder of pictures or a video file.",
+        effects: &[
+            EffectKind::CommandProgress,
+            EffectKind::Mavlink,
+            EffectKind::Report,
+            EffectKind::Occurrence,
+            EffectKind::Frame,
+        ],
+        mavlink_messages: remote::MESSAGES,
+        tick_rate_hz: 30,
+    };
+
+    fn create(create: Create, settings: Settings) -> Result<Self, CreateError> {
+        settings.check().map_err(CreateError::new)?;
+        let restored = create.snapshot.and_then(|bytes| match decode(&bytes) {
+            Ok(core) if core.remote.is_some() == settings.steers_remote() => Some(core),
+            Ok(_) => None,
+            Err(error) => {
+                log::warn!("starts anew, the snapshot cannot be read: {error}");
+                None
+            }
+        });
+        let core = restored.unwrap_or_else(|| Core {
+            capture: Capture::default(),
+            remote: settings.steers_remote().then(|| Remote::new(create.system_id)),
+            taken: 0,
+        });
+        let frames = Frames::new(&settings, core.taken);
+        Ok(Self {
+            settings,
+            core,
+            frames,
+            own: OwnState::default(),
+            reporter: Reporter::default(),
+        })
+    }
+
+    fn command(&mut self, now: NodeTime, id: CommandId, command: CameraCommand, effects: &mut Effects) {
+        if let Err(refusal) = self.begin(now, id, command, effects) {
+            effects.refused(id, refusal);
+        }
+        self.report(now, effects);
+    }
+
+    fn handle(&mut self, now: NodeTime, events: &[Event], effects: &mut Effects) {
+        for event in events {
+            match event {
+                Event::Own(own) => self.own = *own,
+                Event::Peers(peers) => self.frames.see(peers, &self.settings),
+                Event::Payload(report) => self.frames.hear(report, &self.settings),
+                Event::Mavlink(message) => {
+                    let remote = self.core.remote.as_mut();
+                    let outcome = remote.and_then(|remote| remote.hear(now, message, &self.settings, effects));
+                    end(outcome, effects);
+                }
+                Event::Tick => self.tick(now, effects),
+                _ => {}
+            }
+        }
+        self.report(now, effects);
+    }
+
+    fn snapshot(&self) -> Vec<u8> {
+        let mut encoder = minicbor::Encoder::new(Vec::new());
+        let encoded = encoder
+            .array(2)
+            .and_then(|e| e.u32(SNAPSHOT_VERSION))
+            .and_then(|e| e.encode(&self.core))
+            .is_ok();
+        // Writing into a vector does not fail; if it did, no snapshot would be better than half of one.
+        if encoded { encoder.into_writer() } else { Vec::new() }
+    }
+}
+
+fn decode(bytes: &[u8]) -> Result<Core, String> {
+    let mut decoder = minicbor::Decoder::new(bytes);
+    let version = decoder
+        .array()
+        .and_then(|_| decoder.u32())
+        .map_err(|e| format!("no version: {e}"))?;
+    if version != SNAPSHOT_VERSION {
+        return Err(format!("version {version}, not {SNAPSHOT_VERSION}"));
+    }
+    decoder.decode().map_err(|e| format!("not decodable: {e}"))
+}
+
+fn end(outcomes: impl IntoIterator<Item = Outcome<CommandId>>, effects: &mut Effects) {
+    for (id, outcome) in outcomes {
+        match outcome {
+            Ok(()) => effects.done(id),
+            Err(refusal) => effects.refused(id, refusal),
+        }
+    }
+}
+
+fn invalid(detail: String) -> Refusal {
+    Refusal::InvalidValue { detail }
+}
+
+impl Camera {
+    /// Begins a command, or says why not.
+    fn begin(
+        &mut self,
+        now: NodeTime,
+        id: CommandId,
+        command: CameraCommand,
+        effects: &mut Effects,
+    ) -> Result<(), Refusal> {
+        self.check(command)?;
+        let Some(remote) = &mut self.core.remote else {
+            self.obey(now, command, effects)?;
+            effects.done(id);
+            return Ok(());
+        };
+        remote.tell(now, id, command, &self.settings)?;
+        effects.executing(id);
+        let outcomes = remote.work(now, &self.settings, effects);
+        end(outcomes, effects);
+        Ok(())
+    }
+
+    fn check(&self, command: CameraCommand) -> Result<(), Refusal> {
+        match command {
+            CameraCommand::TakePictures { interval_s, .. } if !(0.0..=86_400.0).contains(&interval_s) => {
+                Err(invalid("interval_s must be within 0 and 86400".to_owned()))
+            }
+            CameraCommand::Zoom { factor } if !(1.0..=self.settings.zoom_max).contains(&factor) => Err(invalid(
+                format!("factor must be within 1 and {}", self.settings.zoom_max),
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    /// Does what a camera without a device of its own can do: its pictures are its frames.
+    fn obey(&mut self, now: NodeTime, command: CameraCommand, effects: &mut Effects) -> Result<(), Refusal> {
+        let capture = &mut self.core.capture;
+        match command {
+            CameraCommand::TakePictures { count, interval_s } => capture.take_pictures(now, count, interval_s),
+            CameraCommand::StopPictures => capture.stop_pictures(),
+            CameraCommand::StartRecording => capture.start_recording(now, effects),
+            CameraCommand::StopRecording => capture.stop_recording(now, effects),
+            CameraCommand::SetMode { mode } => capture.set_mode(mode),
+            CameraCommand::Zoom { factor } if self.settings.source == Source::Synthetic => capture.zoom = factor,
+            CameraCommand::Zoom { .. } => {
+                return Err(Refusal::NotSupported {
+                    detail: "zoom of recorded pictures".to_owned(),
+                });
+            }
+            CameraCommand::StartStream { .. } | CameraCommand::StopStream { .. } => {
+                return Err(Refusal::NotSupported {
+                    detail: "streams of a camera that is no device".to_owned(),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn tick(&mut self, now: NodeTime, effects: &mut Effects) {
+        if let Some(remote) = &mut self.core.remote {
+            let outcomes = remote.work(now, &self.settings, effects);
+            end(outcomes, effects);
+        }
+        self.give_frame(now, effects);
+    }
+
+    /// The zoom factor at which frames are taken.
+    fn zoom(&self) -> f64 {
+        let remote = self.core.remote.as_ref();
+        remote
+            .and_then(|remote| remote.zoom(&self.settings))
+            .unwrap_or(self.core.capture.zoom)
+    }
+
+    fn field_of_view_rad(&self) -> f64 {
+        self.settings
+            .field_of_view_at(self.settings.field_of_view_rad, self.zoom())
+    }
+}

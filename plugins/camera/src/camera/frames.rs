@@ -1,0 +1,211 @@
+//! Frames: made or taken when they are due, and given away.
+
+use super::Camera;
+use crate::decoding::{DecodeError, Files, Picture, Reader};
+use crate::settings::{Settings, Source};
+use crate::synthetic::Synthetic;
+use skein_domain::NodeTime;
+use skein_domain::exchange::{PayloadReport, PeerState};
+use skein_domain::payload::{CameraPose, FrameHeader, PixelFormat};
+use skein_plugin_sdk::frames::{FrameMut, acquire};
+use skein_plugin_sdk::{Effects, log};
+
+const BYTES_PER_PIXEL: u32 = 3;
+/// Pause before files that could not be read are tried again, in seconds.
+const RETRY_S: f64 = 5.0;
+
+/// Where frames come from, and how that goes.
+#[derive(Debug)]
+pub(super) struct Frames {
+    origin: Origin,
+    /// The source gives frames.
+    pub(super) delivers: bool,
+    /// Size of the last frame in pixels.
+    pub(super) size_px: Option<(u32, u32)>,
+    /// What is wrong with the source.
+    pub(super) fault: String,
+    /// When files are tried again.
+    retry: Option<NodeTime>,
+}
+
+#[derive(Debug)]
+enum Origin {
+    Nothing,
+    Scene(Synthetic),
+    Files(Files, Option<Reader>),
+}
+
+impl Frames {
+    pub(super) fn new(settings: &Settings, taken: u64) -> Self {
+        let path = settings.path.clone();
+        let files = match settings.source {
+            Source::Mavlink | Source::Synthetic => None,
+            Source::Stills => Some(Files::Stills(path)),
+            Source::Video => Some(Files::Video {
+                path,
+                rate_hz: settings.rate_hz,
+            }),
+        };
+        let mut frames = Self {
+            origin: Origin::Nothing,
+            delivers: false,
+            size_px: None,
+            fault: String::new(),
+            retry: None,
+        };
+        if let Some(files) = files {
+            let reader = frames.start(&files, taken);
+            frames.origin = Origin::Files(files, reader);
+        } else if settings.source == Source::Synthetic {
+            frames.origin = Origin::Scene(Synthetic::new(settings));
+        }
+        frames
+    }
+
+    fn start(&mut self, files: &Files, taken: u64) -> Option<Reader> {
+        match Reader::start(files.clone(), taken) {
+            Ok(reader) => Some(reader),
+            Err(error) => {
+                self.fault = format!("no thread to decode on: {error}");
+                None
+            }
+        }
+    }
+
+    pub(super) fn see(&mut self, peers: &[PeerState], settings: &Settings) {
+        if let Origin::Scene(scene) = &mut self.origin {
+            scene.see(peers, settings);
+        }
+    }
+
+    pub(super) fn hear(&mut self, report: &PayloadReport, settings: &Settings) {
+        if let Origin::Scene(scene) = &mut self.origin {
+            scene.hear(report, settings);
+        }
+    }
+
+    /// The next picture of the files, if it is ready; begins anew with them where that failed.
+    fn picture(&mut self, now: NodeTime, taken: u64) -> Option<Picture> {
+        let Origin::Files(files, reader) = &mut self.origin else {
+            return None;
+        };
+        let Some(reading) = reader else {
+            let due = *self.retry.get_or_insert(now.plus_seconds(RETRY_S));
+            if now >= due {
+                let files = files.clone();
+                self.retry = None;
+                let started = self.start(&files, taken);
+                self.origin = Origin::Files(files, started);
+            }
+            return None;
+        };
+        match reading.take() {
+            Ok(Some(picture)) => {
+                self.fault.clear();
+                self.delivers = true;
+                return Some(picture);
+            }
+            Ok(None) => {}
+            Err(DecodeError::Ended) => {
+                *reader = None;
+                self.delivers = false;
+                if self.fault.is_empty() {
+                    self.fault = DecodeError::Ended.to_string();
+                }
+            }
+            Err(error) => {
+                self.fault = error.to_string();
+                log::warn!("{error}");
+            }
+        }
+        None
+    }
+}
+
+impl Camera {
+    /// Gives a frame if one is due, there is one, and there is room for it.
+    pub(super) fn give_frame(&mut self, now: NodeTime, effects: &mut Effects) {
+        if matches!(self.frames.origin, Origin::Nothing)
+            || !self.core.capture.frame_is_due(now, 1.0 / self.settings.rate_hz)
+        {
+            return;
+        }
+        if matches!(self.frames.origin, Origin::Scene(_)) {
+            self.draw(now, effects);
+        } else if let Some(picture) = self.frames.picture(now, self.core.taken) {
+            self.core.taken += 1;
+            let size_px = (picture.width_px, picture.height_px);
+            self.give(now, size_px, None, effects, |out| out.copy_from_slice(&picture.rgb));
+        }
+    }
+
+    fn draw(&mut self, now: NodeTime, effects: &mut Effects) {
+        let (own, settings) = (self.own, &self.settings);
+        let field_of_view_rad = self.field_of_view_rad();
+        let Origin::Scene(scene) = &self.frames.origin else {
+            return;
+        };
+        let pose = scene.pose(&own, settings, field_of_view_rad);
+        self.frames.delivers = pose.is_some();
+        let Some(pose) = pose else {
+            self.frames.fault = "the vehicle does not know where it is".to_owned();
+            return;
+        };
+        self.frames.fault.clear();
+        let size_px = (settings.width_px, settings.height_px);
+        let Some(mut frame) = self.room_for(size_px) else {
+            return;
+        };
+        let Origin::Scene(scene) = &self.frames.origin else {
+            return;
+        };
+        scene.draw(&pose, size_px.0, size_px.1, &mut frame);
+        self.pass_on(now, frame, size_px, Some(pose), effects);
+    }
+
+    fn give(
+        &mut self,
+        now: NodeTime,
+        size_px: (u32, u32),
+        pose: Option<CameraPose>,
+        effects: &mut Effects,
+        fill: impl FnOnce(&mut [u8]),
+    ) {
+        if let Some(mut frame) = self.room_for(size_px) {
+            fill(&mut frame);
+            self.pass_on(now, frame, size_px, pose, effects);
+        }
+    }
+
+    /// A buffer for a frame; without one the frame is left out.
+    fn room_for(&mut self, size_px: (u32, u32)) -> Option<FrameMut> {
+        self.frames.size_px = Some(size_px);
+        let len = u64::from(size_px.0) * u64::from(size_px.1) * u64::from(BYTES_PER_PIXEL);
+        let frame = usize::try_from(len).ok().and_then(acquire);
+        if frame.is_none() {
+            self.core.capture.dropped += 1;
+        }
+        frame
+    }
+
+    fn pass_on(
+        &mut self,
+        now: NodeTime,
+        frame: FrameMut,
+        (width_px, height_px): (u32, u32),
+        pose: Option<CameraPose>,
+        effects: &mut Effects,
+    ) {
+        let header = FrameHeader {
+            sequence: self.core.capture.gave_frame(now, effects),
+            time: now,
+            width_px,
+            height_px,
+            stride_bytes: width_px * BYTES_PER_PIXEL,
+            format: PixelFormat::Rgb8,
+            pose,
+            ..FrameHeader::default()
+        };
+        effects.frame(frame, header);
+    }
+}

@@ -1,0 +1,19 @@
+//! A camera as a payload: MAVLink's camera protocol v2, and frames from a simulated scene, a folder of pictures or a video file.
+//!
+//! Must never do: read a clock, decode on the thread of a call, or leave a command without its end.
+#![forbid(unsafe_code)]
+
+mod camera;
+mod capture;
+mod decoding;
+mod occurrence;
+mod remote;
+mod settings;
+mod synthetic;
+
+pub use camera::Camera;
+pub use occurrence::CameraEvent;
+pub use settings::{Settings, Source};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,142 @@
+//! The plugin's configuration.
+
+use payload_mavlink::Patience;
+use schemars::JsonSchema;
+use serde::Deserialize;
+use std::path::PathBuf;
+
+/// Where frames come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Source {
+    /// None: a MAVLink camera is steered, its pictures stay with it.
+    Mavlink,
+    /// A simulated scene, as seen from where the vehicle is and the gimbal looks.
+    #[default]
+    Synthetic,
+    /// The pictures (JPEG, PNG) of a folder in the order of their names, again and again.
+    Stills,
+    /// A video file (H.264 in MP4), again and again, at its own speed.
+    Video,
+}
+
+/// Configuration of the camera plugin. Every key may be left out, but `path` for stills and video.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Settings {
+    /// Where frames come from.
+    pub source: Source,
+    /// Steer a MAVLink camera beside another source of frames. With `source = "mavlink"` it is always steered.
+    pub mavlink: bool,
+    /// The MAVLink camera's component id.
+    #[schemars(range(min = 1))]
+    pub component_id: u8,
+    /// The folder of stills, or the video file.
+    pub path: PathBuf,
+    /// Width of simulated frames in pixels. Stills and video have their own.
+    #[schemars(range(min = 16, max = 4096))]
+    pub width_px: u32,
+    /// Height of simulated frames in pixels.
+    #[schemars(range(min = 16, max = 4096))]
+    pub height_px: u32,
+    /// Frames per second. A frame that nobody has room for is left out.
+    #[schemars(range(min = 0.01, max = 60.0))]
+    pub rate_hz: f64,
+    /// Horizontal field of view at the widest zoom, in radians. A MAVLink camera that says its own is believed.
+    #[schemars(range(min = 0.01, max = 3.0))]
+    pub field_of_view_rad: f64,
+    /// The greatest zoom factor. MAVLink has no message for it.
+    #[schemars(range(min = 1.0))]
+    pub zoom_max: f64,
+    /// Where the camera looks in the vehicle while no gimbal reports, upwards from its nose, in radians.
+    #[schemars(range(min = -1.6, max = 1.6))]
+    pub mount_pitch_rad: f64,
+    /// Name of the gimbal that carries it, among the vehicle's payloads; empty: any.
+    pub gimbal: String,
+    /// Which simulated world.
+    pub scene_seed: u64,
+    /// How far the ground of the simulated world is below the origin of the swarm frame, in metres.
+    pub ground_down_m: f64,
+    /// How wide other vehicles are in the simulated world, in metres.
+    #[schemars(range(min = 0.01))]
+    pub vehicle_size_m: f64,
+    /// How long an acknowledgement is waited for, in seconds, before a command is sent again.
+    #[schemars(range(min = 0.05))]
+    pub ack_timeout_s: f64,
+    /// How often a command is sent before it counts as failed.
+    #[schemars(range(min = 1))]
+    pub attempts: u32,
+    /// The MAVLink camera counts as lost when nothing was heard of it for this long, in seconds.
+    #[schemars(range(min = 0.1))]
+    pub lost_after_s: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            source: Source::Synthetic,
+            mavlink: false,
+            component_id: 100,
+            path: PathBuf::new(),
+            width_px: 640,
+            height_px: 360,
+            rate_hz: 5.0,
+            field_of_view_rad: 1.2,
+            zoom_max: 6.0,
+            mount_pitch_rad: 0.0,
+            gimbal: String::new(),
+            scene_seed: 1,
+            ground_down_m: 0.0,
+            vehicle_size_m: 0.6,
+            ack_timeout_s: 0.7,
+            attempts: 4,
+            lost_after_s: 5.0,
+        }
+    }
+}
+
+impl Settings {
+    /// Whether every value can be worked with; else which cannot.
+    pub fn check(&self) -> Result<(), String> {
+        for (key, value, low, high) in [
+            ("component_id", f64::from(self.component_id), 1.0, 255.0),
+            ("width_px", f64::from(self.width_px), 16.0, 4096.0),
+            ("height_px", f64::from(self.height_px), 16.0, 4096.0),
+            ("rate_hz", self.rate_hz, 0.01, 60.0),
+            ("field_of_view_rad", self.field_of_view_rad, 0.01, 3.0),
+            ("zoom_max", self.zoom_max, 1.0, 1000.0),
+            ("mount_pitch_rad", self.mount_pitch_rad, -1.6, 1.6),
+            ("ground_down_m", self.ground_down_m, -1e5, 1e5),
+            ("vehicle_size_m", self.vehicle_size_m, 0.01, 1000.0),
+            ("ack_timeout_s", self.ack_timeout_s, 0.05, 60.0),
+            ("attempts", f64::from(self.attempts), 1.0, 1000.0),
+            ("lost_after_s", self.lost_after_s, 0.1, 1000.0),
+        ] {
+            if !(low..=high).contains(&value) {
+                return Err(format!("{key} = {value}: it must be within {low} and {high}"));
+            }
+        }
+        let reads_files = matches!(self.source, Source::Stills | Source::Video);
+        if reads_files && self.path.as_os_str().is_empty() {
+            return Err("path is needed for stills and video".to_owned());
+        }
+        Ok(())
+    }
+
+    /// Whether a MAVLink camera is steered.
+    pub(crate) fn steers_remote(&self) -> bool {
+        self.mavlink || self.source == Source::Mavlink
+    }
+
+    pub(crate) fn patience(&self) -> Patience {
+        Patience {
+            wait_s: self.ack_timeout_s,
+            attempts: self.attempts,
+        }
+    }
+
+    /// Horizontal field of view at a zoom factor, in radians.
+    pub(crate) fn field_of_view_at(&self, widest_rad: f64, zoom: f64) -> f64 {
+        2.0 * ((0.5 * widest_rad).tan() / zoom.max(1.0)).atan()
+    }
+}
