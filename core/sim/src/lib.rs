@@ -8,6 +8,7 @@
 //! [`vehicle`]. Nothing here listens on other interfaces than the loopback.
 #![forbid(unsafe_code)]
 
+pub mod payloads;
 pub mod scene;
 pub mod settings;
 pub mod simulation;
@@ -16,8 +17,9 @@ pub mod vehicle;
 mod wind;
 mod wire;
 
+pub use payloads::{CameraSettings, GimbalSettings, PayloadPlan, RadioSettings};
 pub use settings::{
     BatterySettings, Impairment, NoiseSettings, PortPlan, Px4Ports, SimSettings, VehicleStart, WindSettings,
 };
 pub use simulation::{SimError, Simulation, VehiclePorts};
-pub use truth::{ModeCause, ModeChange, TruthFrame, VehicleTruth};
+pub use truth::{CameraTruth, GimbalTruth, ModeCause, ModeChange, RadioTruth, TruthFrame, VehicleTruth};

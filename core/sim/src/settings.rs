@@ -1,5 +1,6 @@
 //! What a simulation is made of: how many vehicles, where they stand, how they are reached, and what disturbs them.
 
+use crate::payloads::PayloadPlan;
 use crate::vehicle::ParameterValue;
 use skein_domain::{Geodetic, PositionNed};
 use std::net::SocketAddr;
@@ -35,6 +36,8 @@ pub struct SimSettings {
     pub ready_after_s: f64,
     /// Linear drag per mass in 1/s: the speed lost per second, per speed through the air.
     pub drag_per_s: f64,
+    /// What each vehicle carries.
+    pub payloads: PayloadPlan,
 }
 
 impl Default for SimSettings {
@@ -58,6 +61,7 @@ impl Default for SimSettings {
             parameters: Vec::new(),
             ready_after_s: 3.9,
             drag_per_s: 0.08,
+            payloads: PayloadPlan::default(),
         }
     }
 }

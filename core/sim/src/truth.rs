@@ -93,6 +93,51 @@ pub struct VehicleTruth {
     pub touch_down_max_m_s: f64,
     /// Every change of mode since the start, oldest first.
     pub mode_changes: Arc<Vec<ModeChange>>,
+    /// Where its gimbal points, if it has one.
+    pub gimbal: Option<GimbalTruth>,
+    /// What its camera does, if it has one.
+    pub camera: Option<CameraTruth>,
+    /// How its radio is heard, if it has one.
+    pub radio: Option<RadioTruth>,
+}
+
+/// Where a gimbal points.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct GimbalTruth {
+    /// Roll about the horizon in radians.
+    pub roll_rad: f64,
+    /// Pitch about the horizon in radians, upwards positive.
+    pub pitch_rad: f64,
+    /// Yaw from the vehicle's nose in radians, clockwise.
+    pub yaw_vehicle_rad: f64,
+    /// Yaw from north in radians, clockwise.
+    pub yaw_north_rad: f64,
+    /// System and component that steer it; zeros: nobody.
+    pub owner: (u8, u8),
+}
+
+/// What a camera does.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct CameraTruth {
+    /// Pictures on its storage.
+    pub pictures: u32,
+    /// It records.
+    pub recording: bool,
+    /// Zoom factor, 1 being the widest.
+    pub zoom_factor: f64,
+    /// Horizontal field of view in radians at that zoom.
+    pub field_of_view_rad: f64,
+}
+
+/// How a vehicle's radio is heard.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RadioTruth {
+    /// Signal at the vehicle in decibels over a milliwatt.
+    pub signal_dbm: f64,
+    /// Share of packets lost, 0..=1.
+    pub loss: f64,
+    /// Distance to the ground station in metres.
+    pub distance_m: f64,
 }
 
 /// One change of the flight mode.

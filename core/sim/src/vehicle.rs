@@ -14,6 +14,7 @@ mod lift;
 mod mode;
 mod offboard;
 mod parameters;
+mod payloads;
 mod position_control;
 mod receive;
 mod telemetry;
@@ -36,6 +37,7 @@ use mavlink::dialects::common::MavSeverity;
 use nalgebra::Vector3;
 use offboard::OffboardInput;
 use parameters::Parameters;
+use payloads::Payloads;
 use position_control::{ControlLimits, PositionControl, Target};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -123,6 +125,7 @@ pub struct Vehicle {
     yaw_hold_rad: f64,
     target: Target,
     force: Vector3<f64>,
+    payloads: Payloads,
     rng: ChaCha8Rng,
 }
 
@@ -171,6 +174,7 @@ impl Vehicle {
             yaw_hold_rad: body.yaw_rad,
             target: Target::NONE,
             force: Vector3::zeros(),
+            payloads: Payloads::new(&settings.payloads, settings.seed, identity.number, &identity.position),
             rng,
             body,
             estimator,
@@ -195,10 +199,10 @@ impl Vehicle {
 
     fn open_channels(&mut self) {
         use rand::RngExt;
-        let now_us = self.time_us();
+        let (now_us, of_payloads) = (self.time_us(), payloads::streams(&self.settings.payloads));
         let mut channel = |kind| {
             let phase = self.rng.random_range(0.0..1.0);
-            Channel::new(kind, self.identity.system_id, phase, now_us)
+            Channel::new(kind, self.identity.system_id, phase, now_us, &of_payloads)
         };
         let mut channels = vec![channel(LinkKind::Onboard)];
         if self.identity.ground_link {
@@ -223,6 +227,9 @@ impl Vehicle {
         self.origin_told = false;
         self.parameters_told = false;
         self.mode_entered = FlightMode::Unknown;
+        if let Some(gimbal) = &mut self.payloads.gimbal {
+            gimbal.restart_manager();
+        }
         let ready_s = self.draw_ready_s();
         self.commander.restart(self.time_s, ready_s);
         self.open_channels();
@@ -254,6 +261,7 @@ impl Vehicle {
         self.estimator.step(&self.body, dt_s, &mut self.rng);
         self.watch_battery(dt_s);
         self.watch_home();
+        self.step_payloads(dt_s);
         self.report(out);
     }
 
@@ -431,11 +439,12 @@ impl Vehicle {
         let mut channels = std::mem::take(&mut self.channels);
         let now_us = self.time_us();
         for channel in &mut channels {
-            channel.due(now_us, |channel, id| {
-                self.send_message(channel, id, out);
+            channel.due(now_us, |channel, stream| {
+                self.send_of(channel, stream, 0, out);
             });
             self.send_parameter_list(channel, out);
         }
+        self.report_pictures(&mut channels, out);
         if !self.origin_told && self.up_time_s() >= 1.0 {
             self.origin_told = true;
             channels.iter_mut().for_each(|channel| {
@@ -491,6 +500,11 @@ impl Vehicle {
         }
     }
 
+    /// Where it really is about the simulation's origin.
+    fn true_position(&self) -> PositionNed {
+        self.swarm.position(&self.start.geodetic(&self.body.position.into()))
+    }
+
     /// What is really the case.
     #[must_use]
     pub fn truth(&self) -> VehicleTruth {
@@ -521,6 +535,9 @@ impl Vehicle {
             setpoints_refused: self.offboard.refused,
             touch_down_max_m_s: self.body.touch_down_max_m_s,
             mode_changes: self.commander.changes().clone(),
+            gimbal: self.gimbal_truth(),
+            camera: self.camera_truth(),
+            radio: self.radio_truth(),
         }
     }
 }

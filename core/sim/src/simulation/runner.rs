@@ -162,8 +162,12 @@ impl Runner {
         } = self;
         for slot in slots.iter_mut() {
             let Some(sockets) = &slot.sockets else { continue };
+            let kept = (1.0 - slot.impairment.loss) * (1.0 - slot.vehicle.radio_loss());
             let air = Air {
-                impairment: slot.impairment,
+                impairment: Impairment {
+                    loss: 1.0 - kept,
+                    ..slot.impairment
+                },
                 now_s: *time_s,
             };
             for (link, wire) in sockets.links() {

@@ -1,6 +1,7 @@
 //! One link of a vehicle as PX4 keeps it: which messages go out how often, sequence numbers, and whether a ground station
 //! listens.
 
+use crate::payloads::{RADIO_COMPONENT, RADIO_SYSTEM};
 use crate::wire::{self, Sender};
 use mavlink::{MavHeader, MessageData};
 
@@ -44,10 +45,29 @@ impl Outbox {
     }
 }
 
+/// A message of one component.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Stream {
+    /// Component id.
+    pub component: u8,
+    /// Message id.
+    pub message_id: u32,
+}
+
+impl Stream {
+    /// One of the autopilot's.
+    pub(crate) fn of_autopilot(message_id: u32) -> Self {
+        Self {
+            component: AUTOPILOT_COMPONENT,
+            message_id,
+        }
+    }
+}
+
 /// One message sent at a rate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Stream {
-    message_id: u32,
+struct Schedule {
+    stream: Stream,
     default_us: u64,
     /// 0 = off.
     interval_us: u64,
@@ -91,8 +111,9 @@ const GROUND_STATION_TIMEOUT_S: f64 = 2.5;
 pub(crate) struct Channel {
     pub kind: LinkKind,
     system_id: u8,
-    sequence: u8,
-    streams: Vec<Stream>,
+    /// Each component counts for itself, as behind an autopilot that passes on what its payloads say.
+    sequences: [u8; 256],
+    streams: Vec<Schedule>,
     next_due_us: u64,
     ground_station_s: Option<f64>,
     text_id: u16,
@@ -101,19 +122,24 @@ pub(crate) struct Channel {
 }
 
 impl Channel {
-    /// With the default rates; `phase` in 0..1 spreads the vehicles' messages over time.
-    pub(crate) fn new(kind: LinkKind, system_id: u8, phase: f64, now_us: u64) -> Self {
+    /// With the default rates, and those of the payloads (component, message, rate); `phase` in 0..1 spreads the vehicles'
+    /// messages over time.
+    pub(crate) fn new(kind: LinkKind, system_id: u8, phase: f64, now_us: u64, of_payloads: &[(u8, u32, f64)]) -> Self {
         let streams = STREAMS
             .iter()
-            .enumerate()
-            .map(|(i, (message_id, onboard, ground))| {
+            .map(|(message_id, onboard, ground)| {
                 let rate_hz = if kind == LinkKind::Onboard { *onboard } else { *ground };
+                (AUTOPILOT_COMPONENT, *message_id, rate_hz)
+            })
+            .chain(of_payloads.iter().copied())
+            .enumerate()
+            .map(|(i, (component, message_id, rate_hz))| {
                 let default_us = if rate_hz > 0.0 { (1e6 / rate_hz) as u64 } else { 0 };
                 let share = (phase + i as f64 * 0.618_034).fract();
                 // Nothing rarer than once a second is first seen later than that.
                 let due_us = now_us + (share * default_us.min(1_000_000) as f64) as u64;
-                Stream {
-                    message_id: *message_id,
+                Schedule {
+                    stream: Stream { component, message_id },
                     default_us,
                     interval_us: default_us,
                     due_us,
@@ -123,7 +149,7 @@ impl Channel {
         Self {
             kind,
             system_id,
-            sequence: 0,
+            sequences: [0; 256],
             streams,
             next_due_us: 0,
             ground_station_s: None,
@@ -133,7 +159,7 @@ impl Channel {
     }
 
     /// Calls `send` for every message that is due.
-    pub(crate) fn due(&mut self, now_us: u64, mut send: impl FnMut(&mut Self, u32)) {
+    pub(crate) fn due(&mut self, now_us: u64, mut send: impl FnMut(&mut Self, Stream)) {
         if now_us < self.next_due_us {
             return;
         }
@@ -145,7 +171,7 @@ impl Channel {
             if stream.interval_us == 0 {
                 continue;
             }
-            let id = stream.message_id;
+            let which = stream.stream;
             let due = now_us >= stream.due_us;
             if due {
                 stream.due_us += stream.interval_us;
@@ -156,15 +182,15 @@ impl Channel {
             }
             next = next.min(stream.due_us);
             if due {
-                send(self, id);
+                send(self, which);
             }
         }
         self.next_due_us = next;
     }
 
     /// SET_MESSAGE_INTERVAL: microseconds, 0 = default, negative = off. False for a message it does not have.
-    pub(crate) fn set_interval(&mut self, message_id: u32, interval_us: f64, now_us: u64) -> bool {
-        let Some(stream) = self.streams.iter_mut().find(|s| s.message_id == message_id) else {
+    pub(crate) fn set_interval(&mut self, which: Stream, interval_us: f64, now_us: u64) -> bool {
+        let Some(stream) = self.streams.iter_mut().find(|s| s.stream == which) else {
             return false;
         };
         stream.interval_us = if interval_us < 0.0 {
@@ -180,8 +206,8 @@ impl Channel {
     }
 
     /// The interval of a message in microseconds, -1 = off; `None` if it does not have it.
-    pub(crate) fn interval_us(&self, message_id: u32) -> Option<i32> {
-        let stream = self.streams.iter().find(|s| s.message_id == message_id)?;
+    pub(crate) fn interval_us(&self, which: Stream) -> Option<i32> {
+        let stream = self.streams.iter().find(|s| s.stream == which)?;
         Some(if stream.interval_us == 0 {
             -1
         } else {
@@ -207,21 +233,38 @@ impl Channel {
         id
     }
 
-    /// Writes one message.
+    /// Writes one message of the autopilot.
     pub(crate) fn send<M: MessageData>(&mut self, out: &mut Outbox, message: &M) {
-        let header = MavHeader {
-            system_id: u32::from(self.system_id),
-            component_id: AUTOPILOT_COMPONENT,
-            sequence: self.sequence,
+        self.send_as(AUTOPILOT_COMPONENT, out, message);
+    }
+
+    /// Writes one message of a component.
+    pub(crate) fn send_as<M: MessageData>(&mut self, component: u8, out: &mut Outbox, message: &M) {
+        self.write((self.system_id, component), out, message);
+    }
+
+    /// Writes one message of the radio, which speaks for itself.
+    pub(crate) fn send_as_radio<M: MessageData>(&mut self, out: &mut Outbox, message: &M) {
+        self.write((RADIO_SYSTEM, RADIO_COMPONENT), out, message);
+    }
+
+    fn write<M: MessageData>(&mut self, (system_id, component_id): (u8, u8), out: &mut Outbox, message: &M) {
+        let mut header = MavHeader {
+            system_id: u32::from(system_id),
+            component_id,
+            sequence: 0,
         };
-        self.sequence = self.sequence.wrapping_add(1);
+        if let Some(sequence) = self.sequences.get_mut(usize::from(component_id)) {
+            header.sequence = *sequence;
+            *sequence = sequence.wrapping_add(1);
+        }
         wire::write_frame(&mut out.bytes, header, message);
         out.marks.push((self.kind, out.bytes.len()));
     }
 
-    /// Writes an acknowledgement.
-    pub(crate) fn acknowledge(&mut self, out: &mut Outbox, command: u16, result: u8, to: Sender) {
-        self.send(out, &wire::Acknowledgement { command, result, to });
+    /// Writes a component's acknowledgement.
+    pub(crate) fn acknowledge(&mut self, component: u8, out: &mut Outbox, command: u16, result: u8, to: Sender) {
+        self.send_as(component, out, &wire::Acknowledgement { command, result, to });
     }
 }
 

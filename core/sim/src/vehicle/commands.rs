@@ -1,6 +1,6 @@
 //! Commands: what each does, and how it is acknowledged.
 
-use super::channel::{LinkKind, Outbox};
+use super::channel::{AUTOPILOT_COMPONENT, LinkKind, Outbox, Stream};
 use super::commander::Asker;
 use super::receive::asked_mode;
 use super::{PendingCommand, REBOOT_DELAY_S, Vehicle};
@@ -37,15 +37,20 @@ impl Vehicle {
     /// Carries out the commands whose time has come, and acknowledges them.
     pub(super) fn run_commands(&mut self, out: &mut Outbox) {
         while self.pending.front().is_some_and(|p| p.due_s <= self.time_s) {
-            let Some(PendingCommand {
-                link, sender, request, ..
-            }) = self.pending.pop_front()
-            else {
+            let Some(pending) = self.pending.pop_front() else {
                 return;
             };
-            if let Some(result) = self.run(link, &request, out) {
+            let PendingCommand {
+                link, sender, request, ..
+            } = pending;
+            let of_payload = self.run_for_payload(&pending, out);
+            let answer = of_payload.or_else(|| {
+                let result = self.run(link, &request, out)?;
+                Some((AUTOPILOT_COMPONENT, result))
+            });
+            if let Some((component, result)) = answer {
                 self.on_channel(link, |_, channel| {
-                    channel.acknowledge(out, request.command, result as u8, sender)
+                    channel.acknowledge(component, out, request.command, result as u8, sender)
                 });
             }
         }
@@ -186,7 +191,9 @@ impl Vehicle {
     fn set_interval(&mut self, link: LinkKind, c: &CommandRequest) -> MavResult {
         let (id, interval_us, now_us) = (c.param[0] as u32, f64::from(c.param[1]), self.time_us());
         let mut known = false;
-        self.on_channel(link, |_, channel| known = channel.set_interval(id, interval_us, now_us));
+        self.on_channel(link, |_, channel| {
+            known = channel.set_interval(Stream::of_autopilot(id), interval_us, now_us)
+        });
         if known { ACCEPTED } else { FAILED }
     }
 
@@ -194,7 +201,7 @@ impl Vehicle {
         let id = c.param[0] as u16;
         self.on_channel(link, |_, channel| {
             // Zero stands for a message it does not have.
-            let interval_us = channel.interval_us(u32::from(id)).unwrap_or(0);
+            let interval_us = channel.interval_us(Stream::of_autopilot(u32::from(id))).unwrap_or(0);
             channel.send(
                 out,
                 &MESSAGE_INTERVAL_DATA {
@@ -208,7 +215,9 @@ impl Vehicle {
 
     fn send_on_request(&mut self, link: LinkKind, id: u32, out: &mut Outbox) -> MavResult {
         let mut sent = false;
-        self.on_channel(link, |vehicle, channel| sent = vehicle.send_message(channel, id, out));
+        self.on_channel(link, |vehicle, channel| {
+            sent = vehicle.send_of(channel, Stream::of_autopilot(id), 0, out)
+        });
         if sent { ACCEPTED } else { DENIED }
     }
 }

@@ -43,7 +43,8 @@ impl Vehicle {
     }
 
     fn queue(&mut self, link: LinkKind, sender: Sender, request: CommandRequest) {
-        if !self.is_for_me(request.target_system, request.target_component) {
+        let of_payload = self.payloads.has(request.target_component) && self.is_for_me(request.target_system, 0);
+        if !of_payload && !self.is_for_me(request.target_system, request.target_component) {
             return;
         }
         let delay_s = COMMAND_DELAY_S + self.rng.random_range(0.0..COMMAND_DELAY_SPREAD_S);
@@ -79,6 +80,9 @@ impl Vehicle {
                 };
                 self.on_channel(link, |_, channel| channel.send(out, &answer));
             }
+            MavMessage::GIMBAL_MANAGER_SET_ATTITUDE(_)
+            | MavMessage::GIMBAL_MANAGER_SET_PITCHYAW(_)
+            | MavMessage::GIMBAL_MANAGER_SET_MANUAL_CONTROL(_) => self.take_gimbal_message(sender, message),
             _ => self.take_protocol(link, sender, message, out),
         }
     }

@@ -26,12 +26,12 @@ const NO_VOLTAGE: u16 = u16::MAX;
 const TEXT_CHUNK: usize = 50;
 
 /// Degrees as the wire has them: times ten million.
-fn e7(degrees: f64) -> i32 {
+pub(super) fn e7(degrees: f64) -> i32 {
     (degrees * 1e7).round() as i32
 }
 
 /// Metres as millimetres.
-fn mm(metres: f64) -> i32 {
+pub(super) fn mm(metres: f64) -> i32 {
     (metres * 1e3).round() as i32
 }
 
@@ -114,7 +114,7 @@ impl Vehicle {
         true
     }
 
-    fn up_ms(&self) -> u32 {
+    pub(super) fn up_ms(&self) -> u32 {
         (self.up_time_s() * 1e3) as u32
     }
 
@@ -287,7 +287,7 @@ impl Vehicle {
     fn quaternion(&self) -> [f32; 4] {
         let (roll, pitch) = self.body.roll_pitch_rad();
         let q = UnitQuaternion::from_euler_angles(roll, pitch, self.body.yaw_rad);
-        [q.w as f32, q.i as f32, q.j as f32, q.k as f32]
+        wire_quaternion(&q)
     }
 
     fn attitude_quaternion(&self) -> ATTITUDE_QUATERNION_DATA {
@@ -319,7 +319,7 @@ impl Vehicle {
         }
     }
 
-    fn relative_altitude_m(&self) -> f64 {
+    pub(super) fn relative_altitude_m(&self) -> f64 {
         self.home_or_here().z - self.estimator.now.position.z
     }
 
@@ -530,6 +530,11 @@ impl Vehicle {
         self.send_parameter(channel, index, out);
         channel.list_next = Some(index + 1).filter(|next| *next < self.parameters.count());
     }
+}
+
+/// A rotation as the wire has it: w, x, y, z.
+pub(super) fn wire_quaternion(turn: &UnitQuaternion<f64>) -> [f32; 4] {
+    [turn.w, turn.i, turn.j, turn.k].map(|value| value as f32)
 }
 
 /// Sends a text in chunks of 50 characters; like PX4's it ends with a tab.

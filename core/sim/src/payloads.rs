@@ -1,0 +1,43 @@
+//! What simulated vehicles carry: a gimbal, a camera on it, a telemetry radio. Here is how each behaves; what it says over MAVLink
+//! is the vehicle's.
+//!
+//! Must never do: know of messages, sockets or clocks; draw randomness from anywhere but what it is given.
+
+pub(crate) mod camera;
+pub(crate) mod gimbal;
+pub(crate) mod manager;
+pub(crate) mod radio;
+
+pub use camera::CameraSettings;
+pub use gimbal::GimbalSettings;
+pub use radio::RadioSettings;
+
+/// Component id of a gimbal device, of a camera, and of a telemetry radio on a vehicle or beside it.
+pub(crate) const GIMBAL_COMPONENT: u8 = 154;
+pub(crate) const CAMERA_COMPONENT: u8 = 100;
+pub(crate) const RADIO_COMPONENT: u8 = 68;
+/// The system id every SiK radio uses, whatever vehicle it is on.
+pub(crate) const RADIO_SYSTEM: u8 = 51;
+
+/// What each vehicle carries. By default nothing, so that its traffic is that of a bare vehicle.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PayloadPlan {
+    /// A gimbal, steered over MAVLink's gimbal protocol (version 2): the manager is the autopilot, the device component 154.
+    pub gimbal: Option<GimbalSettings>,
+    /// A camera, component 100, with MAVLink's camera protocol (version 2); on the gimbal if there is one, else looking ahead.
+    pub camera: Option<CameraSettings>,
+    /// A telemetry radio that reports RADIO_STATUS as a SiK radio does.
+    pub radio: Option<RadioSettings>,
+}
+
+impl PayloadPlan {
+    /// One of each.
+    #[must_use]
+    pub fn all() -> Self {
+        Self {
+            gimbal: Some(GimbalSettings::default()),
+            camera: Some(CameraSettings::default()),
+            radio: Some(RadioSettings::default()),
+        }
+    }
+}

@@ -1,0 +1,236 @@
+//! Who may steer a gimbal, and what it was told: the gimbal manager as PX4 has it. Only whoever took primary control is obeyed; a
+//! region of interest is the vehicle's own business and obeyed whoever asked for it.
+//!
+//! Must never do: obey somebody who is not in control.
+
+use super::gimbal::{AxisGoal, GimbalSettings, Head};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use skein_domain::Geodetic;
+use skein_domain::frames::wrap_angle_rad;
+
+/// Flags of the manager that matter here; those of the device have the same values.
+pub(crate) mod flags {
+    /// Retracted, and stays so.
+    pub(crate) const RETRACT: u32 = 1;
+    /// Level and ahead.
+    pub(crate) const NEUTRAL: u32 = 2;
+    /// Roll and pitch count from the horizon: this head does nothing else.
+    pub(crate) const ROLL_LOCK: u32 = 4;
+    /// See `ROLL_LOCK`.
+    pub(crate) const PITCH_LOCK: u32 = 8;
+    /// Yaw stays where it is when the vehicle turns.
+    pub(crate) const YAW_LOCK: u32 = 16;
+    /// The yaw given counts from the vehicle's nose.
+    pub(crate) const YAW_IN_VEHICLE_FRAME: u32 = 32;
+    /// The yaw given counts from north.
+    pub(crate) const YAW_IN_EARTH_FRAME: u32 = 64;
+}
+
+/// A system and one of its components.
+pub(crate) type Party = (u8, u8);
+
+/// What is asked of a gimbal. What is not a number is left as it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Asked {
+    /// Angles in radians.
+    pub pitch_rad: f64,
+    /// See `pitch_rad`.
+    pub yaw_rad: f64,
+    /// Rates in radians per second; an angle goes before a rate.
+    pub pitch_rad_s: f64,
+    /// See `pitch_rad_s`.
+    pub yaw_rad_s: f64,
+    /// The manager's flags.
+    pub flags: u32,
+}
+
+impl Asked {
+    /// From a quaternion (w, x, y, z) and an angular velocity.
+    pub(crate) fn from_attitude(q: [f32; 4], velocity_rad_s: [f32; 3], flags: u32) -> Self {
+        let [w, x, y, z] = q.map(f64::from);
+        let [_, pitch_rad_s, yaw_rad_s] = velocity_rad_s.map(f64::from);
+        let (pitch_rad, yaw_rad) =
+            UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-3).map_or((f64::NAN, f64::NAN), |turn| {
+                let (_, pitch_rad, yaw_rad) = turn.euler_angles();
+                (pitch_rad, yaw_rad)
+            });
+        Self {
+            pitch_rad,
+            yaw_rad,
+            pitch_rad_s,
+            yaw_rad_s,
+            flags,
+        }
+    }
+}
+
+/// Where the head is to point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Aim {
+    /// Level and ahead; retracted or not.
+    Rest { retracted: bool },
+    /// Each axis for itself; with `lock` the yaw counts from north, else from the vehicle's nose.
+    Axes { pitch: AxisGoal, yaw: AxisGoal, lock: bool },
+    /// At a place on Earth.
+    Place(Geodetic),
+}
+
+/// How the vehicle that carries it turns.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Carrier {
+    /// Radians, clockwise from north.
+    pub yaw_rad: f64,
+    /// Radians per second.
+    pub yaw_rate_rad_s: f64,
+}
+
+/// A gimbal and its manager.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Gimbal {
+    /// The head.
+    pub head: Head,
+    /// Who has primary control; zeros: nobody.
+    pub owner: Party,
+    aim: Aim,
+}
+
+impl Gimbal {
+    /// At rest, steered by nobody.
+    pub(crate) fn new(settings: GimbalSettings) -> Self {
+        Self {
+            head: Head::new(settings),
+            owner: (0, 0),
+            aim: Aim::Rest { retracted: false },
+        }
+    }
+
+    /// The manager starts anew: it has forgotten who was in control and what was asked.
+    pub(crate) fn restart_manager(&mut self) {
+        self.owner = (0, 0);
+        self.aim = Aim::Rest { retracted: false };
+    }
+
+    /// Primary control is given: -1 leaves it, -2 the vehicle itself, -3 gives it back if the asking party has it; else an id.
+    pub(crate) fn configure(&mut self, by: Party, asked: (f32, f32), autopilot: Party) {
+        let pick = |asked: f32, now: u8, by: u8, own: u8| {
+            let asked = asked.round();
+            if asked == -2.0 {
+                own
+            } else if asked == -3.0 && now == by {
+                0
+            } else if (0.0..256.0).contains(&asked) {
+                asked as u8
+            } else {
+                now
+            }
+        };
+        self.owner = (
+            pick(asked.0, self.owner.0, by.0, autopilot.0),
+            pick(asked.1, self.owner.1, by.1, autopilot.1),
+        );
+    }
+
+    /// Does what is asked, if whoever asks is in control.
+    pub(crate) fn ask(&mut self, by: Party, asked: &Asked, carrier: &Carrier) -> bool {
+        if by != self.owner || by == (0, 0) {
+            return false;
+        }
+        if asked.flags & (flags::RETRACT | flags::NEUTRAL) != 0 {
+            self.aim = Aim::Rest {
+                retracted: asked.flags & flags::RETRACT != 0,
+            };
+            return true;
+        }
+        let lock = asked.flags & flags::YAW_LOCK != 0;
+        // Without a word on the frame the lock decides; else the angle is turned into the frame in which it is held.
+        let from_north =
+            asked.flags & flags::YAW_IN_EARTH_FRAME != 0 || lock && asked.flags & flags::YAW_IN_VEHICLE_FRAME == 0;
+        let turn_rad = match (from_north, lock) {
+            (true, false) => -carrier.yaw_rad,
+            (false, true) => carrier.yaw_rad,
+            _ => 0.0,
+        };
+        let axis = |angle_rad: f64, rate_rad_s: f64, held_rad: f64| {
+            if angle_rad.is_finite() {
+                AxisGoal::Angle(angle_rad)
+            } else if rate_rad_s.is_finite() {
+                AxisGoal::Rate(rate_rad_s)
+            } else {
+                AxisGoal::Angle(held_rad)
+            }
+        };
+        let yaw_now_rad = if lock {
+            self.yaw_north_rad(carrier)
+        } else {
+            self.head.yaw.angle_rad
+        };
+        self.aim = Aim::Axes {
+            pitch: axis(asked.pitch_rad, asked.pitch_rad_s, self.head.pitch.angle_rad),
+            yaw: axis(wrap_angle_rad(asked.yaw_rad + turn_rad), asked.yaw_rad_s, yaw_now_rad),
+            lock,
+        };
+        true
+    }
+
+    /// Looks at a place from now on, or ahead again.
+    pub(crate) fn region_of_interest(&mut self, place: Option<Geodetic>) {
+        self.aim = place.map_or(Aim::Rest { retracted: false }, Aim::Place);
+    }
+
+    /// Lets `dt_s` pass; `towards` gives the way from the camera to a place in metres north, east, down.
+    pub(crate) fn step(&mut self, carrier: &Carrier, towards: impl FnOnce(&Geodetic) -> Vector3<f64>, dt_s: f64) {
+        let level = AxisGoal::Angle(0.0);
+        let from_nose = |north_rad: f64| AxisGoal::Angle(wrap_angle_rad(north_rad - carrier.yaw_rad));
+        let (pitch, yaw, drift_rad_s) = match &self.aim {
+            Aim::Rest { .. } => (level, level, 0.0),
+            Aim::Axes {
+                pitch,
+                yaw,
+                lock: false,
+            } => (*pitch, *yaw, 0.0),
+            Aim::Axes {
+                pitch,
+                yaw: AxisGoal::Angle(yaw_rad),
+                ..
+            } => (*pitch, from_nose(*yaw_rad), -carrier.yaw_rate_rad_s),
+            Aim::Axes {
+                pitch,
+                yaw: AxisGoal::Rate(rate_rad_s),
+                ..
+            } => (*pitch, AxisGoal::Rate(rate_rad_s - carrier.yaw_rate_rad_s), 0.0),
+            Aim::Place(place) => {
+                let way = towards(place);
+                let pitch = AxisGoal::Angle((-way.z).atan2(way.xy().norm()));
+                (pitch, from_nose(way.y.atan2(way.x)), -carrier.yaw_rate_rad_s)
+            }
+        };
+        self.head.step(pitch, yaw, drift_rad_s, dt_s);
+    }
+
+    /// Yaw from north in radians.
+    pub(crate) fn yaw_north_rad(&self, carrier: &Carrier) -> f64 {
+        wrap_angle_rad(carrier.yaw_rad + self.head.yaw.angle_rad)
+    }
+
+    /// Whether the yaw is held to north.
+    pub(crate) fn is_yaw_locked(&self) -> bool {
+        matches!(self.aim, Aim::Axes { lock: true, .. } | Aim::Place(_))
+    }
+
+    /// The flags that are in force, of manager and device alike.
+    pub(crate) fn flags(&self) -> u32 {
+        let mut flags = flags::ROLL_LOCK | flags::PITCH_LOCK;
+        if let Aim::Rest { retracted } = self.aim {
+            flags |= if retracted { flags::RETRACT } else { flags::NEUTRAL };
+        }
+        flags
+            | if self.is_yaw_locked() {
+                flags::YAW_LOCK | flags::YAW_IN_EARTH_FRAME
+            } else {
+                flags::YAW_IN_VEHICLE_FRAME
+            }
+    }
+}
+
+#[cfg(test)]
+mod tests;
