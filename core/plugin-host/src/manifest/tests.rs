@@ -9,6 +9,7 @@ fn good() -> PluginManifest {
         description: "For tests.".to_owned(),
         config_schema_json: "{}".to_owned(),
         effects: vec![EffectKind::Setpoint.code(), EffectKind::State.code()],
+        ..PluginManifest::default()
     }
 }
 
