@@ -209,8 +209,11 @@ fn picture(brightness: u8, effects: &mut Effects) {
 fn surroundings() -> String {
     let folder = std::env::current_dir().unwrap_or_default();
     let variables = std::env::vars().count();
-    let files = std::fs::read_dir("/proc/self/fd").map_or(0, Iterator::count);
-    format!("{} {variables} {files}", folder.display())
+    let entries = std::fs::read_dir("/proc/self/fd").into_iter().flatten().flatten();
+    let files: Vec<_> = entries
+        .map(|entry| std::fs::read_link(entry.path()).unwrap_or_default())
+        .collect();
+    format!("{} {variables} {files:?}", folder.display())
 }
 
 fn take_memory() {

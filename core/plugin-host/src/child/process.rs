@@ -20,7 +20,7 @@ const MAX_SAID_BYTES: usize = 300;
 /// How long a process whose socket is closed may take to be gone before it is helped along.
 const DYING: Duration = Duration::from_millis(100);
 /// Variables of the environment that a child keeps: where the system finds shared libraries.
-const KEPT_VARIABLES: [&str; 2] = ["LD_LIBRARY_PATH", "RUST_BACKTRACE"];
+const KEPT_VARIABLES: [&str; 1] = ["LD_LIBRARY_PATH"];
 
 /// A child process. Dropped, it is ended.
 #[derive(Debug)]
@@ -190,13 +190,13 @@ impl ErrorTail {
         true
     }
 
-    /// The last line that is not empty.
+    /// The last line that says something; the hint of how to get a backtrace does not.
     fn last_words(&self) -> String {
         let text = String::from_utf8_lossy(&self.tail);
         let line = text
             .lines()
             .map(str::trim)
-            .rfind(|line| !line.is_empty())
+            .rfind(|line| !line.is_empty() && !line.starts_with("note: "))
             .unwrap_or_default();
         line.get(..line.floor_char_boundary(MAX_SAID_BYTES))
             .unwrap_or_default()

@@ -12,9 +12,10 @@ use crate::library::open;
 use crate::services::{Readable, Services};
 use crate::{LoadError, PluginError};
 use rustix::event::PollFlags;
+use rustix::io::FdFlags;
 use rustix::process::{Resource, Rlimit, Signal};
 use skein_plugin_abi::method;
-use std::os::fd::{AsFd, AsRawFd, OwnedFd};
+use std::os::fd::{AsFd, AsRawFd, BorrowedFd, FromRawFd, OwnedFd, RawFd};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -58,6 +59,7 @@ pub fn serve() -> Result<(), ServeError> {
     if rustix::fs::FileType::from_raw_mode(kind) != rustix::fs::FileType::Socket {
         return Err(ServeError::ByHand);
     }
+    close_inherited();
     let mut wire = Wire::new(stdin.as_fd(), true);
     let Some(start) = receive(&mut wire)? else {
         return Ok(());
@@ -231,6 +233,25 @@ fn within(bytes: &PluginBytes, limit: u64) -> Result<(), PluginError> {
         return Err(PluginError::TooLarge { len, limit });
     }
     Ok(())
+}
+
+/// Closes what the node inherited itself and passed on without knowing. What this process opened is marked to be closed by the next
+/// program, and so tells itself apart.
+fn close_inherited() {
+    let Ok(entries) = std::fs::read_dir("/proc/self/fd") else {
+        return;
+    };
+    let numbers = entries
+        .flatten()
+        .filter_map(|entry| entry.file_name().to_str()?.parse::<RawFd>().ok());
+    for number in numbers.filter(|number| *number > 2).collect::<Vec<_>>() {
+        // SAFETY: it was open a moment ago; should it not be any more, the call fails.
+        let file = unsafe { BorrowedFd::borrow_raw(number) };
+        if rustix::io::fcntl_getfd(file).is_ok_and(|flags| !flags.contains(FdFlags::CLOEXEC)) {
+            // SAFETY: nobody in this program opened it, so that nobody uses it.
+            drop(unsafe { OwnedFd::from_raw_fd(number) });
+        }
+    }
 }
 
 /// From here on this process may use no more than it was given.
