@@ -147,7 +147,11 @@ impl Px4Link {
         } else {
             (None, Received::Ignored)
         };
-        inner.core.on_frame(now, &frame.header, read);
+        if tapped {
+            inner.core.on_wanted_frame(now, &frame.header, read);
+        } else {
+            inner.core.on_frame(now, &frame.header, read);
+        }
         inner.flush();
         if tapped && received == Received::Ignored {
             Received::Read
@@ -310,7 +314,11 @@ impl VehicleLink for Px4Link {
 
     /// Of messages that the protocol description here does not know none is given: their checksum cannot be looked at.
     fn tap(&self, tap: Weak<dyn MessageTap>) {
-        self.inner.lock().taps.add(tap);
+        let mut inner = self.inner.lock();
+        if let Some(tap) = tap.upgrade() {
+            inner.core.want(|message_id| tap.wants(message_id));
+        }
+        inner.taps.add(tap);
     }
 
     fn send_payload(&self, now: NodeTime, message: &MavlinkMessage) -> Result<(), Refusal> {

@@ -176,6 +176,15 @@ impl VehicleCore {
 
     /// Notes any frame of its system; `read` is what a message that is read here says, from the autopilot only.
     pub fn on_frame(&mut self, now: NodeTime, header: &FrameHeader, read: Option<Inbound>) {
+        self.take(now, header, read, false);
+    }
+
+    /// The same for a message that a payload wants as well.
+    pub fn on_wanted_frame(&mut self, now: NodeTime, header: &FrameHeader, read: Option<Inbound>) {
+        self.take(now, header, read, true);
+    }
+
+    fn take(&mut self, now: NodeTime, header: &FrameHeader, read: Option<Inbound>, wanted: bool) {
         let autopilot = header.component_id == AUTOPILOT_COMPONENT;
         self.traffic.on_frame(now, autopilot, header.sequence);
         if !autopilot {
@@ -191,8 +200,14 @@ impl VehicleCore {
                 self.rates.on_message(header.message_id);
                 self.on_message(now, message);
             }
+            None if wanted => self.rates.on_wanted(header.message_id),
             None => self.rates.on_unused(header.message_id),
         }
+    }
+
+    /// A payload wants messages from now on; none of them is turned off, and what was is asked for again.
+    pub fn want(&mut self, wants: impl Fn(u32) -> bool) {
+        self.rates.want(wants);
     }
 
     /// Does what has become due; gives when to come again.

@@ -56,6 +56,8 @@ struct Unused {
     in_window: u32,
     attempts: u8,
     due: bool,
+    /// It was turned off, and somebody wants it now.
+    missed: bool,
 }
 
 #[derive(Debug)]
@@ -162,7 +164,24 @@ impl RateKeeper {
                 in_window: 1,
                 attempts: 0,
                 due: false,
+                missed: false,
             });
+        }
+    }
+
+    /// Notes that a message came that is not read here, but that a payload wants: it stays on.
+    pub fn on_wanted(&mut self, id: u32) {
+        match self.wanted.iter_mut().find(|wanted| wanted.id == id) {
+            Some(wanted) => wanted.in_window += 1,
+            None => self.unused.retain(|unused| unused.id != id || unused.missed),
+        }
+    }
+
+    /// Somebody wants more messages from now on: those among them that were turned off are asked for at their usual rate.
+    pub fn want(&mut self, wants: impl Fn(u32) -> bool) {
+        for unused in self.unused.iter_mut().filter(|unused| wants(unused.id)) {
+            unused.missed = unused.attempts > 0;
+            unused.due = false;
         }
     }
 
@@ -196,7 +215,8 @@ impl RateKeeper {
     /// When the next look is due.
     #[must_use]
     pub fn due(&self) -> NodeTime {
-        let waiting = self.wanted.iter().any(|wanted| wanted.due) || self.unused.iter().any(|unused| unused.due);
+        let waiting =
+            self.wanted.iter().any(|wanted| wanted.due) || self.unused.iter().any(|unused| unused.due || unused.missed);
         let window = self.window_started.plus_seconds(WINDOW_S);
         let copies = self
             .copies
@@ -235,6 +255,10 @@ impl RateKeeper {
         }
         if let Some(wanted) = self.wanted.iter_mut().find(|wanted| wanted.due) {
             return Some(wanted.ask());
+        }
+        if let Some(missed) = self.unused.iter().position(|unused| unused.missed) {
+            let Unused { id, .. } = self.unused.swap_remove(missed);
+            return Some(Tuning::Rate(id, set_default_interval(id)));
         }
         let unused = self.unused.iter_mut().find(|unused| unused.due)?;
         unused.due = false;
@@ -293,9 +317,19 @@ fn service(name: &'static str, command: Command) -> Plan {
     }
 }
 
-/// The interval in microseconds; -1 turns a message off.
+/// A message's rate; zero turns it off.
 fn set_interval(id: u32, rate_hz: f64) -> Plan {
+    // In microseconds; -1 is off.
     let interval_us = if rate_hz > 0.0 { (1e6 / rate_hz) as f32 } else { -1.0 };
+    set_interval_us(id, interval_us)
+}
+
+/// The autopilot's own rate of a message.
+fn set_default_interval(id: u32) -> Plan {
+    set_interval_us(id, 0.0)
+}
+
+fn set_interval_us(id: u32, interval_us: f32) -> Plan {
     let parameters = [id as f32, interval_us, 0.0, 0.0, 0.0, 0.0, 0.0];
     service(
         "set_message_interval",
@@ -385,6 +419,53 @@ mod tests {
             run(&mut keeper, 120.0, 3.0, &AS_ASKED).len(),
             AS_ASKED.len(),
             "again after a restart"
+        );
+    }
+
+    #[test]
+    fn what_a_payload_wants_stays_on_and_comes_back_when_it_was_off() {
+        let interval_us = |tuning: &Tuning| match tuning {
+            Tuning::Rate(281, plan) => Some(plan.steps[0].command.parameters[1]),
+            _ => None,
+        };
+        let mut keeper = RateKeeper::new(MessageRates::default(), 1, at(0.0));
+        let mut asked = Vec::new();
+        let (mut wanted, mut on) = (true, true);
+        for i in 0..6000_u32 {
+            match i {
+                1000 => wanted = false,
+                3000 => {
+                    wanted = true;
+                    keeper.want(|id| id == 281);
+                }
+                _ => {}
+            }
+            if on && i % 20 == 0 {
+                if wanted {
+                    keeper.on_wanted(281)
+                } else {
+                    keeper.on_unused(281)
+                }
+            }
+            if let Some(tuning) = keeper.poll(at(f64::from(i) * 0.01))
+                && let Some(interval_us) = interval_us(&tuning)
+            {
+                asked.push((i / 1000, interval_us));
+                on = interval_us >= 0.0;
+            }
+        }
+        assert_eq!(
+            asked,
+            [(1, -1.0), (3, 0.0)],
+            "off when nobody wants it, and back at its own rate"
+        );
+        keeper.want(|id| id == 281);
+        assert_eq!(
+            run(&mut keeper, 60.0, 10.0, &AS_ASKED)
+                .iter()
+                .filter(|(_, id)| *id == 281)
+                .count(),
+            0
         );
     }
 

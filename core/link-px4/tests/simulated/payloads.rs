@@ -2,9 +2,10 @@
 
 use crate::net::Net;
 use crate::puppet::Puppet;
+use crate::rig::Rig;
 use mavlink::dialects::common::{
-    GIMBAL_DEVICE_ATTITUDE_STATUS_DATA, GIMBAL_MANAGER_SET_PITCHYAW_DATA, MavAutopilot, MavMessage, MavType,
-    RADIO_STATUS_DATA,
+    COMMAND_LONG_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA, GIMBAL_MANAGER_SET_PITCHYAW_DATA, GimbalManagerFlags,
+    MavAutopilot, MavCmd, MavMessage, MavResult, MavType, RADIO_STATUS_DATA,
 };
 use mavlink::{MavlinkVersion, Message, MessageData};
 use parking_lot::Mutex;
@@ -13,7 +14,8 @@ use skein_domain::link::{MessageTap, VehicleLink};
 use skein_domain::payload::MavlinkMessage;
 use skein_link_px4::EndpointEvent;
 use skein_link_px4::frame::each_in_datagram;
-use skein_link_px4::{EndpointCounters, Px4Link};
+use skein_link_px4::{EndpointCounters, LinkSettings, Px4Link};
+use skein_sim::{PayloadPlan, PortPlan, SimSettings, Simulation};
 use std::net::SocketAddr;
 use std::sync::Arc;
 use tokio::net::UdpSocket;
@@ -250,4 +252,148 @@ async fn a_payloads_message_reaches_the_vehicle_and_is_refused_when_that_is_lost
         link.send_payload(net.now(), &message),
         Err(Refusal::LinkLost { .. })
     ));
+}
+
+fn simulate(to: SocketAddr, vehicles: usize) -> Simulation {
+    Simulation::start(SimSettings {
+        vehicles,
+        ports: PortPlan::SendTo(to),
+        payloads: PayloadPlan::all(),
+        ..SimSettings::default()
+    })
+    .unwrap()
+}
+
+fn command(target: (u8, u8), command: MavCmd, [param1, param2, param3]: [f32; 3]) -> MavlinkMessage {
+    outgoing(&COMMAND_LONG_DATA {
+        param1,
+        param2,
+        param3,
+        command,
+        target_system: target.0,
+        target_component: target.1,
+        ..COMMAND_LONG_DATA::default()
+    })
+}
+
+/// Sends a command until its component has acknowledged it to us.
+async fn acknowledged(net: &Net, link: &Px4Link, ear: &Ear, message: &MavlinkMessage, by: u8) -> MavResult {
+    let number = u16::from_le_bytes([message.payload[28], message.payload[29]]);
+    let mut result = None;
+    link.send_payload(net.now(), message).unwrap();
+    net.until(&format!("acknowledgement of {number}"), |_| {
+        result = ear.messages().into_iter().find_map(|(component, heard)| match heard {
+            MavMessage::COMMAND_ACK(ack)
+                if component == by
+                    && ack.command as u32 == u32::from(number)
+                    && (ack.target_system, ack.target_component) == (245, 190) =>
+            {
+                Some(ack.result)
+            }
+            _ => None,
+        });
+        result.is_some()
+    })
+    .await;
+    result.unwrap()
+}
+
+#[tokio::test]
+async fn the_payloads_of_simulated_vehicles_are_heard_and_steered_through_their_links() {
+    let mut net = Net::new();
+    let (_actor, port) = net.listen("swarm").await;
+    let simulation = simulate(port, 2);
+    let (link, other) = (net.discovered(1).await, net.discovered(2).await);
+    let ears = [&link, &other].map(|link| Ear::at(link, &[77, 109, 262, 281, 285]));
+    let is_from = |ear: &Ear, id, component| {
+        let heard = ear.heard();
+        heard.iter().any(|m| m.message_id == id && m.component_id == component)
+    };
+    for ear in &ears {
+        net.until("status, attitude and radio", |_| {
+            is_from(ear, 281, 1) && is_from(ear, 285, 154) && is_from(ear, 109, 68)
+        })
+        .await;
+    }
+    let ear = &ears[0];
+    let pitchyaw = outgoing(&GIMBAL_MANAGER_SET_PITCHYAW_DATA {
+        pitch: -0.6,
+        yaw: 0.4,
+        pitch_rate: f32::NAN,
+        yaw_rate: f32::NAN,
+        flags: GimbalManagerFlags::empty(),
+        target_system: 1,
+        target_component: 1,
+        gimbal_device_id: 154,
+    });
+    let take_control = command((1, 1), MavCmd::MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE, [245.0, 190.0, 0.0]);
+    assert_eq!(
+        acknowledged(&net, &link, ear, &take_control, 1).await,
+        MavResult::MAV_RESULT_ACCEPTED
+    );
+    link.send_payload(net.now(), &pitchyaw).unwrap();
+    let points = |id: u8| simulation.truth().vehicle(id).unwrap().gimbal.unwrap();
+    net.until("pointing", |_| {
+        let gimbal = points(1);
+        (gimbal.pitch_rad + 0.6).abs() < 0.01 && (gimbal.yaw_vehicle_rad - 0.4).abs() < 0.01
+    })
+    .await;
+    assert!(
+        points(2).pitch_rad.abs() < 0.01,
+        "the other vehicle's stays where it is"
+    );
+
+    let start = command((1, 100), MavCmd::MAV_CMD_VIDEO_START_CAPTURE, [0.0, 2.0, 0.0]);
+    assert_eq!(
+        acknowledged(&net, &link, ear, &start, 100).await,
+        MavResult::MAV_RESULT_ACCEPTED
+    );
+    net.until("recording", |_| {
+        let heard = ear.messages();
+        let recording = heard
+            .iter()
+            .any(|(_, m)| matches!(m, MavMessage::CAMERA_CAPTURE_STATUS(m) if m.video_status == 1));
+        recording && simulation.truth().vehicle(1).unwrap().camera.unwrap().recording
+    })
+    .await;
+    assert!(!ears[1].heard().iter().any(|m| m.message_id == 262));
+    assert!(net.links.links().len() == 2 && !link.is_duplicate() && !other.is_duplicate());
+    assert!(!net.has(|e| matches!(e, EndpointEvent::Duplicate { .. } | EndpointEvent::Moved { .. })));
+}
+
+#[test]
+fn what_was_turned_off_comes_back_when_a_payload_wants_it_and_nothing_counts_as_lost() {
+    let settings = SimSettings {
+        payloads: PayloadPlan::all(),
+        ..SimSettings::default()
+    };
+    let mut rig = Rig::with(LinkSettings::default(), settings);
+    let in_ten_seconds = |rig: &mut Rig, id: u32| {
+        rig.received.clear();
+        rig.run(10.0);
+        rig.received.get(&id).copied().unwrap_or(0)
+    };
+    rig.wanted = vec![281];
+    rig.run(20.0);
+    assert!(
+        (45..=55).contains(&in_ten_seconds(&mut rig, 281)),
+        "wanted: it stays on"
+    );
+    rig.wanted.clear();
+    rig.run(20.0);
+    assert_eq!(in_ten_seconds(&mut rig, 281), 0, "nobody reads it: off");
+    assert!(
+        (95..=105).contains(&in_ten_seconds(&mut rig, 285)),
+        "a device's own are left alone"
+    );
+    rig.wanted = vec![281];
+    rig.core().want(|id| id == 281);
+    rig.run(2.0);
+    assert!(
+        (45..=55).contains(&in_ten_seconds(&mut rig, 281)),
+        "back at its own rate"
+    );
+    // Each component counts its frames for itself; for the link that is no loss.
+    let (_, health) = rig.read();
+    assert!(health.connected && health.loss < 0.005, "{health:?}");
 }

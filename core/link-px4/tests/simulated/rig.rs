@@ -9,7 +9,7 @@ use skein_domain::{
 };
 use skein_link_px4::decode::{decode, heartbeat};
 use skein_link_px4::frame::each_in_datagram;
-use skein_link_px4::vehicle::VehicleCore;
+use skein_link_px4::vehicle::{AUTOPILOT_COMPONENT, VehicleCore};
 use skein_link_px4::{EndpointCounters, LinkSettings};
 use skein_sim::vehicle::{LinkKind, Outbox, Vehicle, VehicleIdentity};
 use skein_sim::{NoiseSettings, SimSettings, VehicleTruth, WindSettings};
@@ -41,6 +41,8 @@ pub struct Rig {
     pub passes_down: Filter,
     pub delay_s: f64,
     pub steering: Option<Steering>,
+    /// Messages that payloads want.
+    pub wanted: Vec<u32>,
     settings: Arc<LinkSettings>,
     up: VecDeque<(f64, Vec<u8>)>,
     down: VecDeque<(f64, Vec<u8>)>,
@@ -81,6 +83,7 @@ impl Rig {
             passes_down: Box::new(|_, _| true),
             delay_s: 0.002,
             steering: None,
+            wanted: Vec::new(),
             settings: Arc::new(settings),
             up: VecDeque::new(),
             down: VecDeque::new(),
@@ -155,14 +158,25 @@ impl Rig {
 
     fn receive(&mut self, now: NodeTime, bytes: &[u8]) {
         let (core, settings, received) = (&mut self.core, &self.settings, &mut self.received);
+        let wanted = &self.wanted;
         each_in_datagram(bytes, &mut EndpointCounters::default(), |_, frame| {
             *received.entry(frame.header.message_id).or_default() += 1;
             if core.is_none() {
-                let Some(first) = heartbeat(frame) else { return };
+                let by_autopilot = frame.header.component_id == AUTOPILOT_COMPONENT;
+                let Some(first) = heartbeat(frame).filter(|_| by_autopilot) else {
+                    return;
+                };
                 *core = Some(VehicleCore::new(Arc::clone(settings), 1, &first, now));
             }
             let Some(core) = core else { return };
-            core.on_frame(now, &frame.header, decode(frame).map(|read| read.unwrap()));
+            let read = decode(frame)
+                .filter(|_| frame.header.component_id == AUTOPILOT_COMPONENT)
+                .map(|read| read.unwrap());
+            if wanted.contains(&frame.header.message_id) {
+                core.on_wanted_frame(now, &frame.header, read);
+            } else {
+                core.on_frame(now, &frame.header, read);
+            }
         });
     }
 
