@@ -1,0 +1,42 @@
+//! `skein plugin …`: what the author of a plugin and whoever takes one in need at the command line.
+//!
+//! Must never do: judge by itself. What is right and what is not is the host's word, the same as in a node.
+
+mod check;
+mod list;
+mod new;
+
+use clap::{Args, Subcommand};
+use std::process::ExitCode;
+
+pub use check::CheckArguments;
+pub use list::ListArguments;
+pub use new::NewArguments;
+
+/// `skein plugin`
+#[derive(Debug, Clone, Args)]
+pub struct PluginArguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub what: PluginCommand,
+}
+
+/// What can be done with plugins.
+#[derive(Debug, Clone, Subcommand)]
+pub enum PluginCommand {
+    /// Write a new plugin: a whole crate that builds, with tests.
+    New(NewArguments),
+    /// Load libraries as a node does, make an instance, call it, and say what is wrong.
+    Check(CheckArguments),
+    /// Say which plugins are in the directories.
+    List(ListArguments),
+}
+
+/// Runs one of them.
+pub async fn plugin(arguments: PluginArguments) -> anyhow::Result<ExitCode> {
+    match arguments.what {
+        PluginCommand::New(arguments) => new::new(&arguments),
+        PluginCommand::Check(arguments) => check::check(&arguments).await,
+        PluginCommand::List(arguments) => list::list(&arguments),
+    }
+}
