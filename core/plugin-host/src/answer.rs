@@ -62,6 +62,17 @@ impl Judge {
         }
     }
 
+    /// A whole answer.
+    pub(crate) fn answer(&self, manifest: &Manifest, pool: &Pool, answer: &RawAnswer) -> Result<Answer, PluginError> {
+        let (effects, frames) = self.effects(manifest, pool, answer.schema, answer.bytes.bytes())?;
+        let snapshot = answer.snapshot.as_ref().map_or(&[][..], AnswerBytes::bytes);
+        Ok(Answer {
+            effects,
+            frames,
+            snapshot: self.snapshot(snapshot)?,
+        })
+    }
+
     /// The effects of a batch and the frames among them, if all of it is right.
     pub(crate) fn effects(
         &self,

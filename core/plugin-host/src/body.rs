@@ -93,7 +93,13 @@ impl InstanceBody {
         }
     }
 
-    fn invoke(&self, method: u32, schema: u32, bytes: &[u8], then_snapshot: bool) -> Result<RawAnswer, PluginError> {
+    pub(crate) fn invoke(
+        &self,
+        method: u32,
+        schema: u32,
+        bytes: &[u8],
+        then_snapshot: bool,
+    ) -> Result<RawAnswer, PluginError> {
         let handle = self.take()?;
         let started = Instant::now();
         let result = self.invoke_with(&handle, method, schema, bytes, then_snapshot);

@@ -16,14 +16,11 @@ pub use serve::{ServeError, serve};
 
 use crate::answer::RawAnswer;
 use crate::frames::Pool;
-use crate::sink::LogSink;
-use crate::statistics::CallTimes;
 use crate::{CallStatistics, ChildLimits, Manifest, Plugin, PluginError, Runners};
-pub(crate) use calls::Call;
-use calls::{Caller, Job, Shared};
-use skein_domain::manifest::EffectKind;
+use calls::Job;
+pub(crate) use calls::{Call, Caller, Shared};
+use std::sync::Arc;
 use std::sync::mpsc::{Sender, channel};
-use std::sync::{Arc, OnceLock};
 use tokio::sync::oneshot;
 
 /// The untyped calls of one instance in a child.
@@ -44,17 +41,7 @@ impl ChildCalls {
         bytes: Vec<u8>,
     ) -> Result<Self, PluginError> {
         let program = runners.host_program();
-        let manifest = plugin.manifest();
-        let shared = Arc::new(Shared {
-            sink: LogSink::new(manifest.name.clone(), name.clone()),
-            pool: Pool::new(manifest.effects.contains(&EffectKind::Frame)),
-            plugin,
-            name,
-            settings: *runners.settings(),
-            limits,
-            times: CallTimes::default(),
-            process: OnceLock::new(),
-        });
+        let shared = Arc::new(Shared::new(plugin, name, *runners.settings(), limits));
         let (jobs, receiver) = channel::<Job>();
         let (reply, made) = oneshot::channel();
         let for_thread = Arc::clone(&shared);
@@ -62,7 +49,7 @@ impl ChildCalls {
         // The system ends a child with the thread that started it.
         let life = move || {
             let _living = living;
-            match Caller::start(for_thread, program, schema, &bytes) {
+            match Caller::start(for_thread, &program, schema, &bytes) {
                 Ok(caller) => {
                     let _ = reply.send(Ok(()));
                     caller.run(&receiver);

@@ -39,15 +39,7 @@ impl Instance {
         let answer = self
             .invoke(method::HANDLE_EVENTS, EVENT_BATCH_SCHEMA, bytes, frames.to_vec(), true)
             .await?;
-        let (effects, frames) =
-            self.judge
-                .effects(self.manifest(), self.pool(), answer.schema, answer.bytes.bytes())?;
-        let snapshot = answer.snapshot.as_ref().map_or(&[][..], |snapshot| snapshot.bytes());
-        Ok(Answer {
-            effects,
-            frames,
-            snapshot: self.judge.snapshot(snapshot)?,
-        })
+        self.judge.answer(self.manifest(), self.pool(), &answer)
     }
 
     /// The state from which a new instance goes on after this one.

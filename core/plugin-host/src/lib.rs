@@ -9,6 +9,7 @@ mod answer;
 mod body;
 mod catalog;
 pub mod child;
+mod direct;
 mod entry;
 mod error;
 mod frames;
@@ -30,6 +31,7 @@ mod watchdog;
 
 pub use answer::Answer;
 pub use catalog::{Catalog, PluginProblem};
+pub use direct::DirectInstance;
 pub use error::{LoadError, PluginError, SchemaError};
 pub use frames::Frame;
 pub use instance::Instance;

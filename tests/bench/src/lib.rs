@@ -1,6 +1,8 @@
 //! Measures the whole program from outside: its own process against a load generator in another, beside a bare loop that receives,
 //! parses and sends without any logic, in the same run on the same machine.
 //!
+//! The cost of plugins' calls is measured from inside, in a program of their own ([`run_plugin_bench`]).
+//!
 //! Must never do: reach into the program measured. What counts is what leaves its sockets and what the system charges it.
 #![forbid(unsafe_code)]
 
@@ -10,6 +12,7 @@ mod fleet;
 mod flyer;
 mod gaps;
 mod generator;
+mod plugin;
 mod process;
 mod program;
 mod report;
@@ -19,5 +22,6 @@ pub use bare::{BareLoopSettings, run_bare_loop};
 pub use error::BenchError;
 pub use fleet::{FleetBenchArgs, run_fleet_bench};
 pub use generator::{LoadGeneratorSettings, run_load_generator};
+pub use plugin::{CallFigures, PluginBenchArgs, PluginBenchReport, run_plugin_bench};
 pub use process::Scheduling;
 pub use report::{FleetBenchReport, Gaps, LoadFigures, SideFigures, Spread, WindowFigures};

@@ -16,10 +16,11 @@ use crate::statistics::CallTimes;
 use crate::{ChildLimits, Plugin, PluginError, RunnerSettings};
 use rustix::event::PollFlags;
 use rustix::net::SocketType;
+use skein_domain::manifest::EffectKind;
 use skein_plugin_abi::LogLevel;
 use std::io::ErrorKind;
 use std::os::fd::{AsFd, OwnedFd};
-use std::path::PathBuf;
+use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
@@ -60,7 +61,24 @@ pub(crate) struct Shared {
     pub(crate) process: OnceLock<Arc<ChildProcess>>,
 }
 
+impl Shared {
+    pub(crate) fn new(plugin: Arc<Plugin>, name: String, settings: RunnerSettings, limits: ChildLimits) -> Self {
+        let manifest = plugin.manifest();
+        Self {
+            sink: LogSink::new(manifest.name.clone(), name.clone()),
+            pool: Pool::new(manifest.effects.contains(&EffectKind::Frame)),
+            plugin,
+            name,
+            settings,
+            limits,
+            times: CallTimes::default(),
+            process: OnceLock::new(),
+        }
+    }
+}
+
 /// The thread's side of a child.
+#[derive(Debug)]
 pub(crate) struct Caller {
     shared: Arc<Shared>,
     process: Arc<ChildProcess>,
@@ -76,19 +94,14 @@ pub(crate) struct Caller {
 
 impl Caller {
     /// Starts the child and makes the instance. The calling thread must live as long as the child is to.
-    pub(crate) fn start(
-        shared: Arc<Shared>,
-        program: PathBuf,
-        schema: u32,
-        create: &[u8],
-    ) -> Result<Self, PluginError> {
+    pub(crate) fn start(shared: Arc<Shared>, program: &Path, schema: u32, create: &[u8]) -> Result<Self, PluginError> {
         let not_started = |e: std::io::Error| PluginError::NotStarted { detail: e.to_string() };
         let (logs, their_logs) = socket_pair(SocketType::SEQPACKET).map_err(|e| not_started(e.into()))?;
         let Started {
             process,
             socket,
             errors,
-        } = ChildProcess::start(&program).map_err(|e| PluginError::NotStarted {
+        } = ChildProcess::start(program).map_err(|e| PluginError::NotStarted {
             detail: format!("{}: {e}", program.display()),
         })?;
         let process = Arc::new(process);
@@ -344,7 +357,7 @@ impl Caller {
     }
 
     /// Ends the instance, then its process.
-    fn end(mut self) {
+    pub(crate) fn end(mut self) {
         if self.lost.is_some() {
             return;
         }
