@@ -71,7 +71,7 @@ impl Device {
     /// One of which nothing is known yet.
     pub(crate) fn new(settings: &Settings, system_id: Option<SystemId>) -> Self {
         match settings.backend {
-            Backend::Mavlink => Self::Mavlink(Manager::new(system_id, settings.gimbal_device_id)),
+            Backend::Mavlink => Self::Mavlink(Manager::new(system_id, settings)),
             Backend::Siyi => Self::Siyi(Siyi::default()),
         }
     }

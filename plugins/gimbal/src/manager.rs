@@ -2,6 +2,7 @@
 
 use crate::attitude::{Attitude, Limits, Yaw};
 use crate::device::{Control, ControlOutcome, Moment, Status, Turn};
+use crate::settings::Settings;
 use mavlink::MessageData;
 use mavlink::dialects::common::{
     COMMAND_ACK_DATA, COMMAND_LONG_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA, GIMBAL_DEVICE_INFORMATION_DATA,
@@ -29,9 +30,7 @@ const QUESTION_PAUSE_S: f64 = 1.0;
 const DEVICE_QUESTIONS: u8 = 5;
 /// A status that names nobody is taken for old for this long after control was given to us, in seconds.
 const GRANT_SETTLES_S: f64 = 1.0;
-/// "Whoever sends this", in the numbers of DO_GIMBAL_MANAGER_CONFIGURE.
-const MYSELF: f32 = -2.0;
-/// "Not me any more", in the same numbers.
+/// "Not me any more", in the numbers of DO_GIMBAL_MANAGER_CONFIGURE. There is one for "me" too, but autopilots take it for themselves.
 const NOT_MYSELF: f32 = -3.0;
 /// "Leave it as it is", in the same numbers.
 const UNCHANGED: f32 = -1.0;
@@ -73,7 +72,7 @@ pub(crate) struct Manager {
     granted: Option<NodeTime>,
     /// What the manager calls us.
     #[n(13)]
-    own: Option<(u8, u8)>,
+    own: (u8, u8),
     #[n(14)]
     last_question: Option<NodeTime>,
     #[n(15)]
@@ -81,10 +80,11 @@ pub(crate) struct Manager {
 }
 
 impl Manager {
-    pub(crate) fn new(system_id: Option<SystemId>, device: u8) -> Self {
+    pub(crate) fn new(system_id: Option<SystemId>, settings: &Settings) -> Self {
         Self {
             system_id: system_id.map_or(0, |id| id.0),
-            device,
+            device: settings.gimbal_device_id,
+            own: (settings.own_system_id, settings.own_component_id),
             ..Self::default()
         }
     }
@@ -169,8 +169,14 @@ impl Manager {
 
     fn hear_acknowledgement(&mut self, at: &Moment, message: &MavlinkMessage) -> Option<ControlOutcome> {
         let (control, outcome) = self.requests.heard(at.now, message)?;
-        self.own = self.requests.own().or(self.own);
+        let named = self.requests.own().filter(|named| *named != self.own);
         match (control, &outcome) {
+            (Control::Take, Ok(())) if let Some(named) = named => {
+                // It calls us otherwise than we thought, and gave control to nobody there is.
+                self.own = named;
+                self.request_control(Control::Take);
+                return None;
+            }
             (Control::Take, Ok(())) => self.granted = Some(at.now),
             (Control::Release, Ok(())) => self.lose(),
             (_, Err(_)) => {}
@@ -206,11 +212,7 @@ impl Manager {
         self.heard = Some(at.now);
         let primary = (said.primary_control_sysid, said.primary_control_compid);
         let settles = at.within(self.granted, GRANT_SETTLES_S);
-        if self.granted.is_some() && self.own.is_none() && primary.0 != 0 {
-            // It did not say in its acknowledgement who we are; now it does.
-            self.own = Some(primary);
-        }
-        if self.own == Some(primary) {
+        if self.own == primary {
             self.granted = self.granted.or(Some(at.now));
         } else if !(settles && primary.0 == 0) {
             self.granted = None;
@@ -318,10 +320,18 @@ impl Manager {
             Control::Take => Control::Release,
             Control::Release => Control::Take,
         });
-        let who = if control == Control::Take { MYSELF } else { NOT_MYSELF };
+        self.request_control(control);
+        self.requests.work(at.now, at.settings.patience(), effects).pop()
+    }
+
+    fn request_control(&mut self, control: Control) {
+        let (system_id, component_id) = match control {
+            Control::Take => (f32::from(self.own.0), f32::from(self.own.1)),
+            Control::Release => (NOT_MYSELF, NOT_MYSELF),
+        };
         let command = COMMAND_LONG_DATA {
-            param1: who,
-            param2: who,
+            param1: system_id,
+            param2: component_id,
             param3: UNCHANGED,
             param4: UNCHANGED,
             param7: f32::from(self.device),
@@ -331,7 +341,6 @@ impl Manager {
             ..COMMAND_LONG_DATA::default()
         };
         self.requests.ask(control, &command);
-        self.requests.work(at.now, at.settings.patience(), effects).pop()
     }
 
     pub(crate) fn turn(&self, turn: Turn, effects: &mut Effects) {

@@ -24,6 +24,13 @@ pub struct Settings {
     pub backend: Backend,
     /// Which gimbal of the vehicle, by its MAVLink device id; 0: the first that is heard.
     pub gimbal_device_id: u8,
+    /// What this node calls itself on the vehicle's link: `own_system_id` of the link's configuration. Control of a MAVLink gimbal is
+    /// given by these numbers; what the vehicle's acknowledgements say otherwise is believed more.
+    #[schemars(range(min = 1))]
+    pub own_system_id: u8,
+    /// See `own_system_id`.
+    #[schemars(range(min = 1))]
+    pub own_component_id: u8,
     /// Lowest pitch to point to, in radians; the device's own limit holds beside it.
     #[schemars(range(min = -1.6, max = 1.6))]
     pub pitch_min_rad: f64,
@@ -55,6 +62,8 @@ impl Default for Settings {
         Self {
             backend: Backend::Mavlink,
             gimbal_device_id: 0,
+            own_system_id: 245,
+            own_component_id: 190,
             pitch_min_rad: -FRAC_PI_2,
             pitch_max_rad: FRAC_PI_4,
             rate_max_rad_s: FRAC_PI_2,
@@ -71,6 +80,8 @@ impl Settings {
     /// Whether every value can be worked with; else which cannot.
     pub fn check(&self) -> Result<(), String> {
         for (key, value) in [
+            ("own_system_id", f64::from(self.own_system_id)),
+            ("own_component_id", f64::from(self.own_component_id)),
             ("rate_max_rad_s", self.rate_max_rad_s),
             ("tolerance_rad", self.tolerance_rad),
             ("turn_timeout_s", self.turn_timeout_s),
