@@ -2,6 +2,8 @@
 //!
 //! * [`Simulation`]: vehicles on their own thread, each with its own UDP ports. What a link meets.
 //! * [`vehicle::Vehicle`]: one vehicle without sockets or clock: bytes in, time steps in, frames out. Runs faster than real time.
+//! * [`PayloadPlan`]: what each vehicle carries: a gimbal, a camera, a telemetry radio, each spoken to over the vehicle's own links.
+//! * [`scene`]: what a camera would see from anywhere, and where in the picture a place lies.
 //! * [`TruthFrame`]: where every vehicle really is, and what its autopilot really did; for referees only, never for the swarm.
 //!
 //! Must never do: share code with the link that it is there to test, or let anything but its seed decide what happens in

@@ -32,7 +32,6 @@ struct Ground {
 pub(super) fn draw(seed: u32, ground_down_m: f64, lens: &Lens, canvas: &mut impl Canvas) {
     let ground = Ground {
         seed,
-        // Whole multiples of the pattern's period are left out while there still is precision for them.
         eye_north_m: lens.eye.x as f32,
         eye_east_m: lens.eye.y as f32,
         height_m: (ground_down_m - lens.eye.z).max(0.05) as f32,
@@ -43,7 +42,7 @@ pub(super) fn draw(seed: u32, ground_down_m: f64, lens: &Lens, canvas: &mut impl
         let first = lens.ray(0.5, f64::from(row) + 0.5).cast::<f32>();
         canvas.row(row as usize, lens.width_px as usize, |column| {
             let ray = first + step * column as f32;
-            let level = ray.x.hypot(ray.y);
+            let level = (ray.x * ray.x + ray.y * ray.y).sqrt();
             if ray.z <= 0.0 {
                 sky(-ray.z / level.max(1e-6))
             } else {
@@ -67,11 +66,12 @@ impl Ground {
         let haze = distance_m / (distance_m + HAZE_M);
         // Length on the ground that one pixel takes, along the view, where it is longest.
         let pixel_m = self.pixel_rad * reach * (1.0 + distance_m / self.height_m);
-        let sharp = (FIELD_M / (FIELD_M + 2.0 * pixel_m)).powi(2);
-        let (row, column) = ((north_m / FIELD_M).floor(), (east_m / FIELD_M).floor());
-        let tone = 1.0 + FIELD_SPREAD * sharp * self.tone(row as i32, column as i32);
-        let field = FIELD.map(|value| value * tone);
-        let edge_m = to_line_m(north_m).min(to_line_m(east_m));
+        let sharp = FIELD_M / (FIELD_M + 2.0 * pixel_m);
+        let ((row, north_edge_m), (column, east_edge_m)) = (place(north_m), place(east_m));
+        let tone = 1.0 + FIELD_SPREAD * sharp * sharp * self.tone(row, column);
+        let [red, green, blue] = FIELD;
+        let field = [red * tone, green * tone, blue * tone];
+        let edge_m = north_edge_m.min(east_edge_m);
         // The line's share of the pixel; far away, of the field.
         let share = ((0.5 * (LINE_M + pixel_m) - edge_m) / pixel_m.max(1e-3)).clamp(0.0, 1.0)
             * (LINE_M / pixel_m.max(LINE_M)).min(1.0);
@@ -88,15 +88,16 @@ impl Ground {
     }
 }
 
-/// Distance from the nearest line of the grid in metres.
-fn to_line_m(along_m: f32) -> f32 {
-    let within = along_m.rem_euclid(FIELD_M);
-    within.min(FIELD_M - within)
+/// Which field, and how far from the nearest line between two, in metres.
+fn place(along_m: f32) -> (i32, f32) {
+    let fields = along_m * (1.0 / FIELD_M);
+    // Rounding down by way of a whole number: the library's own is a call per pixel.
+    let toward_zero = fields as i32;
+    let field = toward_zero.wrapping_sub(i32::from(fields < toward_zero as f32));
+    let within_m = along_m - field as f32 * FIELD_M;
+    (field, within_m.min(FIELD_M - within_m))
 }
 
-fn mix(from: Colour, to: Colour, share: f32) -> Colour {
-    std::array::from_fn(|i| match (from.get(i), to.get(i)) {
-        (Some(from), Some(to)) => from + (to - from) * share,
-        _ => 0.0,
-    })
+fn mix([r0, g0, b0]: Colour, [r1, g1, b1]: Colour, share: f32) -> Colour {
+    [r0 + (r1 - r0) * share, g0 + (g1 - g0) * share, b0 + (b1 - b0) * share]
 }

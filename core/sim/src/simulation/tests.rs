@@ -1,6 +1,7 @@
 //! The simulation over real sockets on the loopback interface.
 
 use super::*;
+use crate::payloads::{PayloadPlan, RadioSettings};
 use crate::settings::{PortPlan, Px4Ports};
 use mavlink::dialects::common::MavMessage;
 use std::net::UdpSocket;
@@ -215,6 +216,53 @@ fn losses_and_delays_are_what_was_asked_for() {
     ages.sort_by(f64::total_cmp);
     let middle = ages[ages.len() / 2];
     assert!((0.03..0.12).contains(&middle), "{middle}");
+}
+
+#[test]
+fn a_radio_at_the_end_of_its_range_really_loses_datagrams_if_it_is_to() {
+    let radio = RadioSettings {
+        shadowing_db: 0.0,
+        loses_datagrams: true,
+        ..RadioSettings::default()
+    };
+    let range_m = radio.distance_m(radio.sensitivity_dbm);
+    let socket = listener();
+    let simulation = Simulation::start(SimSettings {
+        vehicles: 1,
+        ports: PortPlan::SendTo(socket.local_addr().expect("address")),
+        payloads: PayloadPlan {
+            radio: Some(RadioSettings {
+                ground_station: PositionNed::new(range_m, 0.0, 0.0),
+                ..radio
+            }),
+            ..PayloadPlan::default()
+        },
+        ..SimSettings::default()
+    })
+    .expect("starts");
+    assert!(wait_for(&simulation, |t| t.time_s > 0.1));
+    let truth = simulation
+        .truth()
+        .vehicle(1)
+        .and_then(|v| v.radio)
+        .expect("has a radio");
+    assert!((truth.loss - 0.5).abs() < 0.01, "{truth:?}");
+    let mut buffer = [0; 512];
+    let (mut last, mut missing, mut count) = (None, 0_u32, 0_u32);
+    let begin = Instant::now();
+    while count < 1000 && begin.elapsed() < PATIENCE {
+        let Ok(length) = socket.recv(&mut buffer) else {
+            continue;
+        };
+        // The autopilot's frames; the radio counts its own.
+        if let [_, _, _, _, sequence, 1, 1, ..] = buffer[..length] {
+            missing += last.map_or(0, |last: u8| u32::from(sequence.wrapping_sub(last)) - 1);
+            last = Some(sequence);
+            count += 1;
+        }
+    }
+    let loss = f64::from(missing) / f64::from(missing + count);
+    assert!((0.4..0.6).contains(&loss), "{loss}");
 }
 
 #[test]
