@@ -1,7 +1,7 @@
 //! What many vehicles cost: runs them in real time with the rates a swarm uses, and prints the processor time of it.
-//! `cargo run --release -p skein-sim --example load -- VEHICLES SECONDS [default]`
+//! `cargo run --release -p skein-sim --example load -- VEHICLES SECONDS [default] [payloads]`
 
-use skein_sim::{PortPlan, SimSettings, Simulation};
+use skein_sim::{PayloadPlan, PortPlan, SimSettings, Simulation};
 use std::net::UdpSocket;
 use std::time::{Duration, Instant};
 
@@ -49,14 +49,20 @@ fn thread_cpu_s() -> f64 {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().collect();
     let number = |i: usize, otherwise: u64| arguments.get(i).and_then(|a| a.parse().ok()).unwrap_or(otherwise);
+    let is_asked = |word: &str| arguments.iter().any(|a| a == word);
     let (vehicles, seconds) = (number(1, 50) as usize, number(2, 10));
     let socket = UdpSocket::bind("127.0.0.1:0")?;
     let simulation = Simulation::start(SimSettings {
         vehicles,
         ports: PortPlan::SendTo(socket.local_addr()?),
+        payloads: if is_asked("payloads") {
+            PayloadPlan::all()
+        } else {
+            PayloadPlan::default()
+        },
         ..SimSettings::default()
     })?;
-    if !arguments.iter().any(|a| a == "default") {
+    if !is_asked("default") {
         for ports in simulation.ports() {
             let off = OFF.iter().map(|id| (*id, -1.0));
             for (id, interval_us) in RATES.iter().copied().chain(off) {

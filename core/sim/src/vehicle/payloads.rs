@@ -19,11 +19,13 @@ use mavlink::dialects::common::{
 };
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use skein_domain::PositionNed;
+use skein_domain::{Geodetic, PositionNed};
 
 const SET_MESSAGE_INTERVAL: u16 = 511;
 const REQUEST_MESSAGE: u16 = 512;
 const HEARTBEAT: u32 = 0;
+/// A signal does not change faster than is worth computing this often, in seconds.
+const RADIO_PERIOD_S: f64 = 0.1;
 /// Distinguishes the payloads' random numbers from the vehicle's.
 const RANDOM_STREAM: u64 = 1 << 32;
 
@@ -33,6 +35,8 @@ pub(super) struct Payloads {
     pub(super) gimbal: Option<Gimbal>,
     pub(super) camera: Option<Camera>,
     radio: Option<Radio>,
+    /// Time since the radio was last looked at, in seconds.
+    radio_waits_s: f64,
     rng: ChaCha8Rng,
 }
 
@@ -45,6 +49,7 @@ impl Payloads {
             gimbal: plan.gimbal.map(Gimbal::new),
             camera: plan.camera.map(Camera::new),
             radio: plan.radio.map(|settings| Radio::new(settings, at, &mut rng)),
+            radio_waits_s: 0.0,
             rng,
         }
     }
@@ -84,19 +89,29 @@ pub(super) fn streams(plan: &PayloadPlan) -> Vec<(u8, u32, f64)> {
 impl Vehicle {
     /// Lets `dt_s` pass for what it carries.
     pub(super) fn step_payloads(&mut self, dt_s: f64) {
-        let carrier = self.carrier();
-        let frame = self.own_frame();
-        let here = self.estimator.now.position;
-        if let Some(gimbal) = &mut self.payloads.gimbal {
-            gimbal.step(&carrier, |place| frame.position(place).vector() - here, dt_s);
+        // Taken out while it asks the vehicle where a place is.
+        if let Some(mut gimbal) = self.payloads.gimbal.take() {
+            let here = self.estimator.now.position;
+            let towards = |place: &Geodetic| self.own_frame().position(place).vector() - here;
+            gimbal.step(&self.carrier(), towards, dt_s);
+            self.payloads.gimbal = Some(gimbal);
         }
         if let Some(camera) = &mut self.payloads.camera {
             camera.step(self.time_s, dt_s);
         }
-        let at = self.true_position();
-        let Payloads { radio, rng, .. } = &mut self.payloads;
-        if let Some(radio) = radio {
-            radio.step(&at, dt_s, rng);
+        self.payloads.radio_waits_s += dt_s;
+        if self.payloads.radio.is_some() && self.payloads.radio_waits_s >= RADIO_PERIOD_S {
+            let at = self.true_position();
+            let Payloads {
+                radio,
+                radio_waits_s,
+                rng,
+                ..
+            } = &mut self.payloads;
+            let waited_s = std::mem::take(radio_waits_s);
+            if let Some(radio) = radio {
+                radio.step(&at, waited_s, rng);
+            }
         }
     }
 
