@@ -4,7 +4,7 @@ import type { Condition } from './severity';
 
 const WELL: Condition = {
   staleness: 'live', flightState: 'holding', airborne: true, armed: true, batteryPercent: 80, lossPercent: 0, fix: 3,
-  hasPosition: true, trackingErrorM: NaN, pilotControl: false, faulted: false, actor: 'running', model: 'running',
+  hasPosition: true, trackingErrorM: NaN, pilotControl: false, faulted: false, actor: 'running', model: 'running', degraded: false,
 };
 const texts = (c: Partial<Condition>) => problemsOf({ ...WELL, ...c }).map((p) => p.text);
 const level = (c: Partial<Condition>) => worst(problemsOf({ ...WELL, ...c }));

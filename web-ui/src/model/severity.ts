@@ -30,6 +30,7 @@ export type Condition = {
   faulted: boolean;
   actor: ActorStatus;
   model: ActorStatus;
+  degraded: boolean;
 };
 
 export type Problem = { level: Level; text: string };
@@ -46,6 +47,7 @@ export function problemsOf(c: Condition): Problem[] {
   else if (c.batteryPercent <= BATTERY_WARNING_PERCENT) say(LEVEL.warning, 'battery low');
   if (c.actor === 'given_up' || c.model === 'given_up') say(LEVEL.critical, 'control given up');
   else if (c.actor === 'restarting' || c.model === 'restarting') say(LEVEL.warning, 'control restarting');
+  if (c.degraded) say(LEVEL.warning, 'degraded');
   if (c.pilotControl || c.flightState === 'pilot_control') say(LEVEL.warning, 'pilot in control');
   if (c.staleness === 'live') {
     if (!c.hasPosition) say(LEVEL.warning, 'no position');

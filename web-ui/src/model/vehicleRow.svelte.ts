@@ -120,6 +120,7 @@ export class VehicleRow {
       faulted: fleet.has(i, FLAG.faulted),
       actor: info?.actor.status ?? 'running',
       model: info?.model.status ?? 'running',
+      degraded: (info?.degraded.length ?? 0) > 0,
     });
     this.level = worst(problems);
     this.problems = problems.map((p) => p.text).join(' · ');

@@ -2,7 +2,7 @@
 
 import type {
   CommandBody, CommandReceipt, CommandReceipts, ErrorBody, EventList, FormationReceipt, FormationRequest, Route, RouteBody,
-  Targets, VehicleCommand,
+  Targets, VehicleCommand, VehicleSnapshot,
 } from './types';
 
 /** A call that was answered with an error, or not at all (`status` 0). */
@@ -61,6 +61,27 @@ export async function endFormation(): Promise<void> {
 export async function putRoute(route: Route): Promise<void> {
   const body: RouteBody = { route };
   await call('PUT', 'formation/route', body);
+}
+
+/** One vehicle, whole. */
+export async function getVehicle(id: number): Promise<VehicleSnapshot> {
+  return (await (await call('GET', `vehicles/${id}`)).json()) as VehicleSnapshot;
+}
+
+/** A command to a payload, as its plugin's command schema has it. */
+export async function commandPayload(vehicle: number, payload: string, command: object): Promise<void> {
+  await call('POST', `vehicles/${vehicle}/payloads/${encodeURIComponent(payload)}/command`, command);
+}
+
+/** Starts the plugin of a payload, or with null that of the vehicle itself, anew. */
+export async function restartPlugin(vehicle: number, payload: string | null): Promise<void> {
+  const what = payload === null ? 'model' : `payloads/${encodeURIComponent(payload)}`;
+  await call('POST', `vehicles/${vehicle}/${what}/restart`);
+}
+
+/** Where the last frame of a camera is; `count` makes the address new, so that the browser asks again. */
+export function pictureUrl(vehicle: number, payload: string, count: number): string {
+  return new URL(`api/v1/vehicles/${vehicle}/payloads/${encodeURIComponent(payload)}/frame?n=${count}`, document.baseURI).href;
 }
 
 /** Events after a sequence number, oldest first, as far back as the server keeps them. */

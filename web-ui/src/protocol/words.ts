@@ -68,6 +68,12 @@ export function refusalText(refusal: Refusal): string {
       return `${refusal.what} is not running`;
     case 'not_permitted':
       return `not permitted: ${refusal.detail}`;
+    case 'not_supported':
+      return `not supported: ${refusal.detail}`;
+    case 'unknown_payload':
+      return `vehicle ${refusal.vehicle} has no payload "${refusal.payload}"`;
+    case 'unknown_track':
+      return `there is no track ${refusal.track}`;
     default:
       // A newer server may know reasons this page does not: show its word rather than nothing.
       return spoken((refusal as { reason: string }).reason);

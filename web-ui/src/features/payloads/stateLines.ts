@@ -1,0 +1,70 @@
+// What a payload says of its state, as an operator reads it: the standard kinds in words and degrees, any other as it came. Pure.
+
+import type { CameraState, GimbalState, PayloadKind, RadioState } from '../../protocol/types';
+import { spoken } from '../../protocol/words';
+
+export type Line = { name: string; value: string; warn?: boolean };
+
+const degrees = (radians: number): string => `${((radians * 180) / Math.PI).toFixed(0)}°`;
+const known = <T>(value: T | null | undefined, text: (value: T) => string): string => (value === null || value === undefined ? '–' : text(value));
+
+/** The lines of a state; none while the payload has not reported. */
+export function stateLines(kind: PayloadKind, state: unknown): Line[] {
+  if (typeof state !== 'object' || state === null) return [];
+  switch (kind) {
+    case 'gimbal':
+      return withFault(gimbal(state as GimbalState), state);
+    case 'camera':
+      return withFault(camera(state as CameraState), state);
+    case 'radio':
+      return withFault(radio(state as RadioState), state);
+    default:
+      return other(state);
+  }
+}
+
+function withFault(lines: Line[], state: object): Line[] {
+  const { connected, fault } = state as { connected?: boolean; fault?: string };
+  const first: Line[] = [];
+  if (connected === false) first.push({ name: 'Device', value: 'not heard', warn: true });
+  if (fault) first.push({ name: 'Fault', value: fault, warn: true });
+  return [...first, ...lines];
+}
+
+function gimbal(s: GimbalState): Line[] {
+  const owner = s.owner.kind === 'other' ? `${s.owner.system_id}/${s.owner.component_id}` : spoken(s.owner.kind);
+  return [
+    { name: 'Pitch', value: degrees(s.pitch_rad) },
+    { name: 'Yaw, vehicle', value: degrees(s.yaw_vehicle_rad) },
+    { name: 'Yaw, north', value: known(s.yaw_north_rad, degrees) },
+    { name: 'Does', value: spoken(s.mode) },
+    { name: 'Steered by', value: owner, warn: s.owner.kind === 'other' },
+  ];
+}
+
+function camera(s: CameraState): Line[] {
+  return [
+    { name: 'Mode', value: spoken(s.mode) },
+    { name: 'Pictures', value: `${s.pictures}${s.capturing ? ', taking' : ''}` },
+    { name: 'Recording', value: s.recording ? `${s.recording_s.toFixed(0)} s` : 'no' },
+    { name: 'Zoom', value: known(s.zoom, (zoom) => `${zoom.toFixed(1)}×`) },
+    { name: 'Storage free', value: known(s.storage_free_mib, (free) => `${(free / 1024).toFixed(1)} GiB`) },
+    { name: 'Frames', value: `${s.frames}` },
+  ];
+}
+
+function radio(s: RadioState): Line[] {
+  return [
+    { name: 'Signal', value: known(s.rssi_dbm, (dbm) => `${dbm.toFixed(0)} dBm`) },
+    { name: 'Signal/noise', value: known(s.snr_db, (db) => `${db.toFixed(0)} dB`) },
+    { name: 'Loss', value: known(s.loss, (loss) => `${(loss * 100).toFixed(0)} %`) },
+    { name: 'Range', value: known(s.range_m, (m) => `${m.toFixed(0)} m`), warn: s.warning },
+    { name: 'Distance', value: known(s.distance_m, (m) => `${m.toFixed(0)} m`) },
+  ];
+}
+
+function other(state: object): Line[] {
+  return Object.entries(state)
+    .slice(0, 12)
+    .map(([name, value]) => ({ name: spoken(name), value: typeof value === 'object' ? JSON.stringify(value) : String(value) }));
+}
