@@ -103,6 +103,8 @@ const STREAMS: &[(u32, f64, f64)] = &[
 ];
 /// PX4's links do not run faster than their own loop, in microseconds.
 const SHORTEST_INTERVAL_US: u64 = 4_000;
+/// An interval fits the autopilot's own number of 32 bits, in microseconds.
+const LONGEST_INTERVAL_US: u64 = i32::MAX as u64;
 /// A ground station counts as listening this long after its last heartbeat, in seconds.
 const GROUND_STATION_TIMEOUT_S: f64 = 2.5;
 
@@ -198,7 +200,7 @@ impl Channel {
         } else if interval_us == 0.0 {
             stream.default_us
         } else {
-            (interval_us as u64).max(SHORTEST_INTERVAL_US)
+            (interval_us as u64).clamp(SHORTEST_INTERVAL_US, LONGEST_INTERVAL_US)
         };
         stream.due_us = stream.due_us.min(now_us + stream.interval_us);
         self.next_due_us = 0;

@@ -418,7 +418,17 @@ fn likely() -> impl Strategy<Value = f32> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+
+    #[test]
+    fn an_interval_without_end_is_survived(interval_us in likely(), id in prop::sample::select(vec![30_f32, 285.0, 262.0])) {
+        let mut rig = Rig::ready(&all());
+        for component in [1, 100, 154] {
+            rig.command_to(1, component, 511, [id, interval_us * 1e36, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        }
+        rig.run(0.5);
+        prop_assert!(rig.truth().position.is_finite());
+    }
 
     #[test]
     fn whatever_payloads_are_asked_is_answered_once_at_most_and_within_their_limits(
