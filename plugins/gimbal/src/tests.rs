@@ -1,1 +1,4 @@
-//! Tests of the plugin.
+//! Tests of the plugin, on a simulated vehicle with a simulated gimbal, and against anything.
+
+mod anything;
+mod mavlink;

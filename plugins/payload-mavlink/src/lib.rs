@@ -4,6 +4,8 @@
 #![forbid(unsafe_code)]
 
 mod requests;
+#[cfg(feature = "rig")]
+pub mod rig;
 
 pub use requests::{Outcome, Patience, Requests};
 
