@@ -1,0 +1,45 @@
+//! Many versions of a library, alone in their process: its open files and what it leaves in the temporary directory can be counted.
+
+#[path = "common/plugin.rs"]
+mod common;
+
+use common::{count_of, library};
+use skein_plugin_host::{Catalog, Trust};
+
+/// Private copies in the temporary directory.
+fn copies() -> usize {
+    let entries = std::fs::read_dir(std::env::temp_dir()).expect("is there").flatten();
+    entries.filter(|entry| entry.path().join("libcam.so").exists()).count()
+}
+
+#[test]
+fn two_hundred_versions_leave_no_file_open() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let bytes = std::fs::read(library()).expect("is there");
+    let path = directory.path().join("libcam.so");
+    let install = |life: u32| {
+        let new = [&bytes[..], &life.to_le_bytes()].concat();
+        std::fs::write(directory.path().join("new"), new).expect("written");
+        std::fs::rename(directory.path().join("new"), &path).expect("renamed");
+    };
+    install(0);
+    let catalog = Catalog::discover(&[directory.path().to_owned()], Trust::default());
+    assert!(catalog.remove("test-camera"));
+    let (before, threads, copied) = (count_of("/proc/self/fd"), count_of("/proc/self/task"), copies());
+    for life in 1..=200 {
+        install(life);
+        let loaded = catalog.rescan();
+        assert_eq!(loaded.len(), 1, "life {life}: {:?}", catalog.problems());
+        if life % 10 == 0 {
+            assert!(catalog.remove("test-camera"));
+        } else {
+            assert!(catalog.activate("test-camera", &loaded[0]));
+            assert!(catalog.versions("test-camera").len() <= 4, "the oldest are let go");
+        }
+    }
+    assert!(catalog.get("test-camera").is_none());
+    assert_eq!((count_of("/proc/self/fd"), copies()), (before, copied));
+    while count_of("/proc/self/task") > threads {
+        std::thread::yield_now(); // The last thread that loaded one is about to go.
+    }
+}
