@@ -11,6 +11,7 @@ mod commands;
 mod estimator;
 mod guidance;
 mod lift;
+mod limits;
 mod mode;
 mod offboard;
 mod parameters;
@@ -31,14 +32,15 @@ use body::{Body, Drive, GRAVITY_M_S2};
 use channel::Channel;
 use commander::{Asker, Commander, Notice, Situation};
 use estimator::Estimator;
-use guidance::{Guidance, GuidanceLimits};
+use guidance::Guidance;
 use lift::{Lift, LiftInput, Stage};
+use limits::{Limits, limits_from};
 use mavlink::dialects::common::MavSeverity;
 use nalgebra::Vector3;
 use offboard::OffboardInput;
 use parameters::Parameters;
 use payloads::Payloads;
-use position_control::{ControlLimits, PositionControl, Target};
+use position_control::{PositionControl, Target};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use skein_domain::{FlightMode, Geodetic, LandedState, LocalFrame, PositionNed, SwarmFrame};
@@ -77,20 +79,6 @@ struct PendingCommand {
     link: LinkKind,
     sender: Sender,
     request: CommandRequest,
-}
-
-/// Everything taken from the parameters that is needed in every step.
-#[derive(Debug, Clone, Copy)]
-struct Limits {
-    control: ControlLimits,
-    guidance: GuidanceLimits,
-    yaw_auto_rad_s: f64,
-    spool_up_s: f64,
-    disarm_after_landing_s: f64,
-    disarm_idle_s: f64,
-    setpoint_timeout_s: f64,
-    loss_action: i32,
-    take_off_height_m: f64,
 }
 
 /// One vehicle.
@@ -539,37 +527,6 @@ impl Vehicle {
             camera: self.camera_truth(),
             radio: self.radio_truth(),
         }
-    }
-}
-
-fn limits_from(p: &Parameters) -> Limits {
-    Limits {
-        control: ControlLimits {
-            horizontal_m_s: p.number("MPC_XY_VEL_MAX"),
-            up_m_s: p.number("MPC_Z_VEL_MAX_UP"),
-            down_m_s: p.number("MPC_Z_VEL_MAX_DN"),
-            tilt_rad: p.number("MPC_TILTMAX_AIR").to_radians(),
-        },
-        guidance: GuidanceLimits {
-            cruise_m_s: p.number("MPC_XY_CRUISE"),
-            up_m_s: p.number("MPC_Z_V_AUTO_UP"),
-            down_m_s: p.number("MPC_Z_V_AUTO_DN"),
-            take_off_m_s: p.number("MPC_TKO_SPEED"),
-            land_m_s: p.number("MPC_LAND_SPEED"),
-            crawl_m_s: p.number("MPC_LAND_CRWL"),
-            slow_from_m: p.number("MPC_LAND_ALT1"),
-            slow_below_m: p.number("MPC_LAND_ALT2"),
-            return_height_m: p.number("RTL_RETURN_ALT"),
-            acceleration_m_s2: p.number("MPC_ACC_HOR").max(0.1),
-            jerk_m_s3: p.number("MPC_JERK_AUTO").max(0.1),
-        },
-        yaw_auto_rad_s: p.number("MPC_YAWRAUTO_MAX").to_radians(),
-        spool_up_s: p.number("COM_SPOOLUP_TIME"),
-        disarm_after_landing_s: p.number("COM_DISARM_LAND"),
-        disarm_idle_s: p.number("COM_DISARM_PRFLT"),
-        setpoint_timeout_s: p.number("COM_OF_LOSS_T"),
-        loss_action: p.number("COM_OBL_RC_ACT") as i32,
-        take_off_height_m: p.number("MIS_TAKEOFF_ALT"),
     }
 }
 
