@@ -3,6 +3,7 @@
 mod commands;
 mod flight;
 mod offboard;
+mod payload_properties;
 mod payloads;
 mod properties;
 mod protocol;
