@@ -2,16 +2,20 @@
 //!
 //! Must never do: judge by itself. What is right and what is not is the host's word, the same as in a node.
 
+mod bench;
 mod check;
 mod list;
 mod new;
+mod node;
 
 use clap::{Args, Subcommand};
 use std::process::ExitCode;
 
+pub use bench::BenchArguments;
 pub use check::CheckArguments;
 pub use list::ListArguments;
 pub use new::NewArguments;
+pub use node::{NodeArguments, NodeCommand};
 
 /// `skein plugin`
 #[derive(Debug, Clone, Args)]
@@ -30,6 +34,10 @@ pub enum PluginCommand {
     Check(CheckArguments),
     /// Say which plugins are in the directories.
     List(ListArguments),
+    /// Measure what one call into a plugin costs, in the process and in a child process.
+    Bench(BenchArguments),
+    /// The plugins of a running node: upgrade, roll back, restart, attach, command.
+    Node(NodeArguments),
 }
 
 /// Runs one of them.
@@ -38,5 +46,8 @@ pub async fn plugin(arguments: PluginArguments) -> anyhow::Result<ExitCode> {
         PluginCommand::New(arguments) => new::new(&arguments),
         PluginCommand::Check(arguments) => check::check(&arguments).await,
         PluginCommand::List(arguments) => list::list(&arguments),
+        PluginCommand::Node(arguments) => node::node(&arguments).await,
+        // It makes a runtime of its own.
+        PluginCommand::Bench(arguments) => tokio::task::spawn_blocking(move || bench::bench(&arguments)).await?,
     }
 }

@@ -4,8 +4,9 @@
 use super::layout::{self, Layout};
 use super::referee::{Landing, Referee};
 use anyhow::{Context, bail};
+use skein_domain::payload::{PayloadKind, Target};
 use skein_domain::{FlightState, FormationRequest, PositionNed, Refusal, Shape, SwarmFrame, VehicleCommand, VehicleId};
-use skein_runtime::{FleetSnapshot, NodeHandle, RestartRecord, Targets};
+use skein_runtime::{FleetSnapshot, NodeHandle, RestartRecord, Targets, VehicleSnapshot};
 use std::time::Duration;
 use tokio::time::Instant;
 
@@ -84,6 +85,7 @@ impl<'a> Director<'a> {
         .await?;
         self.referee.airborne();
         self.form(Shape::Wedge).await?;
+        self.look_at_leader().await?;
         let home = self.leader_position()?;
         self.route("north, east and half-way south", |layout, start| layout.way_out(start))
             .await?;
@@ -96,6 +98,29 @@ impl<'a> Director<'a> {
         self.land().await?;
         self.flight_s = Some(self.started.elapsed().as_secs_f64());
         self.say("all landed and disarmed");
+        Ok(())
+    }
+
+    /// Vehicles with a gimbal keep it on the leader from here on.
+    async fn look_at_leader(&self) -> anyhow::Result<()> {
+        let fleet = self.node.snapshot();
+        let leader = fleet.vehicles.iter().find(|v| v.is_leader).map(|v| v.id);
+        let leader = leader.context("nobody leads")?;
+        let carries_gimbal = |v: &&VehicleSnapshot| !v.is_leader && v.payloads.iter().any(|p| p.kind == PayloadKind::Gimbal);
+        let observers: Vec<VehicleId> = fleet.vehicles.iter().filter(carries_gimbal).map(|v| v.id).collect();
+        if observers.is_empty() {
+            return Ok(());
+        }
+        let command = VehicleCommand::LookAt {
+            target: Target::Vehicle { vehicle: leader },
+        };
+        for receipt in self.node.command(&Targets::Vehicles(observers.clone()), command).await {
+            if let Some(refusal) = receipt.refusal {
+                bail!("vehicle {} refuses to look at the leader: {refusal}", receipt.vehicle);
+            }
+        }
+        self.say(&format!("{} gimbals turn to the leader", observers.len()));
+        self.referee.expect_gimbals(leader, observers);
         Ok(())
     }
 

@@ -1,6 +1,8 @@
 //! The referee: watches the simulator's truth at 50 Hz and measures what the criteria are about. Of the node it takes only which
 //! slot each vehicle was given.
 
+mod pointing;
+
 use parking_lot::Mutex;
 use skein_domain::frames::wrap_angle_rad;
 use skein_domain::{Geodetic, LandedState, PositionNed, SwarmFrame, VehicleId};
@@ -40,32 +42,35 @@ pub struct Figures {
     pub turning: Errors,
     /// Per change of formation, the distance of the farthest vehicle from its slot in metres.
     pub slots: Vec<(String, f64)>,
+    /// How far gimbals were off what they were to look at, in radians.
+    pub pointing: Errors,
     /// Landing spots.
     pub landings: Vec<Landing>,
+    looks: Option<pointing::Looks>,
     steady_since_s: Option<f64>,
     airborne: bool,
 }
 
-/// Errors of a kind, gathered.
+/// Errors of a kind, gathered; in the unit of what is measured.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Errors {
     /// How many.
     pub samples: u64,
-    sum_squares_m2: f64,
-    /// The largest in metres.
-    pub largest_m: f64,
+    sum_squares: f64,
+    /// The largest.
+    pub largest: f64,
 }
 
 impl Errors {
-    fn add(&mut self, error_m: f64) {
+    fn add(&mut self, error: f64) {
         self.samples += 1;
-        self.sum_squares_m2 += error_m * error_m;
-        self.largest_m = self.largest_m.max(error_m);
+        self.sum_squares += error * error;
+        self.largest = self.largest.max(error);
     }
 
-    /// Root mean square in metres; `None` without samples.
-    pub fn rms_m(&self) -> Option<f64> {
-        (self.samples > 0).then(|| (self.sum_squares_m2 / self.samples as f64).sqrt())
+    /// Root mean square; `None` without samples.
+    pub fn rms(&self) -> Option<f64> {
+        (self.samples > 0).then(|| (self.sum_squares / self.samples as f64).sqrt())
     }
 }
 
@@ -126,6 +131,16 @@ impl Referee {
         worst_m
     }
 
+    /// Notes whose gimbals are to be on the leader.
+    pub fn expect_gimbals(&self, leader: VehicleId, observers: Vec<VehicleId>) {
+        let from_s = self.truth().time_s + pointing::TURNING_S;
+        self.figures.lock().looks = Some(pointing::Looks {
+            leader,
+            observers,
+            from_s,
+        });
+    }
+
     /// Notes the spots the vehicles are to land on.
     pub fn expect_landings(&self, landings: &[Landing]) {
         self.figures.lock().landings = landings.to_vec();
@@ -135,6 +150,7 @@ impl Referee {
 /// One look at the truth.
 fn look(figures: &mut Figures, truth: &TruthFrame, node: &NodeHandle) {
     watch_distances(figures, truth);
+    pointing::watch(figures, truth);
     if !figures.airborne || !figures.landings.is_empty() {
         return;
     }

@@ -153,13 +153,13 @@ fn criteria(arguments: &DemoArguments, figures: &Figures, truth: &TruthFrame, un
     vec![
         at_most(
             "formation error in straight legs, root mean square",
-            figures.straight.rms_m(),
+            figures.straight.rms(),
             0.5,
             "m",
         ),
         at_most(
             "formation error in turns, root mean square",
-            figures.turning.rms_m(),
+            figures.turning.rms(),
             1.5,
             "m",
         ),
@@ -176,6 +176,12 @@ fn criteria(arguments: &DemoArguments, figures: &Figures, truth: &TruthFrame, un
             "m",
         ),
         at_most("longest setpoint gap", gap_s, 0.2, "s"),
+        at_most(
+            "gimbals off what they look at, root mean square",
+            figures.pointing.rms().map(f64::to_degrees),
+            5.0,
+            "deg",
+        ),
         at_most("unplanned changes of mode", Some(unplanned as f64), 0.0, ""),
         at_most(
             "farthest landing from its spot",
