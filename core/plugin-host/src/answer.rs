@@ -3,8 +3,10 @@
 use crate::entry::PluginBytes;
 use crate::frames::{Frame, Pool};
 use crate::{Manifest, PluginError, RunnerSettings, SchemaError};
+use minicbor::Decoder;
+use minicbor::decode::Error;
 use parking_lot::Mutex;
-use skein_domain::exchange::{EFFECT_BATCH_SCHEMA, Effect, EffectBatch};
+use skein_domain::exchange::{EFFECT_BATCH_SCHEMA, Effect};
 use std::sync::Arc;
 
 /// What an instance wants done after an event batch, and what it is to go on from after a restart.
@@ -115,14 +117,14 @@ impl Judge {
             });
         }
         let limit = self.settings.max_effects;
-        let undecodable = |e: minicbor::decode::Error| PluginError::Undecodable { detail: e.to_string() };
+        let undecodable = |e: Error| PluginError::Undecodable { detail: e.to_string() };
         // Counted before they are decoded: each effect takes many times its bytes when decoded.
-        let count = announced_effects(bytes).map_err(undecodable)?;
+        let (count, decoder) = announced_effects(bytes).map_err(undecodable)?;
         if count > limit {
             return Err(PluginError::TooManyEffects { count, limit });
         }
-        let batch: EffectBatch = minicbor::decode(bytes).map_err(undecodable)?;
-        Ok(batch.effects)
+        let effects = decoder.map_or(Ok(Vec::new()), |decoder| effects(decoder, count));
+        effects.map_err(undecodable)
     }
 
     fn check(&self, manifest: &Manifest, effect: &Effect) -> Result<(), PluginError> {
@@ -178,15 +180,25 @@ fn take_frames(manifest: &Manifest, pool: &Pool, effects: &mut Vec<Effect>) -> R
     frames.into_iter().collect()
 }
 
-/// How many effects an encoded batch announces. One that does not announce it is not taken.
-fn announced_effects(bytes: &[u8]) -> Result<u64, minicbor::decode::Error> {
-    let mut decoder = minicbor::Decoder::new(bytes);
+/// How many effects an encoded batch announces, and where they begin. One that does not announce it is not taken.
+fn announced_effects(bytes: &[u8]) -> Result<(u64, Option<Decoder<'_>>), Error> {
+    let mut decoder = Decoder::new(bytes);
     match decoder.array()? {
-        Some(0) => Ok(0),
+        Some(0) => Ok((0, None)),
         _ => decoder
             .array()?
-            .ok_or_else(|| minicbor::decode::Error::message("a list of effects without a length")),
+            .map(|count| (count, Some(decoder)))
+            .ok_or_else(|| Error::message("a list of effects without a length")),
     }
+}
+
+/// So many effects. Fields of the batch after them are of a newer version, and not looked at.
+fn effects(mut decoder: Decoder<'_>, count: u64) -> Result<Vec<Effect>, Error> {
+    let mut effects = Vec::with_capacity(count as usize);
+    for _ in 0..count {
+        effects.push(decoder.decode()?);
+    }
+    Ok(effects)
 }
 
 #[cfg(test)]

@@ -15,8 +15,7 @@ use skein_domain::manifest::EffectKind;
 use skein_plugin_abi::method;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::time::Duration;
-use tokio::time::Instant;
+use std::time::{Duration, Instant};
 
 /// What is kept of an instance. Lives as long as anyone may call it, and as long as a thread hangs in it: its services are borrowed
 /// by the plugin.

@@ -24,8 +24,8 @@ pub struct DirectInstance {
 
 #[derive(Debug)]
 enum Way {
-    Here(InstanceBody),
-    Child(Option<Caller>, Arc<Shared>),
+    Here(Box<InstanceBody>),
+    Child(Option<Box<Caller>>, Arc<Shared>),
 }
 
 impl DirectInstance {
@@ -44,12 +44,12 @@ impl DirectInstance {
                 let body = InstanceBody::new(plugin, name);
                 let schema = CREATE_SCHEMA;
                 body.run(&Task::Create { schema, bytes })?;
-                Way::Here(body)
+                Way::Here(Box::new(body))
             }
             Isolation::Child(limits) => {
                 let shared = Arc::new(Shared::new(plugin, name, settings, limits));
                 let caller = Caller::start(Arc::clone(&shared), program, CREATE_SCHEMA, &bytes)?;
-                Way::Child(Some(caller), shared)
+                Way::Child(Some(Box::new(caller)), shared)
             }
         };
         Ok(Self {

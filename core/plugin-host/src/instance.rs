@@ -49,7 +49,6 @@ impl Instance {
     }
 
     /// Ends a child process at once, as the system would: its call and all further ones fail. Tells whether there is one.
-    #[expect(clippy::must_use_candidate, reason = "what it does is what it is called for")]
     pub fn kill(&self) -> bool {
         match &self.way {
             Way::Here(_) => false,

@@ -111,10 +111,10 @@ impl Lane {
     }
 
     /// Puts a job on the queue. Gives it back if there is no thread to do it and none can be started.
-    pub(crate) fn push(&self, job: Job) -> Result<(), (Job, PluginError)> {
+    pub(crate) fn push(&self, job: Job) -> Result<(), Box<(Job, PluginError)>> {
         let mut state = self.shared.state.lock();
         if let Err(error) = self.shared.ensure_thread(&mut state) {
-            return Err((job, error));
+            return Err(Box::new((job, error)));
         }
         state.queue.push_back(job);
         if std::mem::take(&mut state.asleep) {

@@ -253,7 +253,7 @@ impl Calls {
             deadline,
             reply: Some(reply),
         };
-        self.lane.push(job).map_err(|(_, error)| error)?;
+        self.lane.push(job).map_err(|refused| refused.1)?;
         answer.await.unwrap_or(Err(PluginError::Gone))
     }
 }
@@ -268,7 +268,8 @@ impl Drop for Calls {
             deadline,
             reply: None,
         };
-        if let Err((job, error)) = self.lane.push(job) {
+        if let Err(refused) = self.lane.push(job) {
+            let (job, error) = *refused;
             tracing::error!(target: "plugin", instance = %job.body.name, "was not ended: {error}");
         }
     }

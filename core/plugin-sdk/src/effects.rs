@@ -10,7 +10,15 @@ use skein_domain::{AnchorReference, AutopilotCommand, CommandId, FlightState, Re
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Effects(Vec<Effect>);
 
+/// Most batches have no more effects.
+const USUAL_EFFECTS: usize = 3;
+
 impl Effects {
+    /// None yet, with room for as many as are usual.
+    pub(crate) fn with_room() -> Self {
+        Self(Vec::with_capacity(USUAL_EFFECTS))
+    }
+
     /// Any effect.
     pub fn push(&mut self, effect: Effect) {
         self.0.push(effect);

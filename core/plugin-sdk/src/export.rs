@@ -165,7 +165,7 @@ fn invoke<B: Behaviour>(behaviour: &mut B, method: u32, schema: u32, bytes: &[u8
                     fail_on_purpose(*drill);
                 }
             }
-            let mut effects = Effects::default();
+            let mut effects = Effects::with_room();
             behaviour.handle(batch.now, &batch.events, &mut effects);
             // Growing step by step costs more than the encoding.
             let mut bytes = Vec::with_capacity(USUAL_ANSWER_BYTES);

@@ -1,7 +1,7 @@
 //! What is judged without an instance: lengths, counts, and the memory of what was found right.
 
 use super::*;
-use skein_domain::exchange::Severity;
+use skein_domain::exchange::{EffectBatch, Severity};
 use skein_domain::manifest::{EffectKind, PluginManifest};
 use skein_plugin_abi::PluginKind;
 
