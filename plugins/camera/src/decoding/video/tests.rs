@@ -1,1 +1,243 @@
-//! Tests of video.
+//! Tests of video: a file made here, whose pictures are known; and files that are damaged.
+
+use super::*;
+use crate::decoding::{Files, Reader};
+use openh264::encoder::{Encoder, EncoderConfig, FrameRate, IntraFramePeriod, RateControlMode};
+use openh264::formats::YUVBuffer;
+use openh264::nal_units;
+use proptest::prelude::*;
+use std::time::{Duration, Instant};
+
+const WIDTH: usize = 64;
+const HEIGHT: usize = 48;
+const PICTURES: u32 = 20;
+const RATE_HZ: u32 = 10;
+
+fn brightness_of(index: u32) -> u8 {
+    40 + 8 * index as u8
+}
+
+fn part(name: &[u8; 4], contents: &[Vec<u8>]) -> Vec<u8> {
+    let contents = contents.concat();
+    let mut bytes = (8 + contents.len() as u32).to_be_bytes().to_vec();
+    bytes.extend(name);
+    bytes.extend(contents);
+    bytes
+}
+
+fn numbers(values: &[u32]) -> Vec<u8> {
+    values.iter().flat_map(|value| value.to_be_bytes()).collect()
+}
+
+/// A video of grey pictures that become brighter one by one.
+fn mp4() -> Vec<u8> {
+    let config = EncoderConfig::new()
+        .skip_frames(false)
+        .rate_control_mode(RateControlMode::Off)
+        .max_frame_rate(FrameRate::from_hz(RATE_HZ as f32))
+        .intra_frame_period(IntraFramePeriod::from_num_frames(8));
+    let mut encoder = Encoder::with_api_config(OpenH264API::from_source(), config).unwrap();
+    let (mut sets, mut samples) = ([Vec::new(), Vec::new()], Vec::new());
+    for index in 0..PICTURES {
+        let mut yuv = vec![brightness_of(index); WIDTH * HEIGHT];
+        yuv.extend(vec![128; WIDTH * HEIGHT / 2]);
+        let raw = encoder
+            .encode(&YUVBuffer::from_vec(yuv, WIDTH, HEIGHT))
+            .unwrap()
+            .to_vec();
+        let mut sample = Vec::new();
+        for unit in nal_units(&raw) {
+            let unit = unit
+                .strip_prefix(&[0, 0, 0, 1])
+                .or_else(|| unit.strip_prefix(&[0, 0, 1]))
+                .unwrap_or(unit);
+            match unit[0] & 0x1f {
+                7 => sets[0] = unit.to_vec(),
+                8 => sets[1] = unit.to_vec(),
+                _ => {
+                    sample.extend((unit.len() as u32).to_be_bytes());
+                    sample.extend(unit);
+                }
+            }
+        }
+        assert!(!sample.is_empty());
+        samples.push(sample);
+    }
+    let head = part(b"ftyp", &[b"isom".to_vec(), numbers(&[512]), b"isomavc1".to_vec()]);
+    let mdat = part(b"mdat", &samples);
+    let lens: Vec<u32> = samples.iter().map(|sample| sample.len() as u32).collect();
+    [head.clone(), mdat, moov(&sets, &lens, head.len() as u32 + 8)].concat()
+}
+
+fn moov([sps, pps]: &[Vec<u8>; 2], lens: &[u32], first: u32) -> Vec<u8> {
+    let set = |unit: &Vec<u8>| [vec![1], (unit.len() as u16).to_be_bytes().to_vec(), unit.clone()].concat();
+    let mut config = [vec![1, sps[1], sps[2], sps[3], 0xff], set(sps), set(pps)].concat();
+    // The count of the first kind shares its byte with reserved bits.
+    config[5] |= 0xe0;
+    let mut entry = vec![0; 78];
+    entry[7] = 1;
+    entry[24..26].copy_from_slice(&(WIDTH as u16).to_be_bytes());
+    entry[26..28].copy_from_slice(&(HEIGHT as u16).to_be_bytes());
+    let avc1 = part(b"avc1", &[entry, part(b"avcC", &[config])]);
+    let stbl = part(
+        b"stbl",
+        &[
+            part(b"stsd", &[numbers(&[0, 1]), avc1]),
+            part(b"stts", &[numbers(&[0, 1, PICTURES, 1])]),
+            part(b"stsc", &[numbers(&[0, 1, 1, PICTURES, 1])]),
+            part(b"stsz", &[numbers(&[0, 0, PICTURES]), numbers(lens)]),
+            part(b"stco", &[numbers(&[0, 1, first])]),
+        ],
+    );
+    let dinf = part(
+        b"dinf",
+        &[part(b"dref", &[numbers(&[0, 1]), part(b"url ", &[numbers(&[1])])])],
+    );
+    let minf = part(b"minf", &[part(b"vmhd", &[numbers(&[1, 0, 0])]), dinf, stbl]);
+    let hdlr = part(b"hdlr", &[numbers(&[0, 0]), b"vide".to_vec(), vec![0; 13]]);
+    let mdhd = part(b"mdhd", &[numbers(&[0, 0, 0, RATE_HZ, PICTURES, 0])]);
+    let mdia = part(b"mdia", &[mdhd, hdlr, minf]);
+    let mut tkhd = numbers(&[7, 0, 0, 1, 0, PICTURES]);
+    tkhd.extend(vec![0; 52]);
+    tkhd.extend(numbers(&[(WIDTH as u32) << 16, (HEIGHT as u32) << 16]));
+    let mut mvhd = numbers(&[0, 0, 0, RATE_HZ, PICTURES, 0x1_0000]);
+    mvhd.extend(vec![0; 76]);
+    part(
+        b"moov",
+        &[part(b"mvhd", &[mvhd]), part(b"trak", &[part(b"tkhd", &[tkhd]), mdia])],
+    )
+}
+
+fn file(bytes: &[u8]) -> tempfile::NamedTempFile {
+    let file = tempfile::NamedTempFile::new().unwrap();
+    std::fs::write(file.path(), bytes).unwrap();
+    file
+}
+
+/// The next picture's brightness or the next error, however long it takes.
+fn next(reader: &mut Reader) -> Result<u8, DecodeError> {
+    let begun = Instant::now();
+    while begun.elapsed() < Duration::from_secs(20) {
+        match reader.take() {
+            Ok(Some(picture)) => {
+                assert_eq!((picture.width_px, picture.height_px), (WIDTH as u32, HEIGHT as u32));
+                return Ok(picture.rgb[picture.rgb.len() / 2]);
+            }
+            Ok(None) => std::thread::yield_now(),
+            Err(error) => return Err(error),
+        }
+    }
+    panic!("no picture came");
+}
+
+fn reads(path: &Path, rate_hz: f64, taken: u64) -> Reader {
+    let path = path.to_owned();
+    Reader::start(Files::Video { path, rate_hz }, taken).unwrap()
+}
+
+fn assert_shows(reader: &mut Reader, indexes: impl IntoIterator<Item = u32>) {
+    for index in indexes {
+        // Brightness is coded from 16 to 235.
+        let wanted = (f64::from(brightness_of(index)) - 16.0) * 255.0 / 219.0;
+        let seen = f64::from(next(reader).unwrap());
+        assert!((seen - wanted).abs() < 6.0, "picture {index}: {seen}, not {wanted}");
+    }
+}
+
+#[test]
+fn every_picture_comes_in_its_order_again_and_again() {
+    let file = file(&mp4());
+    let mut reader = reads(file.path(), f64::from(RATE_HZ), 0);
+    assert_shows(&mut reader, (0..PICTURES).chain(0..5));
+}
+
+#[test]
+fn at_a_lower_rate_the_video_keeps_its_speed() {
+    let file = file(&mp4());
+    let mut reader = reads(file.path(), 5.0, 0);
+    assert_shows(&mut reader, (0..PICTURES).step_by(2).chain([0, 2]));
+    // Another instance goes on behind what was taken.
+    let mut reader = reads(file.path(), 5.0, 13);
+    assert_shows(&mut reader, [6, 8]);
+}
+
+#[test]
+fn a_file_cut_off_shows_what_is_there_or_says_why_not() {
+    let bytes = mp4();
+    // The table stands at the end: without it nothing can be shown.
+    let cut = file(&bytes[..bytes.len() / 2]);
+    assert!(next(&mut reads(cut.path(), 10.0, 0)).is_err());
+    assert!(matches!(
+        next(&mut reads(Path::new("/nowhere"), 10.0, 0)),
+        Err(DecodeError::Unreadable { .. })
+    ));
+    let text = file(b"this is no video at all, but a sentence");
+    assert!(next(&mut reads(text.path(), 10.0, 0)).is_err());
+}
+
+#[test]
+fn pictures_are_picked_by_time() {
+    let shown: Vec<f64> = (0..30).map(|index| f64::from(index) / 30.0).collect();
+    assert_eq!(pick(&shown, 5.0), [0, 6, 12, 18, 24]);
+    assert_eq!(pick(&shown, 60.0).len(), 30);
+    // A gap is not made up for.
+    assert_eq!(pick(&[0.0, 0.1, 2.0, 2.1, 2.2], 5.0), [0, 2, 4]);
+    assert_eq!(pick(&[], 5.0), [0_usize; 0]);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    /// Only the container: what a decoder makes of damaged pictures is not decided here.
+    #[test]
+    fn no_damage_of_the_container_makes_it_panic(changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8)) {
+        let mut bytes = mp4_once().clone();
+        for (at, value) in changes {
+            let at = at.index(bytes.len());
+            bytes[at] = value;
+        }
+        let file = file(&bytes);
+        if let Ok(video) = Video::open(file.path()) {
+            let wanted = pick(&video.shown_s, 5.0);
+            prop_assert!(wanted.len() <= video.samples.len());
+            let size = bytes.len() as u64;
+            prop_assert!(video.samples.iter().all(|sample| sample.start + sample.len as u64 <= size));
+        }
+    }
+
+    #[test]
+    fn any_configuration_of_a_decoder_is_read(bytes in prop::collection::vec(any::<u8>(), 0..60)) {
+        let _ = parameter_sets(&bytes);
+        let mut raw = Vec::new();
+        append_units(&bytes, 4, &mut raw);
+        prop_assert!(raw.len() <= bytes.len());
+    }
+}
+
+fn mp4_once() -> &'static Vec<u8> {
+    static MP4: std::sync::OnceLock<Vec<u8>> = std::sync::OnceLock::new();
+    MP4.get_or_init(mp4)
+}
+
+#[test]
+fn measure_tmp() {
+    for clip in ["/work/shared/data/drone-detection/infrared/IR_DRONE_021.mp4", "/work/shared/data/drone-detection/infrared/IR_AIRPLANE_001.mp4"] {
+        let Ok(video) = Video::open(Path::new(clip)) else { println!("{clip}: cannot"); continue };
+        println!("{clip} samples {} rate {}", video.samples.len(), (video.samples.len() as f64 - 1.0) / (video.shown_s.last().unwrap() - video.shown_s[0]));
+        let n = video.samples.len() as u64;
+        let mut reader = Reader::start(Files::Video { path: clip.into(), rate_hz: 1000.0 }, 0).unwrap();
+        let begun = Instant::now();
+        let mut k = 0; let mut last = None; let mut jumps = 0;
+        while k < n {
+            match reader.take() { Ok(Some(p)) => { k += 1; let m = p.rgb.iter().map(|b| u64::from(*b)).sum::<u64>() / p.rgb.len() as u64; if last.is_some_and(|l: u64| l.abs_diff(m) > 5) { jumps += 1; } last = Some(m); if k == 1 { println!("{}x{} mean {m}", p.width_px, p.height_px); } } Ok(None) => std::thread::yield_now(), Err(e) => { println!("{e}"); break; } }
+        }
+        println!("{k} pictures in {:?}, jumps {jumps}", begun.elapsed());
+    }
+    let settings = crate::Settings::default();
+    let scene = crate::synthetic::Synthetic::new(&settings);
+    let pose = skein_domain::payload::CameraPose { position: skein_domain::PositionNed::new(0.0,0.0,-20.0), pitch_rad: -0.4, field_of_view_rad: 1.2, ..Default::default() };
+    let mut out = vec![0; 640*360*3];
+    let begun = Instant::now();
+    for _ in 0..50 { scene.draw(&pose, 640, 360, &mut out); }
+    println!("draw {:?}", begun.elapsed() / 50);
+}
