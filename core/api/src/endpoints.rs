@@ -1,12 +1,11 @@
 //! The table of all routes: path, method, handler and what the published document says of it. Router and document are made from
 //! the same table, so that neither can have a route that the other lacks.
 
+mod carried;
+
 use crate::app::App;
-use crate::body::{PayloadCommandBody, TracksBody};
-use crate::payloads::{self, UploadQuery};
 use crate::protocol::{
-    Accepted, CommandBody, CommandReceipts, EventList, FormationAnswer, Health, PayloadList, PluginList, RestartList,
-    RouteBody, VehicleList, VersionInfo,
+    Accepted, CommandBody, CommandReceipts, EventList, FormationAnswer, Health, RouteBody, VehicleList, VersionInfo,
 };
 use crate::routes::{self, EventQuery};
 use crate::stream::{self, StreamQuery};
@@ -14,9 +13,8 @@ use axum::handler::Handler;
 use axum::http::StatusCode;
 use axum::routing::{MethodRouter, delete, get, post, put};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
-use skein_config::PayloadRule;
 use skein_domain::{FormationRequest, VehicleId};
-use skein_runtime::{CommandReceipt, Fault, FleetSnapshot, FormationReceipt, UpgradeReceipt, VehicleSnapshot};
+use skein_runtime::{Fault, FleetSnapshot, FormationReceipt, VehicleSnapshot};
 use utoipa::openapi::HttpMethod;
 
 /// Makes the schema of a type in a document.
@@ -136,8 +134,9 @@ pub(crate) fn all() -> Vec<Endpoint> {
     let mut all = node();
     all.extend(fleet());
     all.extend(formation());
-    all.extend(plugins());
-    all.extend(payloads());
+    all.extend(carried::plugins());
+    all.extend(carried::payloads());
+    all.extend(carried::instances());
     all
 }
 
@@ -199,132 +198,6 @@ fn fleet() -> Vec<Endpoint> {
             .takes::<CommandBody>()
             .json::<CommandReceipts>(StatusCode::OK, "One receipt per vehicle; some or all may be refusals.")
             .fails(&[404, 409]),
-    ]
-}
-
-fn plugins() -> Vec<Endpoint> {
-    vec![
-        Endpoint::get("/api/v1/plugins", "getPlugins", payloads::plugins)
-            .about("plugins", "Plugins that were found, and files that were not taken.")
-            .json::<PluginList>(StatusCode::OK, "The plugins."),
-        Endpoint::post("/api/v1/plugins/rescan", "rescanPlugins", payloads::rescan)
-            .about("plugins", "Looks for new and changed libraries. A new version of a known plugin waits for its upgrade.")
-            .json::<PluginList>(StatusCode::OK, "The plugins after that."),
-        Endpoint::post("/api/v1/plugins/{name}/upgrade", "upgradePlugin", payloads::upgrade)
-            .about(
-                "plugins",
-                "Exchanges all instances of a plugin for its newest version, in flight and with their state. If one does not come \
-                 up, all go back.",
-            )
-            .with::<String>("name")
-            .json::<UpgradeReceipt>(StatusCode::OK, "What became of each instance.")
-            .fails(&[404, 409]),
-        Endpoint::post("/api/v1/plugins/{name}/rollback", "rollBackPlugin", payloads::roll_back)
-            .about("plugins", "Exchanges all instances of a plugin for the version that was active before.")
-            .with::<String>("name")
-            .json::<UpgradeReceipt>(StatusCode::OK, "What became of each instance.")
-            .fails(&[404, 409]),
-        Endpoint::delete("/api/v1/plugins/{name}", "removePlugin", payloads::remove)
-            .about("plugins", "Forgets a plugin that nothing uses.")
-            .with::<String>("name")
-            .answer(StatusCode::NO_CONTENT, "It is forgotten.", None)
-            .fails(&[404, 409]),
-        Endpoint::get("/api/v1/plugins/restarts", "getRestarts", payloads::restarts)
-            .about("plugins", "Restarts of plugin instances after failures, oldest first. A bounded number is kept.")
-            .json::<RestartList>(StatusCode::OK, "The restarts."),
-        Endpoint::post("/api/v1/plugins/uploads", "uploadPlugin", payloads::upload)
-            .about("plugins", "Takes a library, where the configuration permits it. It stays off until it is enabled.")
-            .asks::<UploadQuery>()
-            .json::<Accepted>(StatusCode::ACCEPTED, "It is kept, and off.")
-            .fails(&[400, 403, 422]),
-        Endpoint::post("/api/v1/plugins/uploads/enable", "enableUpload", payloads::enable_upload)
-            .about("plugins", "Enables an uploaded library.")
-            .asks::<UploadQuery>()
-            .json::<PluginList>(StatusCode::OK, "The plugins after that.")
-            .fails(&[400, 403, 404, 422]),
-    ]
-}
-
-fn payloads() -> Vec<Endpoint> {
-    vec![
-        Endpoint::get("/api/v1/vehicles/{id}/payloads", "getPayloads", payloads::list)
-            .about("payloads", "What a vehicle carries, with health and state.")
-            .with::<VehicleId>("id")
-            .json::<PayloadList>(StatusCode::OK, "The payloads.")
-            .fails(&[400, 404]),
-        Endpoint::post("/api/v1/vehicles/{id}/payloads", "attachPayload", payloads::attach)
-            .about("payloads", "Puts a payload on a vehicle.")
-            .with::<VehicleId>("id")
-            .takes::<PayloadRule>()
-            .json::<Accepted>(StatusCode::ACCEPTED, "It is being started.")
-            .fails(&[400, 404]),
-        Endpoint::delete(
-            "/api/v1/vehicles/{id}/payloads/{payload}",
-            "detachPayload",
-            payloads::detach,
-        )
-        .about("payloads", "Takes a payload off a vehicle.")
-        .with::<VehicleId>("id")
-        .with::<String>("payload")
-        .answer(StatusCode::NO_CONTENT, "It is gone.", None)
-        .fails(&[400, 404]),
-        Endpoint::post(
-            "/api/v1/vehicles/{id}/payloads/{payload}/command",
-            "commandPayload",
-            payloads::command,
-        )
-        .about(
-            "payloads",
-            "Gives a command to a payload. It has to fit the command schema of its plugin.",
-        )
-        .with::<VehicleId>("id")
-        .with::<String>("payload")
-        .takes::<PayloadCommandBody>()
-        .json::<CommandReceipt>(StatusCode::OK, "It was taken up; how it goes on comes as events.")
-        .fails(&[400, 404, 409, 503]),
-        Endpoint::post(
-            "/api/v1/vehicles/{id}/payloads/{payload}/restart",
-            "restartPayload",
-            payloads::restart,
-        )
-        .about(
-            "payloads",
-            "Starts a payload's plugin instance anew and forgets its failures.",
-        )
-        .with::<VehicleId>("id")
-        .with::<String>("payload")
-        .json::<Accepted>(StatusCode::ACCEPTED, "It is being started.")
-        .fails(&[400, 404, 503]),
-        Endpoint::get(
-            "/api/v1/vehicles/{id}/payloads/{payload}/frame",
-            "getFrame",
-            payloads::frame,
-        )
-        .about("payloads", "The last frame of a camera as a picture.")
-        .with::<VehicleId>("id")
-        .with::<String>("payload")
-        .answer(
-            StatusCode::OK,
-            "PNG, or JPEG if the camera gives that.",
-            Some(("image/png", schema_of::<String>)),
-        )
-        .fails(&[400, 404]),
-        Endpoint::post(
-            "/api/v1/vehicles/{id}/model/restart",
-            "restartModel",
-            payloads::restart_model,
-        )
-        .about("payloads", "Starts a vehicle's model anew and forgets its failures.")
-        .with::<VehicleId>("id")
-        .json::<Accepted>(StatusCode::ACCEPTED, "It is being started.")
-        .fails(&[400, 404, 503]),
-        Endpoint::put("/api/v1/tracks", "setTracks", payloads::tracks)
-            .about(
-                "payloads",
-                "Replaces what is tracked, for vehicles that are to observe it.",
-            )
-            .takes::<TracksBody>()
-            .json::<Accepted>(StatusCode::ACCEPTED, "It is known from now on."),
     ]
 }
 

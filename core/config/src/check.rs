@@ -95,20 +95,6 @@ impl NodeConfig {
             ("link.setpoint_valid_s", link.setpoint_valid_s, 0.02, 0.5),
             ("link.hold_for_s", link.hold_for_s, 0.0, 60.0),
             ("link.position_rate_hz", link.position_rate_hz, 1.0, 200.0),
-            ("plugins.call_deadline_s", self.plugins.call_deadline_s, 0.001, 1.0),
-            (
-                "plugins.child_memory_mib",
-                self.plugins.child_memory_mib as f64,
-                64.0,
-                65_536.0,
-            ),
-            ("plugins.child_cpu_share", self.plugins.child_cpu_share, 0.01, 64.0),
-            (
-                "plugins.child_open_files",
-                self.plugins.child_open_files as f64,
-                16.0,
-                65_536.0,
-            ),
             ("safety.max_speed_m_s", safety.max_speed_m_s, 0.1, 60.0),
             ("safety.max_climb_m_s", safety.max_climb_m_s, 0.1, 30.0),
             ("safety.max_descent_m_s", safety.max_descent_m_s, 0.1, 30.0),
@@ -151,11 +137,32 @@ impl NodeConfig {
                 60.0,
             ),
         ];
+        ranges.extend(self.plugin_ranges());
         if let Some(fence) = &safety.fence {
             ranges.push(("safety.fence.floor_m", fence.floor_m, -1000.0, fence.ceiling_m));
             ranges.push(("safety.fence.ceiling_m", fence.ceiling_m, fence.floor_m, 20_000.0));
         }
         ranges
+    }
+
+    fn plugin_ranges(&self) -> [(&'static str, f64, f64, f64); 4] {
+        let plugins = &self.plugins;
+        [
+            ("plugins.call_deadline_s", plugins.call_deadline_s, 0.001, 1.0),
+            (
+                "plugins.child_memory_mib",
+                plugins.child_memory_mib as f64,
+                64.0,
+                65_536.0,
+            ),
+            ("plugins.child_cpu_share", plugins.child_cpu_share, 0.01, 64.0),
+            (
+                "plugins.child_open_files",
+                plugins.child_open_files as f64,
+                16.0,
+                65_536.0,
+            ),
+        ]
     }
 }
 

@@ -19,7 +19,7 @@ use skein_config::{AdoptionRule, PayloadRule};
 use skein_domain::exchange::Severity;
 use skein_domain::link::VehicleLink;
 use skein_domain::{AutopilotCommand, FlightMode, FlightState, Incarnation, Refusal, RequestId, SystemId, VehicleId};
-use skein_plugin_host::PluginKind;
+use skein_plugin_host::{Plugin, PluginKind};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -212,6 +212,35 @@ impl FleetState {
             .name
             .replace("{system_id}", &system_id.to_string())
             .replace("{vehicle_id}", &id.to_string());
+        let cell = self.new_cell(id, name, link, plugin, rule)?;
+        self.board
+            .unadopted
+            .lock()
+            .retain(|u| u.system_id != system_id || u.endpoint != endpoint);
+        let text = format!(
+            "{} adopted: system id {system_id} on {endpoint}, model {}",
+            cell.name, rule.model
+        );
+        self.board
+            .events
+            .record(now, Some(id), Severity::Info, EventKind::Adopted, text);
+        self.board.insert_cell(cell.clone());
+        self.records.insert(id, Record::default());
+        self.start(myself, cell.clone()).await;
+        self.start_payloads(myself, &cell).await;
+        Ok(())
+    }
+
+    /// A vehicle with what it carries, as its rule says.
+    fn new_cell(
+        &self,
+        id: VehicleId,
+        name: String,
+        link: Arc<dyn VehicleLink>,
+        plugin: Arc<Plugin>,
+        rule: &AdoptionRule,
+    ) -> Result<Arc<VehicleCell>, String> {
+        let system_id = link.system_id();
         let identity = LifeIdentity {
             name: format!("model-{id}"),
             label: format!("{name}: model"),
@@ -239,22 +268,7 @@ impl FleetState {
             let payload = payload_cell(&self.board, &cell, payload).map_err(|refusal| refusal.to_string())?;
             cell.payloads.write().insert(payload.name.clone(), Arc::new(payload));
         }
-        self.board
-            .unadopted
-            .lock()
-            .retain(|u| u.system_id != system_id || u.endpoint != endpoint);
-        let text = format!(
-            "{} adopted: system id {system_id} on {endpoint}, model {}",
-            cell.name, rule.model
-        );
-        self.board
-            .events
-            .record(now, Some(id), Severity::Info, EventKind::Adopted, text);
-        self.board.insert_cell(cell.clone());
-        self.records.insert(id, Record::default());
-        self.start(myself, cell.clone()).await;
-        self.start_payloads(myself, &cell).await;
-        Ok(())
+        Ok(cell)
     }
 
     fn not_adopted(&mut self, trouble: UnadoptedVehicle) {

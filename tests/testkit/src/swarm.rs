@@ -2,7 +2,7 @@
 //!
 //! Must never do: reach into the node. It is flown through `NodeHandle`, and judged by what the simulator knows.
 
-use crate::{eventually, patience, plugins_dir};
+use crate::{eventually, patience, plugins_dir, skein_binary};
 use skein::Running;
 use skein_config::{AdoptionRule, EndpointSettings, NodeConfig};
 use skein_domain::{FlightState, VehicleCommand};
@@ -56,6 +56,8 @@ impl Swarm {
         let running = skein::build(config)
             .await
             .unwrap_or_else(|error| panic!("the node does not start: {error}"));
+        // A test is not the program that a child process is made of.
+        running.handle().set_plugin_host_program(skein_binary());
         let address = running.handle().endpoint_addresses().get(ENDPOINT).copied();
         settings.ports = PortPlan::SendTo(address.expect("the endpoint is bound"));
         let simulation = Simulation::start(settings).unwrap_or_else(|error| panic!("no simulation: {error}"));

@@ -1,5 +1,4 @@
 //! Frames become pictures that decode to the same pixels.
-#![expect(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
 use super::*;
 

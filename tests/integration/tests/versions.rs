@@ -1,0 +1,138 @@
+//! A plugin exchanged for another version in flight: with its state, back if the new one does not come up, and back on request. The
+//! vehicle's link notices nothing.
+#![allow(
+    clippy::unwrap_used,
+    reason = "what tests share may stop at the first surprise, as they do"
+)]
+
+use skein_config::Isolation;
+use skein_domain::{FormationRequest, Shape};
+use skein_runtime::{FleetSnapshot, NodeHandle, PluginRefusal, Restored, UpgradeReceipt};
+use skein_testkit::Swarm;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+const LIBRARY: &str = "libgeneric_uav_plugin.so";
+
+/// A folder of its own with the shipped plugins, and the libraries of later versions.
+fn folder() -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let plugins = folder.path().join("plugins");
+    std::fs::create_dir(&plugins).unwrap();
+    std::fs::copy(skein_testkit::plugins_dir().join(LIBRARY), plugins.join(LIBRARY)).unwrap();
+    (folder, plugins)
+}
+
+fn later(name: &str) -> PathBuf {
+    let program = std::env::current_exe().unwrap();
+    let profile = program.ancestors().nth(2).unwrap();
+    let mut command = std::process::Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.args(["build", "--quiet", "--package", "fixture-next-version", "--examples"]);
+    if profile.ends_with("release") {
+        command.arg("--release");
+    }
+    command
+        .current_dir(skein_testkit::repository())
+        .env("CARGO_TARGET_DIR", profile.parent().unwrap());
+    assert!(command.status().unwrap().success());
+    profile.join("examples").join(format!("lib{name}.so"))
+}
+
+/// As a person installs it: beside, then over the old one in one step.
+fn install(library: &Path, plugins: &Path) {
+    let beside = plugins.join("new");
+    std::fs::copy(library, &beside).unwrap();
+    std::fs::rename(beside, plugins.join(LIBRARY)).unwrap();
+}
+
+fn versions(fleet: &FleetSnapshot) -> Vec<&str> {
+    fleet.vehicles.iter().map(|v| v.model.version.as_str()).collect()
+}
+
+fn restored(receipt: &UpgradeReceipt) -> Vec<Option<Restored>> {
+    receipt.instances.iter().map(|i| i.restored).collect()
+}
+
+fn active(node: &NodeHandle) -> String {
+    let plugins = node.plugins();
+    plugins
+        .iter()
+        .find(|p| p.name == "generic-uav")
+        .unwrap()
+        .version
+        .clone()
+}
+
+/// Two vehicles with their model in the node's process, one in a child.
+async fn three_of(plugins: &Path) -> Swarm {
+    let directory = plugins.to_owned();
+    Swarm::start_with(3, move |config, _| {
+        config.plugins.directories = vec![directory];
+        let mut child = config.adopt[0].clone();
+        child.system_ids = "3".parse().unwrap();
+        child.model_isolation = Isolation::Child;
+        config.adopt.insert(0, child);
+    })
+    .await
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_model_is_exchanged_in_flight_and_goes_back_if_it_must() {
+    let (_folder, plugins) = folder();
+    let swarm = three_of(&plugins).await;
+    swarm.take_off(6.0).await;
+    let node = swarm.node();
+    node.set_formation(FormationRequest::new(Shape::Line, 5.0))
+        .await
+        .unwrap();
+    let first = active(&node);
+    assert!(matches!(
+        node.upgrade_plugin("generic-uav").await,
+        Err(PluginRefusal::NothingNewer { .. })
+    ));
+
+    install(&later("good_version"), &plugins);
+    let receipt = node.upgrade_plugin("generic-uav").await.unwrap();
+    assert!(!receipt.rolled_back, "{receipt:?}");
+    assert_eq!(restored(&receipt), [Some(Restored::Exactly); 3]);
+    assert_eq!(active(&node), "9.1.0");
+    swarm
+        .until("the new version flying", Duration::ZERO, |fleet| {
+            versions(fleet) == ["9.1.0"; 3]
+        })
+        .await;
+
+    install(&later("bad_version"), &plugins);
+    let receipt = node.upgrade_plugin("generic-uav").await.unwrap();
+    assert!(receipt.rolled_back, "{receipt:?}");
+    assert!(receipt.instances.iter().any(|i| i.error.is_some()), "{receipt:?}");
+    assert_eq!(active(&node), "9.1.0", "the good one stays");
+
+    let receipt = node.roll_back_plugin("generic-uav").await.unwrap();
+    assert_eq!((receipt.to.as_str(), receipt.rolled_back), (first.as_str(), false));
+    swarm
+        .until(
+            "the first version flying again, in its slots",
+            Duration::from_secs(20),
+            |fleet| {
+                versions(fleet) == [first.as_str(); 3]
+                    && fleet
+                        .vehicles
+                        .iter()
+                        .all(|v| v.is_leader || v.tracking_error_m.is_some_and(|m| m < 0.6))
+            },
+        )
+        .await;
+    for vehicle in &swarm.simulation().truth().vehicles {
+        assert!(
+            vehicle.offboard_gap_sender_max_s < 0.2,
+            "{}",
+            vehicle.offboard_gap_sender_max_s
+        );
+    }
+    assert!(matches!(
+        node.remove_plugin("generic-uav"),
+        Err(PluginRefusal::InUse { .. })
+    ));
+    swarm.stop().await;
+}
