@@ -178,8 +178,8 @@ impl Payload for TestCamera {
 
 impl Drop for TestCamera {
     fn drop(&mut self) {
-        while self.config.hang_at_end {
-            std::thread::park();
+        if self.config.hang_at_end {
+            die(&Death::Hang);
         }
     }
 }

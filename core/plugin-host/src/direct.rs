@@ -1,6 +1,6 @@
 //! An instance called on the caller's own thread: what the boundary itself costs, for benches and for tools that look at a plugin.
 //!
-//! Must never do: serve a node. In this process nobody watches these calls: one that hangs, hangs the caller.
+//! Must never do: serve a node. In this process nobody watches these calls or takes their times: one that hangs, hangs the caller.
 
 use crate::answer::{Judge, RawAnswer};
 use crate::body::InstanceBody;
@@ -88,7 +88,7 @@ impl DirectInstance {
         })?;
         let (method, schema) = (method::HANDLE_EVENTS, EVENT_BATCH_SCHEMA);
         match &mut self.way {
-            Way::Here(body) => body.invoke(method, schema, &self.buffer, then_snapshot),
+            Way::Here(body) => body.invoke_untimed(method, schema, &self.buffer, then_snapshot),
             Way::Child(caller, _) => {
                 let call = Call {
                     method,

@@ -143,6 +143,23 @@ async fn a_call_that_does_not_return_ends_the_child_and_delays_nobody() {
 }
 
 #[tokio::test]
+async fn one_that_takes_no_end_is_ended() {
+    let runners = runners(Duration::from_secs(1));
+    let instance = runners
+        .create(camera(), child(), create(r#"{"hang_at_end": true}"#, None))
+        .await
+        .expect("is created");
+    let process = format!("/proc/{}", instance.pid().expect("is there"));
+    let began = Instant::now();
+    drop(instance);
+    assert!(began.elapsed() < Duration::from_secs(1), "nobody waits for it");
+    while std::path::Path::new(&process).exists() {
+        assert!(began.elapsed() < Duration::from_secs(60), "it is still there");
+        tokio::time::sleep(Duration::from_millis(10)).await;
+    }
+}
+
+#[tokio::test]
 async fn a_killed_child_says_so() {
     let runners = runners(Duration::from_secs(10));
     let instance = started(&runners).await;
