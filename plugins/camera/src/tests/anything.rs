@@ -10,7 +10,7 @@ use skein_plugin_sdk::{Effects, Payload};
 
 #[derive(Debug, Clone)]
 enum Step {
-    Event(Event),
+    Event(Box<Event>),
     Command(CameraCommand),
 }
 
@@ -33,12 +33,12 @@ fn step() -> impl Strategy<Value = Step> {
         prop::collection::vec(any::<u8>(), 0..256),
     );
     let message = message.prop_map(|(message_id, payload)| {
-        Step::Event(Event::Mavlink(MavlinkMessage {
+        Step::Event(Box::new(Event::Mavlink(MavlinkMessage {
             system_id: 1,
             component_id: 100,
             message_id,
             payload,
-        }))
+        })))
     });
     let taken =
         (any::<u32>(), any::<f64>()).prop_map(|(count, interval_s)| CameraCommand::TakePictures { count, interval_s });
@@ -54,7 +54,7 @@ fn step() -> impl Strategy<Value = Step> {
     ]);
     prop_oneof![
         4 => message,
-        3 => Just(Step::Event(Event::Tick)),
+        3 => Just(Step::Event(Box::new(Event::Tick))),
         1 => taken.prop_map(Step::Command),
         1 => zoom.prop_map(Step::Command),
         1 => others.prop_map(Step::Command),
@@ -66,7 +66,7 @@ fn run(camera: &mut Camera, steps: &[Step]) -> Effects {
     for (count, step) in (1_u64..).zip(steps) {
         let now = NodeTime(1_000_000 + count * 110_000);
         match step {
-            Step::Event(event) => camera.handle(now, std::slice::from_ref(event), &mut effects),
+            Step::Event(event) => camera.handle(now, std::slice::from_ref(event.as_ref()), &mut effects),
             Step::Command(command) => camera.command(now, CommandId(count), *command, &mut effects),
         }
     }
@@ -91,7 +91,7 @@ proptest! {
     #[test]
     fn any_snapshot_is_survived(bytes in prop::collection::vec(any::<u8>(), 0..100)) {
         let mut camera = instance("{}", Some(bytes));
-        run(&mut camera, &[Step::Event(Event::Tick)]);
+        run(&mut camera, &[Step::Event(Box::new(Event::Tick))]);
     }
 }
 

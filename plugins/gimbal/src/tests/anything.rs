@@ -11,7 +11,7 @@ use skein_plugin_sdk::{Effects, Payload};
 
 #[derive(Debug, Clone)]
 enum Step {
-    Event(Event),
+    Event(Box<Event>),
     Command(GimbalCommand),
 }
 
@@ -55,14 +55,15 @@ fn step() -> impl Strategy<Value = Step> {
         prop::collection::vec(any::<u8>(), 0..150),
     );
     let message = message.prop_map(|(message_id, component_id, payload)| {
-        Step::Event(Event::Mavlink(MavlinkMessage {
+        Step::Event(Box::new(Event::Mavlink(MavlinkMessage {
             system_id: 1,
             component_id,
             message_id,
             payload,
-        }))
+        })))
     });
-    let bytes = prop::collection::vec(any::<u8>(), 0..60).prop_map(|bytes| Step::Event(Event::Received { bytes }));
+    let bytes =
+        prop::collection::vec(any::<u8>(), 0..60).prop_map(|bytes| Step::Event(Box::new(Event::Received { bytes })));
     let angles = (number.clone(), number.clone(), any::<bool>()).prop_map(|(pitch_rad, yaw_rad, north)| {
         Step::Command(GimbalCommand::Angles {
             pitch_rad,
@@ -90,8 +91,8 @@ fn step() -> impl Strategy<Value = Step> {
     prop_oneof![
         4 => message,
         2 => bytes,
-        3 => Just(Step::Event(Event::Tick)),
-        1 => Just(Step::Event(Event::Own(own()))),
+        3 => Just(Step::Event(Box::new(Event::Tick))),
+        1 => Just(Step::Event(Box::new(Event::Own(own())))),
         1 => angles,
         1 => place,
         1 => control.prop_map(Step::Command),
@@ -103,7 +104,7 @@ fn run(gimbal: &mut Gimbal, steps: &[Step]) -> Effects {
     for (count, step) in (1_u64..).zip(steps) {
         let now = NodeTime(1_000_000 + count * 70_000);
         match step {
-            Step::Event(event) => gimbal.handle(now, std::slice::from_ref(event), &mut effects),
+            Step::Event(event) => gimbal.handle(now, std::slice::from_ref(event.as_ref()), &mut effects),
             Step::Command(command) => gimbal.command(now, CommandId(count), *command, &mut effects),
         }
     }
@@ -127,7 +128,7 @@ proptest! {
     #[test]
     fn any_snapshot_is_survived(bytes in prop::collection::vec(any::<u8>(), 0..100)) {
         let mut gimbal = instance("{}", Some(bytes));
-        run(&mut gimbal, &[Step::Event(Event::Own(own())), Step::Event(Event::Tick)]);
+        run(&mut gimbal, &[Step::Event(Box::new(Event::Own(own()))), Step::Event(Box::new(Event::Tick))]);
     }
 }
 

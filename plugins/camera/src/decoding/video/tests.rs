@@ -218,26 +218,3 @@ fn mp4_once() -> &'static Vec<u8> {
     static MP4: std::sync::OnceLock<Vec<u8>> = std::sync::OnceLock::new();
     MP4.get_or_init(mp4)
 }
-
-#[test]
-fn measure_tmp() {
-    for clip in ["/work/shared/data/drone-detection/infrared/IR_DRONE_021.mp4", "/work/shared/data/drone-detection/infrared/IR_AIRPLANE_001.mp4"] {
-        let Ok(video) = Video::open(Path::new(clip)) else { println!("{clip}: cannot"); continue };
-        println!("{clip} samples {} rate {}", video.samples.len(), (video.samples.len() as f64 - 1.0) / (video.shown_s.last().unwrap() - video.shown_s[0]));
-        let n = video.samples.len() as u64;
-        let mut reader = Reader::start(Files::Video { path: clip.into(), rate_hz: 1000.0 }, 0).unwrap();
-        let begun = Instant::now();
-        let mut k = 0; let mut last = None; let mut jumps = 0;
-        while k < n {
-            match reader.take() { Ok(Some(p)) => { k += 1; let m = p.rgb.iter().map(|b| u64::from(*b)).sum::<u64>() / p.rgb.len() as u64; if last.is_some_and(|l: u64| l.abs_diff(m) > 5) { jumps += 1; } last = Some(m); if k == 1 { println!("{}x{} mean {m}", p.width_px, p.height_px); } } Ok(None) => std::thread::yield_now(), Err(e) => { println!("{e}"); break; } }
-        }
-        println!("{k} pictures in {:?}, jumps {jumps}", begun.elapsed());
-    }
-    let settings = crate::Settings::default();
-    let scene = crate::synthetic::Synthetic::new(&settings);
-    let pose = skein_domain::payload::CameraPose { position: skein_domain::PositionNed::new(0.0,0.0,-20.0), pitch_rad: -0.4, field_of_view_rad: 1.2, ..Default::default() };
-    let mut out = vec![0; 640*360*3];
-    let begun = Instant::now();
-    for _ in 0..50 { scene.draw(&pose, 640, 360, &mut out); }
-    println!("draw {:?}", begun.elapsed() / 50);
-}
