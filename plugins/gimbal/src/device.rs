@@ -132,6 +132,14 @@ impl Device {
         }
     }
 
+    /// Whether control of it may be taken without being told to.
+    pub(crate) fn is_free(&self, at: &Moment) -> bool {
+        match self {
+            Self::Mavlink(manager) => manager.is_free(at),
+            Self::Siyi(_) => true,
+        }
+    }
+
     pub(crate) fn status(&self, at: &Moment) -> Status {
         match self {
             Self::Mavlink(manager) => manager.status(at),

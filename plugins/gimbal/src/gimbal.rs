@@ -287,8 +287,7 @@ impl Gimbal {
             return;
         }
         if !self.core.device.obeys() {
-            let free = matches!(status.owner, GimbalOwner::Nobody | GimbalOwner::Unknown);
-            if free && !at.within(self.core.control_asked, CONTROL_PAUSE_S) {
+            if self.core.device.is_free(&at) && !at.within(self.core.control_asked, CONTROL_PAUSE_S) {
                 self.core.control_asked = Some(now);
                 self.ask(now, Control::Take, effects);
             }

@@ -28,6 +28,8 @@ pub(crate) const MESSAGES: &[u32] = &[
 const QUESTION_PAUSE_S: f64 = 1.0;
 /// How often the device is asked what it is. One that never says can be used all the same.
 const DEVICE_QUESTIONS: u8 = 5;
+/// A manager that has not said for this long who steers it, in seconds, is taken never to do.
+const SILENT_MANAGER_S: f64 = 3.0;
 /// A status that names nobody is taken for old for this long after control was given to us, in seconds.
 const GRANT_SETTLES_S: f64 = 1.0;
 /// "Not me any more", in the numbers of DO_GIMBAL_MANAGER_CONFIGURE. There is one for "me" too, but autopilots take it for themselves.
@@ -77,6 +79,9 @@ pub(crate) struct Manager {
     last_question: Option<NodeTime>,
     #[n(15)]
     device_questions: u8,
+    /// When it was found.
+    #[n(16)]
+    found: Option<NodeTime>,
 }
 
 impl Manager {
@@ -102,6 +107,14 @@ impl Manager {
             limits: self.manager_limits.or(self.device_limits),
             model: self.model.clone(),
             fault: if connected { self.fault() } else { String::new() },
+        }
+    }
+
+    /// Whether control may be taken without being told to: nobody has it, or the manager never says who does.
+    pub(crate) fn is_free(&self, at: &Moment) -> bool {
+        match self.owner {
+            Some((system_id, _)) => system_id == 0,
+            None => !at.within(self.found, SILENT_MANAGER_S),
         }
     }
 
@@ -198,7 +211,9 @@ impl Manager {
             self.device = said.gimbal_device_id;
         }
         self.system_id = message.system_id;
-        self.component = Some(message.component_id);
+        if self.component.replace(message.component_id).is_none() {
+            self.found = Some(at.now);
+        }
         self.manager_limits = Limits::said((said.pitch_min, said.pitch_max), (said.yaw_min, said.yaw_max));
         self.heard = Some(at.now);
     }

@@ -2,3 +2,4 @@
 
 mod anything;
 mod mavlink;
+mod siyi;

@@ -184,6 +184,25 @@ fn another_owner_is_not_fought() {
     rig.replay();
 }
 
+/// Who has it is asked before it is taken.
+#[test]
+fn an_owner_from_before_is_not_fought_either() {
+    let mut rig = rig_with("{}");
+    rig.run(0.1);
+    taken_by(&mut rig, QGC);
+    let mut ends = Vec::new();
+    for _ in 0..30 {
+        let id = rig.command(&angles(-0.5, 0.0, "vehicle"));
+        rig.run(0.1);
+        ends.push(rig.ended(id));
+    }
+    assert_eq!(truth(&rig).owner, QGC);
+    assert!(
+        matches!(ends.last(), Some(Some(Err(Refusal::NotPermitted { .. })))),
+        "{ends:?}"
+    );
+}
+
 #[test]
 fn what_it_calls_us_is_learned() {
     let mut rig = rig_with(r#"{"own_system_id": 9, "own_component_id": 9}"#);
