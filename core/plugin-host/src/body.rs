@@ -96,7 +96,10 @@ impl InstanceBody {
     fn invoke(&self, method: u32, schema: u32, bytes: &[u8], then_snapshot: bool) -> Result<RawAnswer, PluginError> {
         let started = Instant::now();
         let result = self.invoke_untimed(method, schema, bytes, then_snapshot);
-        self.times.record(started.elapsed(), result.is_err());
+        // One that was lost before did not come as far as the plugin.
+        if !matches!(result, Err(PluginError::Gone)) {
+            self.times.record(started.elapsed(), result.is_err());
+        }
         result
     }
 

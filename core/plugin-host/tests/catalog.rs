@@ -1,9 +1,9 @@
 //! Versions of real libraries in a directory: found, activated, rolled back, removed, and judged whole or not at all.
 
-#[path = "common/plugin.rs"]
-mod common;
+#[path = "host/orders.rs"]
+mod orders;
 
-use common::{camera, create, library, runners};
+use orders::{camera, create, library, runners};
 use skein_plugin_host::{Catalog, Isolation, LoadError, Plugin, Trust};
 use std::path::Path;
 use std::sync::Arc;

@@ -1,9 +1,9 @@
 //! Many versions of a library, alone in their process: its open files and what it leaves in the temporary directory can be counted.
 
-#[path = "common/plugin.rs"]
-mod common;
+#[path = "host/orders.rs"]
+mod orders;
 
-use common::{count_of, library};
+use orders::{count_of, library};
 use skein_plugin_host::{Catalog, Trust};
 
 /// Private copies in the temporary directory.

@@ -1,9 +1,9 @@
 //! Many lives and deaths of children, alone in their process: its open files and threads can be counted.
 
-#[path = "common/plugin.rs"]
-mod common;
+#[path = "host/orders.rs"]
+mod orders;
 
-use common::{camera, child, count_of, create, runners, told};
+use orders::{camera, child, count_of, create, runners, told};
 use skein_plugin_host::{Instance, Plugin, Runners};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -26,7 +26,7 @@ async fn two_hundred_lives_leave_nothing_behind() {
     }
     wait_for_none(&runners).await;
     assert_eq!((count_of("/proc/self/fd"), count_of("/proc/self/task")), before);
-    assert_eq!(common::children_of_this_process(), Vec::<String>::new());
+    assert_eq!(orders::children_of_this_process(), Vec::<String>::new());
 }
 
 async fn one_life(runners: &Runners, plugin: &Arc<Plugin>, life: u32) -> Instance {
@@ -49,7 +49,7 @@ async fn wait_for_none(runners: &Runners) {
         tokio::time::sleep(Duration::from_millis(1)).await;
     }
     // The thread itself goes a moment after what it counted.
-    while common::has_thread("plugin-child") {
+    while orders::has_thread("plugin-child") {
         tokio::time::sleep(Duration::from_millis(1)).await;
     }
 }

@@ -1,9 +1,9 @@
 //! Instances in processes of their own: what they can do, how they end, what they may use, and that nothing of them stays behind.
 
-#[path = "common/plugin.rs"]
-mod common;
+#[path = "host/orders.rs"]
+mod orders;
 
-use common::{camera, child, create, events, runners, told, transmitted, ways};
+use orders::{camera, child, create, events, runners, told, transmitted, ways};
 use skein_domain::exchange::Event;
 use skein_plugin_host::{ChildLimits, Instance, Isolation, PluginError, RunnerSettings, Runners};
 use std::time::{Duration, Instant};
@@ -120,7 +120,7 @@ async fn a_call_that_does_not_return_ends_the_child_and_delays_nobody() {
         create_deadline: Duration::from_secs(10),
         ..RunnerSettings::default()
     });
-    runners.set_host_program(common::host_program());
+    runners.set_host_program(orders::host_program());
     let (hangs, other) = (started(&runners).await, started(&runners).await);
     let hang = told(&hangs, r#"{"do": "die", "how": "hang"}"#);
     let others = async {
@@ -197,6 +197,29 @@ async fn a_child_may_use_no_more_than_its_limits() {
         matches!(&error, PluginError::ProcessEnded { how, said } if how.contains("SIGABRT") && said.contains("memory allocation")),
         "{error:?}"
     );
+}
+
+#[tokio::test]
+async fn a_child_that_takes_too_much_of_a_core_is_ended() {
+    let runners = runners(Duration::from_secs(60));
+    let limits = ChildLimits {
+        cpu_share: 0.05,
+        ..ChildLimits::default()
+    };
+    let isolation = Isolation::Child(limits);
+    let created = runners.create(camera(), isolation, create("{}", None)).await;
+    let instance = created.expect("is created");
+    told(&instance, r#"{"do": "spin"}"#).await.expect("answers");
+    // Nobody calls it meanwhile: it is watched all the same.
+    let began = Instant::now();
+    while instance.pid().is_some() {
+        assert!(began.elapsed() < Duration::from_secs(120), "it is still there");
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    let error = lost(&instance).await;
+    assert!(error.needs_restart());
+    let said = error.to_string();
+    assert!(said.contains("of a core over 10 s, the limit is 5 %"), "{said}");
 }
 
 #[tokio::test]

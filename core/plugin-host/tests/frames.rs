@@ -1,9 +1,9 @@
 //! Frames through real instances, in both isolations: from the plugin's pen to a reader's eye, and back to the pool.
 
-#[path = "common/plugin.rs"]
-mod common;
+#[path = "host/orders.rs"]
+mod orders;
 
-use common::{camera, create, events, runners, told, transmitted, ways};
+use orders::{camera, create, events, runners, told, transmitted, ways};
 use skein_domain::exchange::{Effect, Event};
 use skein_domain::manifest::EffectKind;
 use skein_plugin_host::{Instance, Isolation, PluginError, Runners};
