@@ -22,7 +22,8 @@ const ORDER: [&str; 15] = [
     "skein-safety",
     "skein-domain",
 ];
-/// What of ours a plugin may know: how to be one, the words, and the pure arithmetic of flight.
+/// What of ours a plugin may know: how to be one, the words, and the pure arithmetic of flight; beside these, other plugins' logic, of
+/// which it may be composed.
 const PLUGINS_MAY_USE: [&str; 3] = ["skein-plugin-sdk", "skein-domain", "skein-flight"];
 
 /// Checks every dependency between members that ships.
@@ -40,7 +41,11 @@ pub fn check(workspace: &Workspace) -> Vec<Finding> {
             .iter()
             .filter(|on| on.ships() && workspace.package(&on.name).is_some());
         for on in ours {
-            if let Some(what) = breach(package, &on.name) {
+            let composed = package.folder.starts_with("plugins/")
+                && workspace
+                    .package(&on.name)
+                    .is_some_and(|of| of.folder.starts_with("plugins/") && !of.is_plugin_library());
+            if let Some(what) = breach(package, &on.name).filter(|_| !composed) {
                 findings.push(finding(package, what));
             }
         }
