@@ -3,26 +3,23 @@
 //!
 //! Must never do: touch a vehicle's link, or leave a version active that an instance of it did not come up with.
 
+mod carried;
+mod uploads;
+mod versions;
+
 use crate::board::VehicleCell;
-use crate::fleet::FleetMessage;
-use crate::handle::{CommandReceipt, NodeHandle};
-use crate::payload::{Asker, PayloadCell, PayloadMessage};
+use crate::handle::NodeHandle;
+use crate::payload::{PayloadCell, PayloadMessage};
 use crate::snapshot::{EventKind, RestartRecord, Restored};
 use crate::vehicle::VehicleMessage;
-use ractor::rpc::CallResult;
 use serde::Serialize;
-use skein_config::PayloadRule;
 use skein_domain::exchange::{FaultDrill, Severity};
-use skein_domain::payload::Track;
-use skein_domain::{CommandId, Refusal, VehicleId};
-use skein_plugin_host::{Frame, Plugin};
+use skein_domain::{Refusal, VehicleId};
+use skein_plugin_host::Plugin;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Duration;
 use thiserror::Error;
-
-/// Longest wait for a payload's answer: its plugin may have to be started for it.
-const ANSWER_WITHIN: Duration = Duration::from_secs(3);
+use versions::Holder;
 
 /// What can be told the plugin of a vehicle or payload.
 pub(crate) enum PluginOrder {
@@ -135,46 +132,6 @@ pub struct UpgradeReceipt {
     pub rolled_back: bool,
 }
 
-/// One instance of a plugin.
-enum Holder {
-    Model(Arc<VehicleCell>),
-    Payload(Arc<PayloadCell>),
-}
-
-impl Holder {
-    fn name(&self) -> String {
-        match self {
-            Self::Model(cell) => cell.model.health.lock().name.clone(),
-            Self::Payload(cell) => cell.life.health.lock().name.clone(),
-        }
-    }
-
-    async fn exchange(&self, plugin: Arc<Plugin>) -> Result<Restored, String> {
-        let gone = || "its actor is not running".to_owned();
-        let answer = match self {
-            Self::Model(cell) => {
-                let actor = cell.actor.load_full().ok_or_else(gone)?;
-                actor
-                    .call(|reply| VehicleMessage::Exchange(plugin, reply), Some(ANSWER_WITHIN))
-                    .await
-                    .map_err(|e| e.to_string())?
-            }
-            Self::Payload(cell) => {
-                let actor = cell.actor.load_full().ok_or_else(gone)?;
-                actor
-                    .call(|reply| PayloadMessage::Exchange(plugin, reply), Some(ANSWER_WITHIN))
-                    .await
-                    .map_err(|e| e.to_string())?
-            }
-        };
-        match answer {
-            CallResult::Success(outcome) => outcome,
-            CallResult::Timeout => Err("its actor did not answer in time".into()),
-            CallResult::SenderError => Err(gone()),
-        }
-    }
-}
-
 impl NodeHandle {
     /// Plugins found, by name.
     #[must_use]
@@ -228,22 +185,6 @@ impl NodeHandle {
         self.board.restarts.lock().iter().cloned().collect()
     }
 
-    /// All instances of a plugin.
-    fn holders(&self, plugin: &str) -> Vec<Holder> {
-        let mut holders = Vec::new();
-        for cell in self.board.cells() {
-            for payload in cell.payloads() {
-                if payload.life.plugin.load().manifest().name == plugin {
-                    holders.push(Holder::Payload(payload));
-                }
-            }
-            if cell.model.plugin.load().manifest().name == plugin {
-                holders.push(Holder::Model(cell));
-            }
-        }
-        holders
-    }
-
     /// Looks for new and changed libraries. A new plugin can be used at once; a new version of a known one waits for
     /// [`Self::upgrade_plugin`].
     pub async fn rescan_plugins(&self) -> Vec<PluginInfo> {
@@ -260,108 +201,6 @@ impl NodeHandle {
             );
         }
         found.iter().map(|plugin| self.info(plugin)).collect()
-    }
-
-    /// Exchanges all instances of a plugin for its newest version, each with its state. If one does not come up, all go back.
-    ///
-    /// # Errors
-    /// When there is no such plugin or no other version.
-    pub async fn upgrade_plugin(&self, name: &str) -> Result<UpgradeReceipt, PluginRefusal> {
-        self.rescan_plugins().await;
-        let unknown = || PluginRefusal::Unknown { name: name.to_owned() };
-        let old = self.board.catalog.get(name).ok_or_else(unknown)?;
-        let new = self
-            .board
-            .catalog
-            .candidate(name)
-            .ok_or_else(|| PluginRefusal::NothingNewer { name: name.to_owned() })?;
-        Ok(self.go_over(name, &old, &new).await)
-    }
-
-    /// Exchanges all instances of a plugin for the version that was active before.
-    ///
-    /// # Errors
-    /// When there is no such plugin or no former version.
-    pub async fn roll_back_plugin(&self, name: &str) -> Result<UpgradeReceipt, PluginRefusal> {
-        let unknown = || PluginRefusal::Unknown { name: name.to_owned() };
-        let old = self.board.catalog.get(name).ok_or_else(unknown)?;
-        let new = self
-            .board
-            .catalog
-            .previous(name)
-            .ok_or_else(|| PluginRefusal::NothingBefore { name: name.to_owned() })?;
-        Ok(self.go_over(name, &old, &new).await)
-    }
-
-    async fn go_over(&self, name: &str, old: &Arc<Plugin>, new: &Arc<Plugin>) -> UpgradeReceipt {
-        let mut instances = Vec::new();
-        let mut exchanged = Vec::new();
-        let mut failed = false;
-        for holder in self.holders(name) {
-            let outcome = holder.exchange(new.clone()).await;
-            failed = outcome.is_err();
-            instances.push(InstanceUpgrade {
-                name: holder.name(),
-                restored: outcome.as_ref().ok().copied(),
-                error: outcome.err(),
-            });
-            if failed {
-                break;
-            }
-            exchanged.push(holder);
-        }
-        let (from, to) = (old.manifest().version.clone(), new.manifest().version.clone());
-        if failed {
-            for holder in exchanged {
-                if let Err(error) = holder.exchange(old.clone()).await {
-                    let text = format!("{} could not go back to {from}: {error}", holder.name());
-                    self.tell(name, Severity::Critical, text);
-                }
-            }
-            self.tell(
-                name,
-                Severity::Warning,
-                format!("plugin {name} {to} did not come up; {from} stays"),
-            );
-        } else {
-            self.board.catalog.activate(name, new);
-            self.tell(
-                name,
-                Severity::Advisory,
-                format!("plugin {name}: {to} instead of {from}"),
-            );
-        }
-        UpgradeReceipt {
-            name: name.to_owned(),
-            from,
-            to,
-            instances,
-            rolled_back: failed,
-        }
-    }
-
-    /// Forgets a plugin. Its library stays loaded, as every library does, but no instance is made of it any more.
-    ///
-    /// # Errors
-    /// When there is no such plugin, or something uses it.
-    pub fn remove_plugin(&self, name: &str) -> Result<(), PluginRefusal> {
-        let mut by: Vec<String> = self.holders(name).iter().map(Holder::name).collect();
-        for rule in &self.board.config.adopt {
-            if rule.model == name || rule.payloads.iter().any(|payload| payload.plugin == name) {
-                by.push(format!("the adoption rule \"{}\"", rule.name));
-            }
-        }
-        if !by.is_empty() {
-            return Err(PluginRefusal::InUse {
-                name: name.to_owned(),
-                by,
-            });
-        }
-        if !self.board.catalog.remove(name) {
-            return Err(PluginRefusal::Unknown { name: name.to_owned() });
-        }
-        self.tell(name, Severity::Advisory, format!("plugin {name} removed"));
-        Ok(())
     }
 
     /// Starts the plugin instance of a vehicle or of its payload anew and forgets its failures.
@@ -409,154 +248,6 @@ impl NodeHandle {
             vehicle: cell.id,
             payload: name.to_owned(),
         })
-    }
-
-    /// Gives a command to a payload; it has to fit the command schema of the payload's plugin.
-    pub async fn command_payload(
-        &self,
-        vehicle: VehicleId,
-        payload: &str,
-        command: &serde_json::Value,
-    ) -> CommandReceipt {
-        let id = self.board.next_command_id();
-        let refusal = match self.ask_payload(id, vehicle, payload, command).await {
-            Ok(receipt) => return receipt,
-            Err(refusal) => Some(refusal),
-        };
-        CommandReceipt { vehicle, id, refusal }
-    }
-
-    async fn ask_payload(
-        &self,
-        id: CommandId,
-        vehicle: VehicleId,
-        payload: &str,
-        command: &serde_json::Value,
-    ) -> Result<CommandReceipt, Refusal> {
-        let cell = self.board.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
-        let actor = self.payload(&cell, payload)?.actor.load_full();
-        let actor = actor.ok_or_else(|| not_running(vehicle, Some(payload)))?;
-        let command_json = command.to_string();
-        let message = |reply| PayloadMessage::Command {
-            id,
-            command_json,
-            asker: Asker::Operator(reply),
-        };
-        match actor.call(message, Some(ANSWER_WITHIN)).await {
-            Ok(CallResult::Success(receipt)) => Ok(receipt),
-            Ok(CallResult::Timeout) => Err(Refusal::TimedOut {
-                what: format!("payload {payload} of vehicle {vehicle}"),
-                after_s: ANSWER_WITHIN.as_secs_f64(),
-            }),
-            _ => Err(not_running(vehicle, Some(payload))),
-        }
-    }
-
-    /// Puts a payload on a vehicle.
-    ///
-    /// # Errors
-    /// When there is no such vehicle, or the rule cannot be.
-    pub async fn attach_payload(&self, vehicle: VehicleId, rule: PayloadRule) -> Result<(), Refusal> {
-        self.ask_fleet(|reply| FleetMessage::Attach(vehicle, Box::new(rule), reply))
-            .await
-    }
-
-    /// Takes a payload off a vehicle.
-    ///
-    /// # Errors
-    /// When there is no such vehicle or payload.
-    pub async fn detach_payload(&self, vehicle: VehicleId, payload: String) -> Result<(), Refusal> {
-        self.ask_fleet(|reply| FleetMessage::Detach(vehicle, payload, reply))
-            .await
-    }
-
-    async fn ask_fleet(
-        &self,
-        message: impl FnOnce(ractor::RpcReplyPort<Result<(), Refusal>>) -> FleetMessage,
-    ) -> Result<(), Refusal> {
-        let gone = || Refusal::NotRunning {
-            what: "the fleet".into(),
-        };
-        let fleet = self.parts.fleet.load_full().ok_or_else(gone)?;
-        match fleet.call(message, Some(ANSWER_WITHIN)).await {
-            Ok(CallResult::Success(answer)) => answer,
-            _ => Err(gone()),
-        }
-    }
-
-    /// Keeps an uploaded library, switched off.
-    ///
-    /// # Errors
-    /// When the configuration takes no uploads, the name is none of a library, or it cannot be written.
-    pub fn keep_upload(&self, file: &str, bytes: &[u8]) -> Result<(), PluginRefusal> {
-        let path = self.upload_path(file)?;
-        let off = path.with_extension("so.off");
-        let partly = path.with_extension("so.part");
-        // Renamed when it is whole, so that nobody ever enables half a library.
-        std::fs::write(&partly, bytes)
-            .and_then(|()| std::fs::rename(&partly, &off))
-            .map_err(|e| PluginRefusal::BadUpload { detail: e.to_string() })?;
-        self.tell(
-            file,
-            Severity::Advisory,
-            format!("{file} was uploaded; it is off until it is enabled"),
-        );
-        Ok(())
-    }
-
-    /// Switches an uploaded library on: the next look at the directories finds it.
-    ///
-    /// # Errors
-    /// As [`Self::keep_upload`], and when there is no such upload.
-    pub fn enable_upload(&self, file: &str) -> Result<(), PluginRefusal> {
-        let path = self.upload_path(file)?;
-        std::fs::rename(path.with_extension("so.off"), &path).map_err(|e| PluginRefusal::BadUpload {
-            detail: format!("{file} cannot be enabled: {e}"),
-        })
-    }
-
-    fn upload_path(&self, file: &str) -> Result<PathBuf, PluginRefusal> {
-        let Some(directory) = &self.board.config.plugins.upload_directory else {
-            return Err(PluginRefusal::NotPermitted {
-                detail: "this node takes no uploads (plugins.upload_directory)".into(),
-            });
-        };
-        let stem = file.strip_prefix("lib").and_then(|rest| rest.strip_suffix(".so"));
-        let letter = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-        if !stem.is_some_and(|stem| !stem.is_empty() && stem.len() <= 64 && stem.chars().all(letter)) {
-            return Err(PluginRefusal::BadUpload {
-                detail: format!("{file:?} is not the name of a library, such as libgimbal_plugin.so"),
-            });
-        }
-        Ok(directory.join(file))
-    }
-
-    /// The last frame of a payload.
-    #[must_use]
-    pub fn payload_frame(&self, vehicle: VehicleId, payload: &str) -> Option<Arc<Frame>> {
-        self.board.cell(vehicle)?.payload(payload)?.frame.load_full()
-    }
-
-    /// Replaces what is tracked. Models and payloads are told with their next batch.
-    ///
-    /// # Errors
-    /// When a number is not finite, or one track is there twice.
-    pub fn set_tracks(&self, tracks: Vec<Track>) -> Result<(), Refusal> {
-        let mut seen = std::collections::BTreeSet::new();
-        for track in &tracks {
-            if !track.position.is_finite() || !track.velocity.is_finite() {
-                return Err(Refusal::InvalidValue {
-                    detail: format!("track {} is not finite", track.track),
-                });
-            }
-            if !seen.insert(track.track) {
-                return Err(Refusal::InvalidValue {
-                    detail: format!("track {} is there twice", track.track),
-                });
-            }
-        }
-        self.board.tracks.store(Arc::new(tracks));
-        Ok(())
     }
 
     fn tell(&self, plugin: &str, severity: Severity, text: String) {
