@@ -144,7 +144,7 @@ pub struct PayloadState {
     waiting: Vec<Event>,
     /// Revisions of the siblings' reports that the plugin has.
     seen: BTreeMap<String, u64>,
-    /// Commands under way.
+    /// Operators' commands under way, by name. What its own model asks of it many times a second would drown the event log.
     commands: BTreeMap<CommandId, String>,
     /// A refusal told within the present call, for the command's receipt.
     refusal: Option<(CommandId, Refusal)>,
@@ -234,7 +234,13 @@ impl Actor for Payload {
 impl PayloadState {
     /// Checks a command against the plugin's schema and hands it over at once.
     async fn command(&mut self, id: CommandId, command_json: String, asker: Asker) {
+        if matches!(asker, Asker::Operator(_)) {
+            self.commands.insert(id, command_name(&command_json));
+        }
         let refusal = self.try_command(id, command_json).await.err();
+        if refusal.is_some() {
+            self.commands.remove(&id);
+        }
         match asker {
             Asker::Operator(reply) => {
                 let receipt = CommandReceipt {
@@ -265,7 +271,6 @@ impl PayloadState {
                 what: format!("payload {} of vehicle {}", self.cell.name, self.vehicle.id),
             });
         }
-        self.commands.insert(id, command_name(&command_json));
         self.waiting.push(Event::PayloadCommand { id, command_json });
         self.period(false).await;
         match self.refusal.take_if(|(refused, _)| *refused == id) {

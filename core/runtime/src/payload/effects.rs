@@ -97,11 +97,14 @@ impl PayloadState {
     }
 
     fn progress(&mut self, id: CommandId, progress: CommandProgress) {
+        if let CommandProgress::Refused { refusal } = &progress {
+            self.refusal = Some((id, refusal.clone()));
+        }
         let name = match progress {
             CommandProgress::Executing => self.commands.get(&id).cloned(),
             CommandProgress::Done | CommandProgress::Refused { .. } => self.commands.remove(&id),
         };
-        let name = name.unwrap_or_else(|| "command".into());
+        let Some(name) = name else { return };
         let label = &self.cell.life.label;
         let (severity, text) = match &progress {
             CommandProgress::Executing => (Severity::Info, format!("{label}: {name} taken up")),
@@ -111,9 +114,6 @@ impl PayloadState {
             } => (Severity::Info, format!("{label}: {name} replaced by a newer command")),
             CommandProgress::Refused { refusal } => (Severity::Warning, format!("{label}: {name} refused: {refusal}")),
         };
-        if let CommandProgress::Refused { refusal } = &progress {
-            self.refusal = Some((id, refusal.clone()));
-        }
         let kind = EventKind::Command {
             id,
             command: name,
