@@ -119,6 +119,31 @@ fn layout_is_the_committed_one() {
     assert_eq!(layout(), committed, "the binary layout changed: see ABI.md");
 }
 
+/// FNV-1a over the layout without its version: a change of layout must not hide behind an unchanged version.
+fn fingerprint() -> String {
+    let layout = layout();
+    let (_, numbers) = layout.split_once('\n').unwrap();
+    let hash = numbers.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3)
+    });
+    format!("{hash:016x}")
+}
+
+#[test]
+#[cfg(target_pointer_width = "64")]
+fn the_layout_is_the_one_its_version_was_given() {
+    let history = include_str!("../ABI.md");
+    let row = history
+        .lines()
+        .find(|line| line.starts_with(&format!("| {ABI_VERSION} | ")))
+        .unwrap();
+    let fingerprint = fingerprint();
+    assert!(
+        row.contains(&fingerprint),
+        "version {ABI_VERSION} was given another layout than {fingerprint}: count the version up and write its row, see ABI.md"
+    );
+}
+
 #[test]
 fn every_version_has_a_row_in_the_history() {
     let history = include_str!("../ABI.md");

@@ -22,7 +22,7 @@ const TAKE_FOREIGN_INPUT: [&str; 5] = [
     "skein-plugin-host",
 ];
 /// The flights, each with its report; a row of them in place of one long flight, which would show nothing new after two minutes.
-const FLIGHTS: [(&str, &[&str]); 6] = [
+const FLIGHTS: [(&str, &[&str]); 8] = [
     ("soak-50", &["--vehicles", "50"]),
     ("soak-50-faults", &["--vehicles", "50", "--faults", "--seed", "2"]),
     ("soak-20-faults", &["--vehicles", "20", "--faults", "--seed", "3"]),
@@ -32,6 +32,23 @@ const FLIGHTS: [(&str, &[&str]); 6] = [
         &["--vehicles", "6", "--faults", "--seed", "5", "--seconds", "200"],
     ),
     ("soak-6", &["--vehicles", "6", "--seed", "6", "--seconds", "200"]),
+    (
+        "soak-6-plugins",
+        &[
+            "--vehicles",
+            "6",
+            "--faults",
+            "plugins",
+            "--seed",
+            "7",
+            "--seconds",
+            "200",
+        ],
+    ),
+    (
+        "soak-20-plugins",
+        &["--vehicles", "20", "--faults", "plugins", "--seed", "8"],
+    ),
 ];
 
 /// Runs them all. `tell` says to a command where the artefacts under test are.
@@ -60,6 +77,7 @@ pub fn run(workspace: &Workspace, report: &mut Report, tell: impl Fn(&mut Comman
         Step::tests(properties, Runner::CargoTest),
     );
     fuzz_targets(workspace, report);
+    miri(workspace, report);
     if is_installed("cargo-deny") {
         let mut advisories = workspace.cargo();
         advisories.args(["deny", "check", "advisories"]);
@@ -70,6 +88,37 @@ pub fn run(workspace: &Workspace, report: &mut Report, tell: impl Fn(&mut Comman
             Step::new(advisories),
         );
     }
+}
+
+/// The two sides of the boundary under Miri, if it is there: it is a component of nightly Rust.
+fn miri(workspace: &Workspace, report: &mut Report) {
+    let there = Command::new("cargo")
+        .args(["+nightly", "miri", "--version"])
+        .output()
+        .is_ok_and(|output| output.status.success());
+    if !there {
+        report.left_out("miri", "it is not installed (rustup +nightly component add miri)");
+        return;
+    }
+    let mut command = Command::new("cargo");
+    command
+        .args([
+            "+nightly",
+            "miri",
+            "test",
+            "-p",
+            "skein-plugin-abi",
+            "-p",
+            "skein-plugin-sdk",
+        ])
+        .env("MIRIFLAGS", "-Zmiri-disable-isolation")
+        .env("CARGO_TARGET_DIR", workspace.target.join("miri"))
+        .current_dir(&workspace.root);
+    report.step(
+        "miri",
+        "Miri names the undefined behaviour above",
+        Step::tests(command, Runner::CargoTest),
+    );
 }
 
 fn flight(workspace: &Workspace, arguments: &[&str], report_file: &Path) -> Command {

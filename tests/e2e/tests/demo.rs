@@ -32,11 +32,11 @@ fn read(file: &Path) -> serde_json::Value {
     serde_json::from_str(&std::fs::read_to_string(file).expect("the report is written")).expect("the report is JSON")
 }
 
-fn check(report: &serde_json::Value, vehicles: u64) {
+fn check(report: &serde_json::Value, vehicles: u64, criteria_expected: usize) {
     assert_eq!(report["passed"], true);
     assert_eq!(report["vehicles"], vehicles);
     let criteria = report["criteria"].as_array().expect("criteria");
-    assert_eq!(criteria.len(), 8);
+    assert_eq!(criteria.len(), criteria_expected);
     for criterion in criteria {
         assert_eq!(criterion["met"], true, "{criterion}");
         assert!(
@@ -48,16 +48,37 @@ fn check(report: &serde_json::Value, vehicles: u64) {
 
 #[tokio::test]
 async fn six_vehicles_fly_the_demonstration() {
-    check(&fly(&["--vehicles", "6"]).await, 6);
+    check(&fly(&["--vehicles", "6"]).await, 6, 9);
 }
 
 #[tokio::test]
 async fn with_faults_the_criteria_still_hold() {
     let report = fly(&["--vehicles", "6", "--faults", "--seed", "2"]).await;
-    check(&report, 6);
+    check(&report, 6, 9);
     let restarts = report["restarts"].as_array().expect("restarts");
     assert!(
         restarts.len() >= 4,
         "two plugins, an actor and the coordinator were killed: {restarts:?}"
     );
+}
+
+#[tokio::test]
+async fn with_a_random_plugin_ended_twice_a_second_the_criteria_still_hold() {
+    let report = fly(&["--vehicles", "6", "--faults", "plugins", "--seed", "3"]).await;
+    check(&report, 6, 11);
+    let restarts = report["plugin_restarts"].as_array().expect("restarts");
+    let isolations: Vec<_> = restarts
+        .iter()
+        .map(|r| r["isolation"].as_str().expect("a word"))
+        .collect();
+    assert_eq!(isolations, ["in_process", "child"]);
+    for of_one_kind in restarts {
+        let number = |key: &str| of_one_kind[key].as_u64().expect("a number");
+        assert!(number("count") >= 30, "twice a second over two minutes: {of_one_kind}");
+        assert_eq!(
+            number("restored_exactly") + number("without_state"),
+            number("count"),
+            "{of_one_kind}"
+        );
+    }
 }
