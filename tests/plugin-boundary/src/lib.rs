@@ -4,6 +4,8 @@
 //! Must never do: stand in for host or plugin. Both sides are the real ones.
 #![forbid(unsafe_code)]
 
+pub mod outcome;
+
 use skein_domain::exchange::{Create, Effect, Event, EventBatch};
 use skein_domain::{Incarnation, NodeTime, VehicleId};
 use skein_plugin_host::{Instance, Isolation, Plugin, PluginError, Runners};
@@ -43,6 +45,21 @@ pub fn fixture_built_with(way: &[&str], profile: &str, name: &str) -> PathBuf {
     library(&target.join(folder).join("examples"), name)
 }
 
+/// The failing model, built so that every Rust struct in it that may be laid out anew is: nothing that crosses may depend on it.
+///
+/// # Panics
+/// If it does not compile.
+#[must_use]
+pub fn fixture_with_other_layouts() -> PathBuf {
+    let target = target_dir().join("plugin-boundary").join("other-layouts");
+    let mut command = cargo_build(&[package("failing-model")], &target, &["--example", "failing_model"]);
+    // The only use of an unstable option, in a library that is only ever tested.
+    command.env("RUSTC_BOOTSTRAP", "1");
+    command.env("RUSTFLAGS", "-Zrandomize-layout -Zlayout-seed=4711");
+    run(command);
+    library(&target.join("debug").join("examples"), "failing_model")
+}
+
 /// The names of all fixtures, as their manifests list them.
 ///
 /// # Panics
@@ -71,6 +88,10 @@ fn package(folder: &str) -> String {
 }
 
 fn build(packages: &[String], target: &Path, arguments: &[&str]) {
+    run(cargo_build(packages, target, arguments));
+}
+
+fn cargo_build(packages: &[String], target: &Path, arguments: &[&str]) -> Command {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
     command.args(["build", "--quiet"]).args(arguments);
@@ -80,6 +101,10 @@ fn build(packages: &[String], target: &Path, arguments: &[&str]) {
     command
         .current_dir(skein_testkit::repository())
         .env("CARGO_TARGET_DIR", target);
+    command
+}
+
+fn run(mut command: Command) {
     let status = command.status().expect("cargo can be started");
     assert!(status.success(), "{command:?} failed: see the messages above");
 }
@@ -105,6 +130,25 @@ fn target_dir() -> PathBuf {
         .parent()
         .expect("a profile lies in a build directory")
         .to_owned()
+}
+
+/// The blocks of shell commands in a document, in order.
+#[must_use]
+pub fn sh_blocks(markdown: &str) -> Vec<String> {
+    let mut blocks = Vec::new();
+    let mut open: Option<String> = None;
+    for line in markdown.lines() {
+        match &mut open {
+            Some(block) if line == "```" => {
+                blocks.push(std::mem::take(block));
+                open = None;
+            }
+            Some(block) => *block += &format!("{line}\n"),
+            None if line == "```sh" => open = Some(String::new()),
+            None => {}
+        }
+    }
+    blocks
 }
 
 /// The plugin of that name among those that ship.

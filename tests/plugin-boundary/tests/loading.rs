@@ -7,11 +7,11 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 
 /// Every fixture, with what the host says of it; nothing for those it takes.
-const EXPECTED: [(&str, &str); 18] = [
+const EXPECTED: [(&str, &str); 22] = [
     ("no_symbol", "does not export SKEIN_PLUGIN"),
     ("nothing_wrong", ""),
     ("wrong_magic", "is not a handshake"),
-    ("wrong_abi_version", "ABI version 2, this host has 1"),
+    ("wrong_abi_version", "ABI version 3, this host has 2"),
     ("wrong_handshake_size", "its handshake has 64 bytes instead of 72"),
     ("wrong_table_size", "its table has 48 bytes instead of 40"),
     ("wrong_target", "built for ?"),
@@ -24,8 +24,12 @@ const EXPECTED: [(&str, &str); 18] = [
     ("bad_name", "the name \"../Bad Name\""),
     ("unknown_effect", "effect 23 is not known"),
     ("manifest_refused", "no manifest today"),
+    ("bad_utf8_manifest", "not decodable"),
+    ("steering_camera", "a camera plugin may not have the effect setpoint"),
+    ("bad_schema", "the schema of the configuration"),
     ("failing_model", ""),
     ("manifest_panics", "panicked while it made its manifest: on purpose"),
+    ("failing_camera", ""),
 ];
 
 #[test]
@@ -157,4 +161,50 @@ fn nothing_is_left_behind_by_loading() {
         .filter(|entry| entry.path().join("libnothing_wrong.so").exists());
     assert_eq!(left.count(), 0, "a copy was left");
     drop(plugin);
+}
+
+#[test]
+fn a_library_replaced_while_it_is_loaded_is_loaded_whole_or_refused() {
+    let folder = tempfile::tempdir().expect("can be made");
+    let path = folder.path().join("libreplaced.so");
+    let versions = ["nothing_wrong", "other_kind"].map(|name| std::fs::read(fixture(name)).expect("is there"));
+    std::fs::write(&path, &versions[0]).expect("can be written");
+    let done = std::sync::atomic::AtomicBool::new(false);
+    let (mut whole, mut refused) = (0, 0);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            for round in 0.. {
+                if done.load(std::sync::atomic::Ordering::Relaxed) {
+                    return;
+                }
+                let version = &versions[round % 2];
+                if round % 3 == 0 {
+                    // As an installer should do it.
+                    let beside = path.with_extension("new");
+                    std::fs::write(&beside, version).expect("can be written");
+                    std::fs::rename(&beside, &path).expect("can be renamed");
+                } else {
+                    // As one should not: the file is cut off and grows again.
+                    std::fs::write(&path, version).expect("can be written");
+                }
+            }
+        });
+        for _ in 0..60 {
+            match Plugin::load(&path) {
+                Ok(plugin) => {
+                    assert_eq!(plugin.manifest().name, "misbehaving");
+                    whole += 1;
+                }
+                Err(LoadError::ManifestPanicked { .. } | LoadError::TimedOut { .. }) => {
+                    panic!("code of half a library ran")
+                }
+                Err(_) => refused += 1,
+            }
+        }
+        done.store(true, std::sync::atomic::Ordering::Relaxed);
+    });
+    assert_eq!(whole + refused, 60);
+    // Left in peace it loads.
+    std::fs::write(&path, &versions[0]).expect("can be written");
+    Plugin::load(&path).expect("is taken");
 }
