@@ -100,7 +100,7 @@ async fn check_one(file: &Path, arguments: &CheckArguments) -> Result<String, St
         lived if wanted.is_child() => (lived, "in a process of its own"),
         lived => (lived, "in this process"),
     };
-    let lived = lived.map_err(|(step, error)| format!("{step}: it {error}"))?;
+    let lived = lived.map_err(|(step, error)| format!("{step}: {error}"))?;
     Ok(summary(&plugin, &lived, place))
 }
 
