@@ -14,7 +14,8 @@ use skein_plugin_abi::PluginKind;
 ///
 /// Its device is reached through the host: over the vehicle's MAVLink ([`Event::Mavlink`], [`Effects::mavlink`]) or over a transport of
 /// its own that the configuration names ([`Event::Received`], [`Effects::transmit`]). So the same plugin can be tested without any
-/// device, and runs in a child process that has no network.
+/// device, and runs in a child process that needs no network. A plugin that has to open something of its own all the same (a video file, a
+/// netlink socket) does it on a thread of its own, which ends with the instance.
 pub trait Payload: Sized + Send + 'static {
     /// Its configuration. Use `#[serde(deny_unknown_fields, default)]`, and a doc comment on every field: the schema shows it.
     type Config: DeserializeOwned + JsonSchema;

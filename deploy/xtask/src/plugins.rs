@@ -10,6 +10,7 @@ use std::ffi::OsString;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// Which cargo profile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,6 +53,15 @@ pub fn build(workspace: &Workspace, profile: Profile) -> Result<PathBuf> {
 pub fn build_with(workspace: &Workspace, profile: Profile, others: &[&str]) -> Result<PathBuf> {
     let plugins = members(workspace).map(|package| package.name.as_str());
     let names: Vec<&str> = plugins.chain(others.iter().copied()).collect();
+    let compiler = std::env::var_os("CXX").unwrap_or_else(|| "c++".into());
+    ensure!(
+        Command::new(&compiler)
+            .arg("--version")
+            .output()
+            .is_ok_and(|output| output.status.success()),
+        "the camera plugin's video decoder is built with a C++ compiler, and {} does not run: install one (Debian: apt install g++)",
+        compiler.to_string_lossy()
+    );
     println!("building {}", names.join(", "));
     let mut command = workspace.cargo();
     command

@@ -83,6 +83,27 @@ pub fn fixture_names() -> Vec<String> {
     FIXTURE_PACKAGES.iter().flat_map(names).collect()
 }
 
+/// The plugin in C, compiled with the command of its README into a folder of the test.
+///
+/// # Panics
+/// If it does not compile.
+#[must_use]
+pub fn example_c(folder: &Path) -> PathBuf {
+    let repository = skein_testkit::repository();
+    let readme = std::fs::read_to_string(repository.join("plugins/example-c/README.md")).expect("is there");
+    let blocks = sh_blocks(&readme);
+    let compile = blocks[0].lines().next().expect("has a command");
+    let library = folder.join("libexample_c.so");
+    let compile = compile.replace("-o libexample_c.so", &format!("-o {}", library.display()));
+    let status = Command::new("sh")
+        .args(["-c", &compile])
+        .current_dir(repository)
+        .status()
+        .expect("is started");
+    assert!(status.success(), "{compile}");
+    library
+}
+
 fn package(folder: &str) -> String {
     format!("fixture-{folder}")
 }

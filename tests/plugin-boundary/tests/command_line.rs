@@ -38,10 +38,7 @@ fn check_says_at_which_step_an_instance_fails() {
     for (fail, sentence) in [
         ("panic_in_create", "an instance was not made: panicked"),
         ("abort", "its first call: its process ended"),
-        (
-            "effect_not_in_manifest",
-            "its first call: returned the effect setpoint",
-        ),
+        ("effect_not_in_manifest", "its first call: returned the effect setpoint"),
         ("no_such_way", "is not as its schema has it"),
     ] {
         let config = format!(r#"{{"fail": "{fail}"}}"#);

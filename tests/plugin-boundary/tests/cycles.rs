@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
 use skein_plugin_host::{Catalog, Isolation, Runners, Trust};
-use skein_tests_plugin_boundary::{create_uav, fixture};
+use skein_tests_plugin_boundary::{create_uav, example_c};
 use std::io::Write;
 use std::path::Path;
 use std::time::Duration;
@@ -40,7 +40,9 @@ fn install(number: usize, original: &[u8], folder: &Path) {
 #[tokio::test]
 async fn a_thousand_versions_leave_their_libraries_and_nothing_else() {
     let folder = tempfile::tempdir().unwrap();
-    let original = std::fs::read(fixture("failing_model")).unwrap();
+    let built = tempfile::tempdir().unwrap();
+    // The smallest plugin there is: each version keeps its file on the disk for as long as this process runs.
+    let original = std::fs::read(example_c(built.path())).unwrap();
     install(0, &original, folder.path());
     let catalog = Catalog::discover(&[folder.path().to_owned()], Trust::default());
     let name = catalog.plugins().first().unwrap().manifest().name.clone();
@@ -50,7 +52,9 @@ async fn a_thousand_versions_leave_their_libraries_and_nothing_else() {
     for number in 1..=WARM_UP + CYCLES {
         install(number, &original, folder.path());
         assert_eq!(catalog.rescan().len(), 1, "version {number} is found");
-        let next = catalog.candidate(&name).unwrap();
+        // After a removal the name is a new one, whose first version is active at once.
+        let candidate = catalog.candidate(&name);
+        let next = candidate.clone().or_else(|| catalog.get(&name)).unwrap();
         let new = runners
             .create(next.clone(), Isolation::InProcess, create_uav(1, "{}", None))
             .await
@@ -58,7 +62,9 @@ async fn a_thousand_versions_leave_their_libraries_and_nothing_else() {
         new.snapshot().await.unwrap();
         // The former version's instance ends here.
         instance = Some(new);
-        assert!(catalog.activate(&name, &next));
+        if candidate.is_some() {
+            assert!(catalog.activate(&name, &next));
+        }
         if number % 10 == 0 {
             assert!(catalog.remove(&name));
         }

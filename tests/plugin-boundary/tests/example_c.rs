@@ -3,28 +3,9 @@
 use skein_domain::exchange::{CommandProgress, Effect, Event, EventBatch};
 use skein_domain::{CommandId, NodeTime};
 use skein_plugin_host::{ChildLimits, Isolation, Plugin, PluginKind, Runners};
-use skein_tests_plugin_boundary::{create_uav, sh_blocks, tick};
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use skein_tests_plugin_boundary::{create_uav, example_c, tick};
 use std::sync::Arc;
 use std::time::Duration;
-
-/// Compiles it with the command of its README, into a folder of the test.
-fn compiled(folder: &Path) -> PathBuf {
-    let repository = skein_testkit::repository();
-    let readme = std::fs::read_to_string(repository.join("plugins/example-c/README.md")).expect("is there");
-    let blocks = sh_blocks(&readme);
-    let compile = blocks[0].lines().next().expect("has a command");
-    let library = folder.join("libexample_c.so");
-    let compile = compile.replace("-o libexample_c.so", &format!("-o {}", library.display()));
-    let status = Command::new("sh")
-        .args(["-c", &compile])
-        .current_dir(repository)
-        .status()
-        .expect("is started");
-    assert!(status.success(), "{compile}");
-    library
-}
 
 fn report(effects: &[Effect]) -> Option<&str> {
     effects.iter().find_map(|effect| match effect {
@@ -36,7 +17,7 @@ fn report(effects: &[Effect]) -> Option<&str> {
 #[tokio::test]
 async fn it_counts_takes_commands_and_goes_on_after_a_restart() {
     let folder = tempfile::tempdir().expect("can be made");
-    let plugin = Plugin::load(&compiled(folder.path())).expect("is taken");
+    let plugin = Plugin::load(&example_c(folder.path())).expect("is taken");
     assert_eq!(plugin.manifest().kind, PluginKind::DETECTOR);
     assert!(plugin.manifest().check_command(r#"{"command": "reset"}"#).is_ok());
     assert!(plugin.manifest().check_command(r#"{"command": "explode"}"#).is_err());
