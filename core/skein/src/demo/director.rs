@@ -106,7 +106,8 @@ impl<'a> Director<'a> {
         let fleet = self.node.snapshot();
         let leader = fleet.vehicles.iter().find(|v| v.is_leader).map(|v| v.id);
         let leader = leader.context("nobody leads")?;
-        let carries_gimbal = |v: &&VehicleSnapshot| !v.is_leader && v.payloads.iter().any(|p| p.kind == PayloadKind::Gimbal);
+        let carries_gimbal =
+            |v: &&VehicleSnapshot| !v.is_leader && v.payloads.iter().any(|p| p.kind == PayloadKind::Gimbal);
         let observers: Vec<VehicleId> = fleet.vehicles.iter().filter(carries_gimbal).map(|v| v.id).collect();
         if observers.is_empty() {
             return Ok(());

@@ -1,5 +1,4 @@
 //! Lines to devices, over real sockets.
-#![expect(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
 use super::*;
 
