@@ -7,7 +7,7 @@ use skein_plugin_sdk::domain::payload::{Target, Track};
 use skein_plugin_sdk::domain::{NodeTime, PositionNed, Refusal, VehicleId, VelocityNed};
 
 /// A change of velocity above this is planned for at once, in metres per second.
-const REPLAN_VELOCITY_M_S: f64 = 0.3;
+const REPLAN_VELOCITY_M_S: f64 = 0.1;
 
 /// Where something was at a moment, and how it moved.
 #[derive(Debug, Clone, Copy, PartialEq, Encode, Decode)]

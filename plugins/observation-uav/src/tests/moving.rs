@@ -8,7 +8,7 @@ use skein_plugin_sdk::domain::exchange::Effect;
 
 /// A walk: accelerations, each for some seconds, up to 5 m/s.
 fn walk() -> impl Strategy<Value = Vec<(f64, f64, f64)>> {
-    prop::collection::vec((-1.5..1.5f64, -1.5..1.5f64, 1.0..6.0f64), 4..12)
+    prop::collection::vec((-0.8..0.8f64, -0.8..0.8f64, 1.0..6.0f64), 4..12)
 }
 
 fn accelerate(mover: &mut Mover, north_m_s2: f64, east_m_s2: f64) {
