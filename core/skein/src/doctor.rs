@@ -125,7 +125,10 @@ fn plugins(config: &NodeConfig, findings: &mut Vec<Finding>) {
             .iter()
             .flat_map(|rule| rule.payloads.iter().map(|p| p.plugin.as_str())),
     );
-    names.insert("generic-uav");
+    if config.adopt.is_empty() {
+        // What the first rule that anyone writes will name.
+        names.insert("generic-uav");
+    }
     for name in names.into_iter().filter(|name| catalog.get(name).is_none()) {
         bad(
             findings,
