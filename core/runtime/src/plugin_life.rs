@@ -205,6 +205,7 @@ impl PluginLife {
     fn started(&mut self, restored: Restored, asked: Instant) {
         let now = self.board.now();
         let restart = self.failed.take();
+        self.statistics_at = NodeTime(0);
         {
             let plugin = self.record.plugin.load();
             let mut health = self.record.health.lock();
@@ -337,6 +338,7 @@ impl PluginLife {
         *self.record.snapshot.lock() = Some(answer.snapshot);
         self.instance = Some(instance);
         self.incarnation = incarnation;
+        self.statistics_at = NodeTime(0);
         let before = self.record.plugin.swap(plugin.clone());
         {
             let mut health = self.record.health.lock();
