@@ -85,9 +85,12 @@ pub struct DemoArguments {
     /// Seed of wind and sensor noise.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Directory of the plugins [default: `plugins` beside this program].
+    /// Every vehicle is flown by this UAV model, and carries a radio only [default: a mixed swarm].
+    #[arg(long, value_name = "PLUGIN")]
+    pub model: Option<String>,
+    /// Another directory of plugins, beside `plugins` where this program is; may be given several times.
     #[arg(long, value_name = "DIR")]
-    pub plugins: Option<PathBuf>,
+    pub plugins: Vec<PathBuf>,
 }
 
 /// What fails in the demonstration.

@@ -65,9 +65,14 @@ fn configuration(arguments: &DemoArguments, layout: &Layout) -> NodeConfig {
             name: Some(ENDPOINT.into()),
             address: "udp-listen://127.0.0.1:0".into(),
         }],
-        adopt: fleet::rules(arguments.vehicles, arguments.faults),
+        adopt: fleet::rules(arguments.vehicles, arguments.model.as_deref(), arguments.faults),
         plugins: PluginSettings {
-            directories: vec![arguments.plugins.clone().unwrap_or_else(plugins_beside_program)],
+            directories: arguments
+                .plugins
+                .iter()
+                .cloned()
+                .chain([plugins_beside_program()])
+                .collect(),
             ..PluginSettings::default()
         },
         ..NodeConfig::default()

@@ -34,6 +34,7 @@ fn its_commands_work() {
         "my-light 0.1.0 (gimbal)",
         "in a process of its own",
         "log-keeper           0.1.0",
+        "The flight met all criteria.",
     ] {
         assert!(said.contains(expected), "{expected:?} is not in:\n{said}\n{errors}");
     }

@@ -1,4 +1,4 @@
-//! What flies in the demonstration: a mixed swarm. Every third vehicle could host the coordinator, every third observes with a gimbal and
+//! What flies in the demonstration: a mixed swarm, or one model that somebody wants to see fly. Every third vehicle could host the coordinator, every third observes with a gimbal and
 //! a camera, and each has a radio.
 
 use crate::args::FaultPlan;
@@ -6,16 +6,17 @@ use skein_config::{AdoptionRule, Isolation, PayloadRule, SystemIdSet};
 use skein_domain::SystemId;
 
 /// The adoption rules, one per vehicle.
-pub fn rules(vehicles: u8, faults: Option<FaultPlan>) -> Vec<AdoptionRule> {
+pub fn rules(vehicles: u8, model: Option<&str>, faults: Option<FaultPlan>) -> Vec<AdoptionRule> {
     let mixed = faults == Some(FaultPlan::Plugins);
-    (1..=vehicles).map(|system_id| rule(system_id, mixed)).collect()
+    (1..=vehicles).map(|system_id| rule(system_id, model, mixed)).collect()
 }
 
-fn rule(system_id: u8, mixed_isolation: bool) -> AdoptionRule {
-    let (model, carries): (_, &[&str]) = match system_id % 3 {
-        1 => ("coordinator-uav", &["radio"]),
-        2 => ("observation-uav", &["gimbal", "camera", "radio"]),
-        _ => ("generic-uav", &["radio"]),
+fn rule(system_id: u8, model: Option<&str>, mixed_isolation: bool) -> AdoptionRule {
+    let (model, carries): (_, &[&str]) = match (model, system_id % 3) {
+        (Some(model), _) => (model, &["radio"]),
+        (None, 1) => ("coordinator-uav", &["radio"]),
+        (None, 2) => ("observation-uav", &["gimbal", "camera", "radio"]),
+        (None, _) => ("generic-uav", &["radio"]),
     };
     // Half of the models and of the payloads each way, so that no kind of plugin runs in one way only.
     let isolation = |number: usize| match (mixed_isolation, (usize::from(system_id) / 3 + number) % 2) {

@@ -51,6 +51,13 @@ pub struct Figures {
     airborne: bool,
 }
 
+impl Figures {
+    /// Whether gimbals were told to look at something.
+    pub fn expects_gimbals(&self) -> bool {
+        self.looks.is_some()
+    }
+}
+
 /// Errors of a kind, gathered; in the unit of what is measured.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Errors {

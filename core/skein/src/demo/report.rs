@@ -176,12 +176,6 @@ fn criteria(arguments: &DemoArguments, figures: &Figures, truth: &TruthFrame, un
             "m",
         ),
         at_most("longest setpoint gap", gap_s, 0.2, "s"),
-        at_most(
-            "gimbals off what they look at, root mean square",
-            figures.pointing.rms().map(f64::to_degrees),
-            5.0,
-            "deg",
-        ),
         at_most("unplanned changes of mode", Some(unplanned as f64), 0.0, ""),
         at_most(
             "farthest landing from its spot",
@@ -222,6 +216,14 @@ pub fn make(
     let unplanned = referee::unplanned_mode_changes(&truth);
     let restarts = director.plugin_restarts();
     let mut criteria = criteria(arguments, &figures, &truth, unplanned.len());
+    if figures.expects_gimbals() {
+        criteria.push(at_most(
+            "gimbals off what they look at, root mean square",
+            figures.pointing.rms().map(f64::to_degrees),
+            5.0,
+            "deg",
+        ));
+    }
     if arguments.faults == Some(FaultPlan::Plugins) {
         criteria.extend(restart_criteria(&restarts, faults));
     }
