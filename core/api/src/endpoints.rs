@@ -9,6 +9,7 @@ use crate::protocol::{
 };
 use crate::routes::{self, EventQuery};
 use crate::stream::{self, StreamQuery};
+use axum::extract::DefaultBodyLimit;
 use axum::handler::Handler;
 use axum::http::StatusCode;
 use axum::routing::{MethodRouter, delete, get, post, put};
@@ -92,6 +93,12 @@ impl Endpoint {
 
     fn takes<T: JsonSchema>(mut self) -> Self {
         self.body = Some(schema_of::<T>);
+        self
+    }
+
+    /// Takes bodies up to this length, instead of the one that is enough for JSON.
+    fn takes_bytes(mut self, most: usize) -> Self {
+        self.handler = self.handler.layer(DefaultBodyLimit::max(most));
         self
     }
 

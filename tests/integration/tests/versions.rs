@@ -136,3 +136,45 @@ async fn a_model_is_exchanged_in_flight_and_goes_back_if_it_must() {
     ));
     swarm.stop().await;
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_uploaded_plugin_stays_off_until_it_is_enabled_and_none_is_taken_unasked() {
+    let (_folder, plugins) = folder();
+    let uploads = tempfile::tempdir().unwrap();
+    let (directory, upload_directory) = (plugins.clone(), uploads.path().to_owned());
+    let swarm = Swarm::start_with(0, move |config, _| {
+        config.plugins.directories = vec![directory];
+        config.plugins.upload_directory = Some(upload_directory);
+    })
+    .await;
+    let url = |path: &str| format!("http://{}/api/v1/plugins/{path}", swarm.web_address());
+    let names = || swarm.node().plugins().into_iter().map(|p| p.name).collect::<Vec<_>>();
+    let library = std::fs::read(skein_testkit::plugins_dir().join("libgimbal_plugin.so")).unwrap();
+    let http = reqwest::Client::new();
+    let upload = |file: &str| {
+        http.post(url(&format!("uploads?file={file}")))
+            .body(library.clone())
+            .send()
+    };
+
+    assert_eq!(upload("../escape.so").await.unwrap().status(), 422);
+    assert_eq!(upload("libgimbal_plugin.so").await.unwrap().status(), 202);
+    http.post(url("rescan")).send().await.unwrap();
+    assert_eq!(names(), ["generic-uav"], "it is off");
+    let enabled = http
+        .post(url("uploads/enable?file=libgimbal_plugin.so"))
+        .send()
+        .await
+        .unwrap();
+    assert_eq!(enabled.status(), 200);
+    assert_eq!(names(), ["generic-uav", "gimbal"]);
+    let removed = http.delete(url("gimbal")).send().await.unwrap();
+    assert_eq!(removed.status(), 204);
+    assert_eq!(names(), ["generic-uav"]);
+    swarm.stop().await;
+
+    let closed = Swarm::start_with(0, |_, _| ()).await;
+    let address = format!("http://{}/api/v1/plugins/uploads?file=libx.so", closed.web_address());
+    assert_eq!(http.post(address).body(library).send().await.unwrap().status(), 403);
+    closed.stop().await;
+}

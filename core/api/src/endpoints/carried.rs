@@ -9,6 +9,9 @@ use skein_config::PayloadRule;
 use skein_domain::VehicleId;
 use skein_runtime::{CommandReceipt, UpgradeReceipt};
 
+/// No library that is uploaded is longer, in bytes.
+const MOST_LIBRARY_BYTES: usize = 128 << 20;
+
 /// What can be done about plugins.
 pub(super) fn plugins() -> Vec<Endpoint> {
     vec![
@@ -43,6 +46,7 @@ pub(super) fn plugins() -> Vec<Endpoint> {
         Endpoint::post("/api/v1/plugins/uploads", "uploadPlugin", payloads::upload)
             .about("plugins", "Takes a library, where the configuration permits it. It stays off until it is enabled.")
             .asks::<UploadQuery>()
+            .takes_bytes(MOST_LIBRARY_BYTES)
             .json::<Accepted>(StatusCode::ACCEPTED, "It is kept, and off.")
             .fails(&[400, 403, 422]),
         Endpoint::post("/api/v1/plugins/uploads/enable", "enableUpload", payloads::enable_upload)
