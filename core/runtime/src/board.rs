@@ -25,6 +25,7 @@ use skein_safety::{Gate, Peer};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
 
 /// Everything the actors of one node share.
 pub struct Board {
@@ -38,8 +39,10 @@ pub struct Board {
     pub events: EventLog,
     /// Plugins found.
     pub catalog: Catalog,
-    /// Threads plugin calls run on.
+    /// Threads that UAV models' calls run on.
     pub runners: Arc<Runners>,
+    /// Threads that payloads' calls run on: a camera that draws a picture must keep no vehicle waiting.
+    pub payload_runners: Arc<Runners>,
     /// The swarm's common frame, once known. Set once: positions given before must keep their meaning.
     frame: ArcSwapOption<SwarmFrame>,
     /// Peers of the present control period.
@@ -69,8 +72,13 @@ pub struct Board {
 impl Board {
     /// An empty board.
     #[must_use]
-    pub fn new(config: NodeConfig, clock: Arc<dyn Clock>, gate: Gate, catalog: Catalog, runners: Arc<Runners>) -> Self {
+    pub fn new(config: NodeConfig, clock: Arc<dyn Clock>, gate: Gate, catalog: Catalog) -> Self {
+        let runners = || {
+            let deadline = Duration::from_secs_f64(config.plugins.call_deadline_s);
+            Runners::new(config.plugins.runner_threads, deadline)
+        };
         let frame = config.swarm.origin.map(|origin| Arc::new(SwarmFrame::new(origin)));
+        let (runners, payload_runners) = (runners(), runners());
         Self {
             config,
             clock,
@@ -78,6 +86,7 @@ impl Board {
             events: EventLog::default(),
             catalog,
             runners,
+            payload_runners,
             frame: ArcSwapOption::from(frame),
             peers: ArcSwap::default(),
             intent: ArcSwap::default(),

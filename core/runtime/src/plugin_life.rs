@@ -193,7 +193,11 @@ impl PluginLife {
             payload: record.payload.clone(),
             system_id: Some(record.system_id),
         };
-        let instance = self.board.runners.create(plugin, isolation, create).await?;
+        let runners = match record.payload {
+            None => &self.board.runners,
+            Some(_) => &self.board.payload_runners,
+        };
+        let instance = runners.create(plugin, isolation, create).await?;
         let restored = match snapshot {
             None => Restored::Fresh,
             Some(before) if instance.snapshot().await? == before => Restored::Exactly,

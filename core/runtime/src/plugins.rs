@@ -147,7 +147,8 @@ impl NodeHandle {
     /// The program that is started with `plugin-host` for an instance in a child process; this one unless it is told. For programs
     /// that are not `skein` but run a node, such as tests.
     pub fn set_plugin_host_program(&self, program: PathBuf) {
-        self.board.runners.set_host_program(program);
+        self.board.runners.set_host_program(program.clone());
+        self.board.payload_runners.set_host_program(program);
     }
 
     fn info(&self, plugin: &Arc<Plugin>) -> PluginInfo {

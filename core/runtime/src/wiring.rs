@@ -6,11 +6,10 @@ use crate::payload::transport::TransportAddress;
 use skein_config::NodeConfig;
 use skein_domain::Clock;
 use skein_link_px4::{EndpointAddress, EndpointSettings, LinkSettings, MessageRates};
-use skein_plugin_host::{Catalog, Plugin, PluginKind, Runners, Trust};
+use skein_plugin_host::{Catalog, Plugin, PluginKind, Trust};
 use skein_safety::{Fence, Gate, Limits};
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Duration;
 use thiserror::Error;
 
 /// Why a configuration cannot be turned into a node.
@@ -160,11 +159,7 @@ pub fn board(config: NodeConfig, clock: Arc<dyn Clock>) -> Result<Board, WiringE
             check_config(&plugin, format!("{key}.config"), &payload.config_json())?;
         }
     }
-    let runners = Runners::new(
-        config.plugins.runner_threads,
-        Duration::from_secs_f64(config.plugins.call_deadline_s),
-    );
-    Ok(Board::new(config, clock, gate, catalog, runners))
+    Ok(Board::new(config, clock, gate, catalog))
 }
 
 fn find(catalog: &Catalog, config: &NodeConfig, plugin: &str) -> Result<Arc<Plugin>, WiringError> {
