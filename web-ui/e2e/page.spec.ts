@@ -67,6 +67,29 @@ for (const [width, height] of [[1024, 768], [768, 1024]] as const) {
   });
 }
 
+test('payloads: the camera\'s picture, the gimbal obeys, a restart is seen', async ({ page }) => {
+  await page.getByRole('tab', { name: 'Payloads' }).click();
+  const panel = page.getByTestId('payload-panel');
+  await expect(panel).toContainText('uav-2');
+  const picture = panel.getByRole('img', { name: /camera/ });
+  await expect.poll(() => picture.evaluate((img: HTMLImageElement) => img.naturalWidth), { timeout: 20_000 }).toBeGreaterThan(100);
+  const gimbal = panel.locator('[data-instance="payload-2-gimbal"]');
+  await gimbal.getByRole('button', { name: 'Take control' }).click();
+  await gimbal.getByRole('button', { name: 'Down 45°' }).click();
+  await expect(gimbal).toContainText('-45°', { timeout: 20_000 });
+  expect(await findings(page)).toEqual([]);
+  const incarnation = gimbal.getByTestId('instance-incarnation');
+  await expect(incarnation).toHaveText('1');
+  await gimbal.getByRole('button', { name: 'Restart' }).hover();
+  const sent = page.waitForRequest((request) => request.url().endsWith('/restart'));
+  await page.mouse.down();
+  await sent;
+  await page.mouse.up();
+  await expect(incarnation).toHaveText('2', { timeout: 20_000 });
+  await expect(gimbal.getByTestId('instance-status')).toHaveText('Running');
+  await expect(gimbal).toContainText('-45°', { timeout: 20_000 });
+});
+
 test('targets: by number, by click on the map, by box, and said in words', async ({ page }) => {
   const targets = page.getByTestId('targets');
   await expect(targets).toContainText(`All ${VEHICLES}`);

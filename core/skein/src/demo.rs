@@ -19,6 +19,7 @@ use referee::Referee;
 use skein_config::{EndpointSettings, NodeConfig, PluginSettings};
 use skein_sim::{PayloadPlan, PortPlan, SimSettings, Simulation};
 use std::net::SocketAddr;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -67,12 +68,7 @@ fn configuration(arguments: &DemoArguments, layout: &Layout) -> NodeConfig {
         }],
         adopt: fleet::rules(arguments.vehicles, arguments.model.as_deref(), arguments.faults),
         plugins: PluginSettings {
-            directories: arguments
-                .plugins
-                .iter()
-                .cloned()
-                .chain([plugins_beside_program()])
-                .collect(),
+            directories: plugin_directories(&arguments.plugins),
             ..PluginSettings::default()
         },
         ..NodeConfig::default()
@@ -83,6 +79,17 @@ fn configuration(arguments: &DemoArguments, layout: &Layout) -> NodeConfig {
     config.coordinator.transition_speed_m_s = layout::TRANSITION_SPEED_M_S;
     config.faults.enabled = arguments.faults.is_some() || arguments.manual;
     config
+}
+
+/// Those asked for, and the one beside the program if it is not among them.
+fn plugin_directories(asked: &[PathBuf]) -> Vec<PathBuf> {
+    let shipped = plugins_beside_program();
+    let is_shipped = |directory: &PathBuf| directory.canonicalize().ok() == shipped.canonicalize().ok();
+    let mut directories = asked.to_vec();
+    if !directories.iter().any(is_shipped) {
+        directories.push(shipped);
+    }
+    directories
 }
 
 fn simulate(arguments: &DemoArguments, running: &Running) -> anyhow::Result<Simulation> {

@@ -19,6 +19,7 @@ try {
     await page.goto(address);
     pages.push([name, page]);
   }
+  await pages[0][1].getByRole('tab', { name: 'Payloads' }).click();
   await wait(Number(seconds) * 1000);
   for (const [name, page] of pages) {
     const path = join(folder, `${name}.png`);
