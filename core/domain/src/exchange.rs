@@ -244,6 +244,12 @@ pub struct OwnState {
     /// Origin of the swarm frame, so that a position in it can be turned into a place on Earth.
     #[n(11)]
     pub frame_origin: Option<Geodetic>,
+    /// Share of frames lost on the vehicle's link, 0..=1, as the node measures it.
+    #[n(12)]
+    pub link_loss: Option<f64>,
+    /// Round trip on the vehicle's link in seconds, as the node measures it.
+    #[n(13)]
+    pub link_round_trip_s: Option<f64>,
 }
 
 /// All effects of one period.

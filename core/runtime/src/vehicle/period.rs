@@ -188,5 +188,7 @@ pub fn own_state(entry: &PeerEntry, frame: Option<SwarmFrame>) -> OwnState {
         pitch_rad: Some(f64::from(entry.telemetry.pitch_rad)),
         global: entry.telemetry.global,
         frame_origin: frame.map(|frame| frame.origin),
+        link_loss: entry.link.connected.then_some(f64::from(entry.link.loss)),
+        link_round_trip_s: entry.link.round_trip_s.map(f64::from),
     }
 }

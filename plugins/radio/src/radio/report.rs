@@ -7,7 +7,7 @@ use skein_domain::NodeTime;
 use skein_domain::payload::RadioState;
 use skein_plugin_sdk::Effects;
 
-/// Distances that only drift are told no more often than this, in seconds.
+/// Figures that only drift are told no more often than this, in seconds.
 const DRIFT_PAUSE_S: f64 = 1.0;
 
 /// Tells the state when it changed.
@@ -31,6 +31,8 @@ impl Reporter {
                 distance_m: state.distance_m,
                 range_m: state.range_m,
                 out_of_range_in_s: state.out_of_range_in_s,
+                loss: state.loss,
+                latency_s: state.latency_s,
                 ..last.clone()
             } == state;
             if *last == state || only_drifts && now.seconds_since(*when) < DRIFT_PAUSE_S {
@@ -66,8 +68,15 @@ impl Radio {
             remote_rssi_dbm: figures.remote_rssi_dbm,
             noise_dbm: figures.noise_dbm,
             snr_db: figures.snr_db(&self.settings),
-            loss: figures.loss,
-            latency_s: figures.latency_s,
+            // Where the source says nothing of them: those of the vehicle's MAVLink, which goes over this radio.
+            loss: figures
+                .loss
+                .or(self.own.link_loss)
+                .map(|loss| (loss * 100.0).round() / 100.0),
+            latency_s: figures
+                .latency_s
+                .or(self.own.link_round_trip_s.map(|s| s / 2.0))
+                .map(|s| (s * 1e3).round() / 1e3),
             throughput_bit_s: figures.throughput_bit_s,
             channel: figures.channel,
             power_dbm: figures.power_dbm,
