@@ -82,7 +82,7 @@ pub(crate) async fn frame(State(app): State<App>, of: Of) -> Result<Response, Ap
     let Path((vehicle, payload)) = of?;
     let frame = app
         .node
-        .payload_frame(vehicle, &payload)
+        .payload_frame(vehicle, &payload)?
         .ok_or_else(|| ApiError::NotFound {
             path: format!("the frame of payload {payload} of vehicle {vehicle}"),
         })?;

@@ -89,10 +89,13 @@ impl NodeHandle {
         }
     }
 
-    /// The last frame of a payload.
-    #[must_use]
-    pub fn payload_frame(&self, vehicle: VehicleId, payload: &str) -> Option<Arc<Frame>> {
-        self.board.cell(vehicle)?.payload(payload)?.frame.load_full()
+    /// The last frame of a payload; none if it has given none yet.
+    ///
+    /// # Errors
+    /// When there is no such vehicle or payload.
+    pub fn payload_frame(&self, vehicle: VehicleId, payload: &str) -> Result<Option<Arc<Frame>>, Refusal> {
+        let cell = self.board.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+        Ok(self.payload(&cell, payload)?.frame.load_full())
     }
 
     /// Replaces what is tracked. Models and payloads are told with their next batch.
