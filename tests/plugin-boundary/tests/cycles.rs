@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
 use skein_plugin_host::{Catalog, Isolation, Runners, Trust};
+use skein_testkit::{eventually, patience};
 use skein_tests_plugin_boundary::{create_uav, example_c};
 use std::io::Write;
 use std::path::Path;
