@@ -75,12 +75,11 @@ async fn a_thousand_versions_leave_their_libraries_and_nothing_else() {
     }
     drop(instance);
     let (files, threads_before, kib) = before;
-    assert!(open_files() <= files, "{} files open, {files} before", open_files());
-    assert!(
-        threads() <= threads_before,
-        "{} threads, {threads_before} before",
-        threads()
-    );
+    // The last instance ends on its own thread, and lets go of its version there.
+    eventually(patience(), "as many files and threads as before", async || {
+        (open_files() <= files && threads() <= threads_before).then_some(())
+    })
+    .await;
     let per_version_kib = own_kib().saturating_sub(kib) / CYCLES as u64;
     println!(
         "{per_version_kib} KiB of own memory stay per version of a library of {} KiB",
