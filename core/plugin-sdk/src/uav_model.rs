@@ -3,9 +3,9 @@
 use crate::Effects;
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
-use skein_domain::NodeTime;
 use skein_domain::exchange::{Create, Event};
 use skein_domain::manifest::{EffectKind, PluginManifest};
+use skein_domain::{NodeTime, VehicleCommand};
 
 /// Flies one vehicle: events in, effects out. It does no I/O, reads no clock and draws no random numbers, so that the same events give
 /// the same effects; what it needs of time comes with the events.
@@ -30,6 +30,12 @@ pub trait UavModel: Sized + Send + 'static {
     /// Schema of the state it reports with [`Effects::report`], if it does.
     #[must_use]
     fn state_schema() -> Option<schemars::Schema> {
+        None
+    }
+
+    /// Schema of the events it tells with [`Effects::occurrence`], if it does.
+    #[must_use]
+    fn occurrence_schema() -> Option<schemars::Schema> {
         None
     }
 }
@@ -75,6 +81,9 @@ pub(crate) fn manifest<M: UavModel>() -> PluginManifest {
         description: description.to_owned(),
         config_schema_json: schema.to_value().to_string(),
         effects: effects.iter().map(|effect| effect.code()).collect(),
+        // All UAV models take the same commands; what one cannot do it refuses by name.
+        command_schema_json: Some(schemars::schema_for!(VehicleCommand).to_value().to_string()),
+        event_schema_json: M::occurrence_schema().map(|schema| schema.to_value().to_string()),
         state_schema_json: M::state_schema().map(|schema| schema.to_value().to_string()),
         ..PluginManifest::default()
     }
