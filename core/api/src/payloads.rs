@@ -15,7 +15,7 @@ use serde::Deserialize;
 use skein_config::PayloadRule;
 use skein_domain::payload::PixelFormat;
 use skein_domain::{Refusal, VehicleId};
-use skein_runtime::{CommandReceipt, UpgradeReceipt};
+use skein_runtime::{CommandReceipt, PluginRefusal, UpgradeReceipt};
 
 /// A vehicle and one of its payloads.
 type Of = Result<Path<(VehicleId, String)>, PathRejection>;
@@ -162,7 +162,14 @@ pub(crate) async fn upload(
     let bytes = body.map_err(|rejection| ApiError::Shape {
         problem: rejection.body_text(),
     })?;
-    app.node.keep_upload(&file, &bytes)?;
+    let node = app.node.clone();
+    // A slow disk must not hold up what flies.
+    let kept = tokio::task::spawn_blocking(move || node.keep_upload(&file, &bytes)).await;
+    kept.unwrap_or_else(|error| {
+        Err(PluginRefusal::BadUpload {
+            detail: error.to_string(),
+        })
+    })?;
     Ok(accepted())
 }
 

@@ -248,9 +248,9 @@ pub struct PluginSettings {
     pub call_deadline_s: f64,
     /// Threads the calls run on.
     pub runner_threads: usize,
-    /// SHA-256 of the only libraries that are taken; empty: any in the directories.
+    /// SHA-256 of the only libraries that are taken, beside signed ones; empty, and no key: any in the directories.
     pub allow_sha256: Vec<String>,
-    /// Minisign public key; with one, only libraries with a good signature beside them are taken.
+    /// Minisign public key; with one, only libraries with a good signature beside them are taken, and those on the list.
     pub minisign_public_key: Option<String>,
     /// Where libraries uploaded over the API go; unset: none are taken.
     pub upload_directory: Option<PathBuf>,

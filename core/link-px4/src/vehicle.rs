@@ -195,13 +195,14 @@ impl VehicleCore {
             self.connected = true;
             self.events.push(LinkEvent::Regained);
         }
+        let id = header.message_id;
         match read {
-            Some(message) => {
-                self.rates.on_message(header.message_id);
-                self.on_message(now, message);
-            }
-            None if wanted => self.rates.on_wanted(header.message_id),
-            None => self.rates.on_unused(header.message_id),
+            _ if wanted => self.rates.on_wanted(id),
+            Some(_) => self.rates.on_message(id),
+            None => self.rates.on_unused(id),
+        }
+        if let Some(message) = read {
+            self.on_message(now, message);
         }
     }
 
@@ -512,6 +513,3 @@ pub fn own_heartbeat() -> HEARTBEAT_DATA {
         mavlink_version: 3,
     }
 }
-
-#[cfg(test)]
-mod tests;

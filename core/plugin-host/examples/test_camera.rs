@@ -55,8 +55,6 @@ enum Order {
     TakeMemory,
     /// Turn forever on a thread of its own.
     Spin,
-    /// Not return for this time.
-    Sleep { milliseconds: u64 },
     /// End in this way.
     Die { how: Death },
 }
@@ -152,7 +150,6 @@ impl Payload for TestCamera {
                     std::hint::spin_loop();
                 }
             })),
-            Order::Sleep { milliseconds } => std::thread::sleep(std::time::Duration::from_millis(milliseconds)),
             Order::Die { how } => die(&how),
         }
         effects.done(id);

@@ -160,7 +160,8 @@ fn once(
     Ok(())
 }
 
-/// Takes the frames out of the effects. All slots that were given away are taken over, so that none is lost with a batch that is refused.
+/// Takes the frames out of the effects. All slots that were given away are taken over, so that none is lost with a batch that is refused
+/// for what is in it. One that cannot be decoded, or that nobody waits for any more, keeps its slots until the instance goes.
 fn take_frames(manifest: &Manifest, pool: &Pool, effects: &mut Vec<Effect>) -> Result<Vec<Arc<Frame>>, PluginError> {
     if !effects.iter().any(|effect| matches!(effect, Effect::Frame(_))) {
         return Ok(Vec::new());

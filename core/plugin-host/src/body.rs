@@ -94,12 +94,12 @@ impl InstanceBody {
 
     /// Calls a method and times it.
     fn invoke(&self, method: u32, schema: u32, bytes: &[u8], then_snapshot: bool) -> Result<RawAnswer, PluginError> {
+        // One that was lost before does not come as far as the plugin, and is none of its calls.
+        let handle = self.take()?;
         let started = Instant::now();
-        let result = self.invoke_untimed(method, schema, bytes, then_snapshot);
-        // One that was lost before did not come as far as the plugin.
-        if !matches!(result, Err(PluginError::Gone)) {
-            self.times.record(started.elapsed(), result.is_err());
-        }
+        let result = self.invoke_with(&handle, method, schema, bytes, then_snapshot);
+        self.times.record(started.elapsed(), result.is_err());
+        self.put_back(handle, poison_of(&result));
         result
     }
 
@@ -113,11 +113,7 @@ impl InstanceBody {
     ) -> Result<RawAnswer, PluginError> {
         let handle = self.take()?;
         let result = self.invoke_with(&handle, method, schema, bytes, then_snapshot);
-        let poison = match &result {
-            Err(PluginError::Panicked { message }) => Some(message.clone()),
-            _ => None,
-        };
-        self.put_back(handle, poison);
+        self.put_back(handle, poison_of(&result));
         result
     }
 
@@ -145,9 +141,17 @@ impl InstanceBody {
 
     fn destroy(&self) -> Result<(), PluginError> {
         let mut state = self.state.lock();
-        let (State::Ready(handle) | State::Poisoned(handle, _)) = std::mem::replace(&mut *state, State::Busy) else {
-            *state = State::Ended;
-            return Ok(());
+        let handle = match std::mem::replace(&mut *state, State::Busy) {
+            State::Ready(handle) | State::Poisoned(handle, _) => handle,
+            // The thread that hangs in it ends it, should it ever come back.
+            abandoned @ State::Abandoned(..) => {
+                *state = abandoned;
+                return Ok(());
+            }
+            State::Unborn | State::Busy | State::Ended => {
+                *state = State::Ended;
+                return Ok(());
+            }
         };
         drop(state);
         let result = self.plugin.entry.destroy(handle);
@@ -204,6 +208,14 @@ impl InstanceBody {
             "the call that was given up has come back; the instance is ended{}",
             ended.err().map_or(String::new(), |error| format!(", not well: {error}"))
         );
+    }
+}
+
+/// With what message an instance panicked, if it did.
+fn poison_of(result: &Result<RawAnswer, PluginError>) -> Option<String> {
+    match result {
+        Err(PluginError::Panicked { message }) => Some(message.clone()),
+        _ => None,
     }
 }
 

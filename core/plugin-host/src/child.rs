@@ -27,7 +27,7 @@ use tokio::sync::oneshot;
 #[derive(Debug)]
 pub(crate) struct ChildCalls {
     shared: Arc<Shared>,
-    /// Gone first on drop: then the thread ends the child and itself.
+    /// When it goes, the thread ends the child and itself.
     jobs: Sender<Job>,
 }
 

@@ -79,10 +79,10 @@ impl Entry {
         self.answer(outcome)
     }
 
-    /// Makes an instance. What `sink` holds must stay valid until the instance is destroyed.
-    pub(crate) fn create(&self, sink: &HostServices, schema: u32, bytes: &[u8]) -> Result<Handle, PluginError> {
-        // SAFETY: as in `manifest`; sink and bytes are borrowed for the call.
-        let outcome = unsafe { (self.0.create)(sink, schema, Slice::of(bytes)) };
+    /// Makes an instance. What `host` holds must stay valid until the instance is destroyed.
+    pub(crate) fn create(&self, host: &HostServices, schema: u32, bytes: &[u8]) -> Result<Handle, PluginError> {
+        // SAFETY: as in `manifest`; services and bytes are borrowed for the call.
+        let outcome = unsafe { (self.0.create)(host, schema, Slice::of(bytes)) };
         let bytes = PluginBytes::new(outcome.buffer, self.0.free);
         check(Status(outcome.status), &bytes)?;
         if outcome.handle.is_null() {

@@ -52,6 +52,8 @@ pub(crate) struct FrameMemory {
     base: NonNull<u8>,
     /// Which slots are being read. The truth of this process.
     reading: [AtomicBool; SLOTS],
+    /// Whether a slot was ever lent to someone who writes through this mapping.
+    lends: AtomicBool,
 }
 
 // SAFETY: the mapping belongs to this value; the control part is only used through atomics, and a slot by the one it is lent to or, once
@@ -91,6 +93,7 @@ impl FrameMemory {
             file,
             base,
             reading: [const { AtomicBool::new(false) }; SLOTS],
+            lends: AtomicBool::new(false),
         }))
     }
 
@@ -127,6 +130,7 @@ impl FrameMemory {
                 .is_ok()
             {
                 lent_len.store(len as u64, Ordering::Relaxed);
+                self.lends.store(true, Ordering::Relaxed);
                 return FrameBuffer {
                     id,
                     data: self.slot(slot),
@@ -184,6 +188,11 @@ impl FrameMemory {
 
 impl Drop for FrameMemory {
     fn drop(&mut self) {
+        let is_lent = |slot: &AtomicU64| is_id(slot.load(Ordering::Acquire));
+        if self.lends.load(Ordering::Relaxed) && self.control().slots.iter().any(is_lent) {
+            // A thread of the plugin that outlives its instance may still write to it: it stays mapped until this process ends.
+            return;
+        }
         // SAFETY: made in `map` with this length; nobody borrows from it any more.
         let unmapped = unsafe { rustix::mm::munmap(self.base.as_ptr().cast(), TOTAL_BYTES) };
         debug_assert!(unmapped.is_ok());

@@ -8,6 +8,7 @@ use crate::answer::RawAnswer;
 use crate::body::InstanceBody;
 use crate::frames::Frame;
 use crate::thread_time::ThreadTime;
+use crate::watchdog::is_too_late;
 use parking_lot::{Condvar, Mutex, MutexGuard};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -19,9 +20,6 @@ use tokio::time::Instant;
 /// How often a thread that found its queue empty lets others run and looks again before it sleeps. A period's calls arrive one by
 /// one within microseconds; this makes them share one wake-up.
 const LOOKS_BEFORE_SLEEP: u32 = 4;
-
-/// However starved its thread was, a call is given up after so many deadlines.
-const LONGEST_GRACE: u32 = 20;
 
 /// To whom the result goes.
 pub(crate) type Reply = oneshot::Sender<Result<Option<RawAnswer>, PluginError>>;
@@ -240,10 +238,9 @@ impl LaneShared {
         let starved = thread_time
             .and_then(|time| time.starved()?.checked_sub(starved_before?))
             .unwrap_or_default();
-        if after.saturating_sub(starved) < running.deadline && after < running.deadline * LONGEST_GRACE {
-            return;
+        if is_too_late(after, starved, running.deadline) {
+            self.give_up(state, after);
         }
-        self.give_up(state, after);
     }
 
     /// Gives up the thread and the instance it is in.

@@ -63,8 +63,8 @@ impl Plugin {
     }
 
     fn load_here(path: PathBuf, file: &[u8], sha256: String) -> Result<Self, LoadError> {
-        let sealed = private_copy::sealed(file)?;
         let kind = image::judge(file)?;
+        let sealed = private_copy::sealed(file)?;
         let copy = PrivateCopy::of(file, &path)?;
         let entry = open(copy.path())?;
         let manifest = entry.manifest().map_err(|e| match e {

@@ -20,14 +20,7 @@ impl ThreadTime {
 
     /// How long it has been ready to run without running, in all its life.
     pub(crate) fn starved(self) -> Option<Duration> {
-        // Time on a processor, time in the queue for one, number of turns; nanoseconds.
-        let path = format!("/proc/self/task/{}/schedstat", self.0.as_raw_nonzero());
-        let text = std::fs::read_to_string(path).ok()?;
-        text.split_ascii_whitespace()
-            .nth(1)?
-            .parse()
-            .ok()
-            .map(Duration::from_nanos)
+        starved_of(&format!("/proc/self/task/{}", self.0.as_raw_nonzero()))
     }
 
     /// From now on it runs only when nobody else wants to.
@@ -37,6 +30,17 @@ impl ThreadTime {
             tracing::debug!(target: "plugin", "the priority of a thread that hangs stays as it is: {error}");
         }
     }
+}
+
+/// How long the thread of this directory of `/proc` has been ready to run without running; of a process's directory, its first thread.
+pub(crate) fn starved_of(directory: &str) -> Option<Duration> {
+    // Time on a processor, time in the queue for one, number of turns; nanoseconds.
+    let text = std::fs::read_to_string(format!("{directory}/schedstat")).ok()?;
+    text.split_ascii_whitespace()
+        .nth(1)?
+        .parse()
+        .ok()
+        .map(Duration::from_nanos)
 }
 
 #[cfg(test)]

@@ -50,6 +50,7 @@ async fn wait_for_none(runners: &Runners) {
     }
     // The thread itself goes a moment after what it counted.
     while orders::has_thread("plugin-child") {
+        assert!(began.elapsed() < Duration::from_secs(60), "a thread is left");
         tokio::time::sleep(Duration::from_millis(1)).await;
     }
 }

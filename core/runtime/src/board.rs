@@ -62,6 +62,8 @@ pub struct Board {
     pub actors: Mutex<BTreeMap<String, ActorHealth>>,
     /// Restarts of plugin instances, the newest last; as many as are kept.
     pub restarts: Mutex<VecDeque<RestartRecord>>,
+    /// Held while the instances of a plugin are exchanged for another version.
+    pub exchanging: tokio::sync::Mutex<()>,
     /// What is tracked; replaced as a whole.
     pub tracks: ArcSwap<Vec<Track>>,
     /// The picture for screens.
@@ -96,6 +98,7 @@ impl Board {
             unadopted: Mutex::default(),
             actors: Mutex::default(),
             restarts: Mutex::default(),
+            exchanging: tokio::sync::Mutex::default(),
             tracks: ArcSwap::default(),
             picture: ArcSwap::default(),
             next_command: AtomicU64::new(1),

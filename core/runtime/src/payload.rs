@@ -22,7 +22,7 @@ use arc_swap::ArcSwapOption;
 use parking_lot::Mutex;
 use ractor::{Actor, ActorProcessingErr, ActorRef, RpcReplyPort};
 use skein_config::{Escalation, PayloadRule};
-use skein_domain::exchange::{Event, FaultDrill, Severity};
+use skein_domain::exchange::{CommandProgress, Event, FaultDrill, Severity};
 use skein_domain::payload::PayloadKind;
 use skein_domain::{CommandId, Incarnation, NodeTime, Refusal, RequestId, VehicleCommand};
 use skein_plugin_host::{Frame, Plugin};
@@ -144,6 +144,8 @@ pub struct PayloadState {
     waiting: Vec<Event>,
     /// Revisions of the siblings' reports that the plugin has.
     seen: BTreeMap<String, u64>,
+    /// The frame of each camera that the plugin was shown last, if it is a detector.
+    seen_frames: BTreeMap<String, u64>,
     /// Operators' commands under way, by name. What its own model asks of it many times a second would drown the event log.
     commands: BTreeMap<CommandId, String>,
     /// A refusal told within the present call, for the command's receipt.
@@ -187,6 +189,7 @@ impl Actor for Payload {
             transport: cell.transport.clone().map(Transport::open),
             waiting: Vec::new(),
             seen: BTreeMap::new(),
+            seen_frames: BTreeMap::new(),
             commands: BTreeMap::new(),
             refusal: None,
             told_refusal: None,
@@ -225,7 +228,12 @@ impl Actor for Payload {
                 // Whoever asked may have given up waiting; the event log has it.
                 let _ = reply.send(outcome);
             }
-            PayloadMessage::Reset => state.life.reset(false),
+            // Without its state if it was given up: it failed with that often enough.
+            PayloadMessage::Reset => {
+                let fresh = state.cell.life.health.lock().status == ActorStatus::GivenUp;
+                state.life.reset(fresh);
+                state.refuse_lost();
+            }
         }
         Ok(())
     }
@@ -302,12 +310,23 @@ impl PayloadState {
             Called::Failed => {}
             Called::GivenUp(why) => self.escalate(&why),
         }
+        self.refuse_lost();
         if self.life.incarnation() != before {
             self.seen.clear();
             self.tracks = Arc::default();
             if !self.life.is_running() {
                 self.withdraw_report();
             }
+        }
+    }
+
+    /// Says of commands that two incarnations failed with, or that none will come for, that they are not carried out.
+    fn refuse_lost(&mut self) {
+        for id in self.life.take_lost() {
+            let refusal = Refusal::NotRunning {
+                what: format!("payload {} of vehicle {}", self.cell.name, self.vehicle.id),
+            };
+            self.progress(id, CommandProgress::Refused { refusal });
         }
     }
 
@@ -319,38 +338,42 @@ impl PayloadState {
         }
     }
 
-    /// The payload failed too often: its vehicle is degraded, and does what the configuration says.
-    fn escalate(&mut self, why: &str) {
+    /// The plugin failed too often.
+    fn escalate(&self, why: &str) {
         self.withdraw_report();
-        let (vehicle, name) = (&self.vehicle, &self.cell.name);
-        let (severity, what, command) = match self.cell.rule.on_failure {
-            Escalation::Degrade => (Severity::Warning, "flies on without it", None),
-            Escalation::Hold => (Severity::Critical, "holds", Some(VehicleCommand::Hold)),
-            Escalation::Return => (Severity::Critical, "returns", Some(VehicleCommand::Return)),
+        escalate(&self.board, &self.vehicle, &self.cell, why);
+    }
+}
+
+/// A payload failed too often, plugin or actor: its vehicle is degraded, and does what the configuration says.
+pub fn escalate(board: &Board, vehicle: &VehicleCell, cell: &PayloadCell, why: &str) {
+    let name = &cell.name;
+    let (severity, what, command) = match cell.rule.on_failure {
+        Escalation::Degrade => (Severity::Warning, "flies on without it", None),
+        Escalation::Hold => (Severity::Critical, "holds", Some(VehicleCommand::Hold)),
+        Escalation::Return => (Severity::Critical, "returns", Some(VehicleCommand::Return)),
+    };
+    let kind = EventKind::Payload { payload: name.clone() };
+    let text = format!(
+        "{}: {name} failed too often ({why}); the vehicle is degraded and {what}",
+        vehicle.name
+    );
+    let now = board.now();
+    board.events.record(now, Some(vehicle.id), severity, kind, text);
+    let flying = board.peers.load().entry(vehicle.id).is_some_and(|e| e.airborne);
+    let Some(command) = command.filter(|_| flying) else {
+        return;
+    };
+    board.withdrawn.lock().insert(vehicle.id);
+    if let Some(actor) = vehicle.actor.load_full() {
+        let message = VehicleMessage::Command {
+            id: board.next_command_id(),
+            command,
+            not_before: now,
+            reply: None,
         };
-        let kind = EventKind::Payload { payload: name.clone() };
-        let text = format!(
-            "{}: {name} failed too often ({why}); the vehicle is degraded and {what}",
-            vehicle.name
-        );
-        self.board
-            .events
-            .record(self.board.now(), Some(vehicle.id), severity, kind, text);
-        let flying = self.board.peers.load().entry(vehicle.id).is_some_and(|e| e.airborne);
-        let Some(command) = command.filter(|_| flying) else {
-            return;
-        };
-        self.board.withdrawn.lock().insert(vehicle.id);
-        if let Some(actor) = vehicle.actor.load_full() {
-            let message = VehicleMessage::Command {
-                id: self.board.next_command_id(),
-                command,
-                not_before: self.board.now(),
-                reply: None,
-            };
-            // A vehicle's actor that has just ended comes up with its last task; the degradation stays visible.
-            let _ = actor.cast(message);
-        }
+        // A vehicle's actor that has just ended comes up with its last task; the degradation stays visible.
+        let _ = actor.cast(message);
     }
 }
 

@@ -11,7 +11,7 @@ use arc_swap::ArcSwap;
 use parking_lot::Mutex;
 use skein_config::Isolation;
 use skein_domain::exchange::{Create, Effect, Event, EventBatch, FaultDrill, Severity};
-use skein_domain::{Incarnation, NodeTime, SystemId, VehicleId};
+use skein_domain::{CommandId, Incarnation, NodeTime, SystemId, VehicleId};
 use skein_plugin_host::{ChildLimits, Frame, Instance, Plugin, PluginError};
 use std::sync::Arc;
 use std::time::Instant;
@@ -109,8 +109,8 @@ pub struct PluginLife {
     left_over: Vec<Event>,
     /// When the call times are written next.
     statistics_at: NodeTime,
-    /// The batch being called holds such events: they are not handed on a second time.
-    second_try: bool,
+    /// Commands that no incarnation will carry out any more, until their owner says so.
+    lost: Vec<CommandId>,
 }
 
 impl PluginLife {
@@ -130,7 +130,7 @@ impl PluginLife {
             failed: None,
             left_over: Vec::new(),
             statistics_at: NodeTime(0),
-            second_try: false,
+            lost: Vec::new(),
         }
     }
 
@@ -261,22 +261,20 @@ impl PluginLife {
         let Some(instance) = &self.instance else {
             return Called::Failed;
         };
-        self.second_try = !self.left_over.is_empty();
-        if self.second_try {
-            events.splice(0..0, std::mem::take(&mut self.left_over));
-        }
         let kept: Vec<Event> = events.iter().filter(|e| is_worth_a_second_try(e)).cloned().collect();
+        let before = std::mem::take(&mut self.left_over);
+        // What a second incarnation fails with as well is not tried on a third.
+        let beyond_hope: Vec<CommandId> = before.iter().filter_map(command_of).collect();
+        events.splice(0..0, before);
         let now = self.board.now();
         match instance.call(EventBatch { now, events }, frames).await {
             Ok(answer) => {
                 *self.record.snapshot.lock() = Some(answer.snapshot);
-                self.second_try = false;
                 Called::Answered(answer.effects, answer.frames)
             }
             Err(error) => {
-                if !self.second_try {
-                    self.left_over = kept;
-                }
+                self.left_over = kept;
+                self.lost.extend(beyond_hope);
                 match self.fail(&error.to_string()) {
                     Some(why) => Called::GivenUp(why),
                     // At once if the policy says so: every period without a setpoint counts.
@@ -304,8 +302,12 @@ impl PluginLife {
             health.status = status;
             health.last_error = error.to_owned();
             health.since = now;
+            health.process_id = None;
         }
         self.start_at = backoff_s.map(|delay_s| now.plus_seconds(delay_s));
+        if backoff_s.is_none() {
+            self.forget_left_over();
+        }
         if let Some(backoff_s) = backoff_s {
             self.failed = Some((Instant::now(), backoff_s));
             self.tell(Severity::Warning, status, &format!("failed: {error}; restarting"));
@@ -367,7 +369,7 @@ impl PluginLife {
         if fresh {
             *self.record.snapshot.lock() = None;
         }
-        self.left_over.clear();
+        self.forget_left_over();
         if self.instance.take().is_some() {
             self.incarnation = self.incarnation.next();
         }
@@ -379,6 +381,17 @@ impl PluginLife {
             ActorStatus::Restarting,
             "is started anew by the operator",
         );
+    }
+
+    /// Nobody will be handed what is left over: its commands are lost.
+    fn forget_left_over(&mut self) {
+        self.lost
+            .extend(self.left_over.drain(..).filter_map(|event| command_of(&event)));
+    }
+
+    /// Commands that no incarnation will carry out any more; their askers have to be told.
+    pub fn take_lost(&mut self) -> Vec<CommandId> {
+        std::mem::take(&mut self.lost)
     }
 
     /// Ends the child process, if the instance has one of its own; tells whether.
@@ -412,6 +425,13 @@ impl PluginLife {
         self.board
             .events
             .record(self.board.now(), Some(record.vehicle), severity, kind, text);
+    }
+}
+
+fn command_of(event: &Event) -> Option<CommandId> {
+    match event {
+        Event::Command { id, .. } | Event::PayloadCommand { id, .. } => Some(*id),
+        _ => None,
     }
 }
 

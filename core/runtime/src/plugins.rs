@@ -8,6 +8,7 @@ mod uploads;
 mod versions;
 
 use crate::board::VehicleCell;
+use crate::fleet::FleetMessage;
 use crate::handle::NodeHandle;
 use crate::payload::{PayloadCell, PayloadMessage};
 use crate::snapshot::{EventKind, RestartRecord, Restored};
@@ -209,7 +210,21 @@ impl NodeHandle {
     /// # Errors
     /// When there is no such vehicle or payload.
     pub fn restart_plugin(&self, vehicle: VehicleId, payload: Option<&str>) -> Result<(), Refusal> {
-        self.to_plugin(vehicle, payload, PluginOrder::Reset)
+        match self.to_plugin(vehicle, payload, PluginOrder::Reset) {
+            // Its actor itself was given up: the fleet starts another one.
+            Err(Refusal::NotRunning { .. }) => {
+                let again = match payload {
+                    None => FleetMessage::Restart(vehicle),
+                    Some(name) => FleetMessage::RestartPayload((vehicle, name.to_owned())),
+                };
+                let fleet = self.parts.fleet.load_full();
+                fleet
+                    .filter(|fleet| fleet.cast(again).is_ok())
+                    .map(|_| ())
+                    .ok_or_else(|| not_running(vehicle, payload))
+            }
+            other => other,
+        }
     }
 
     pub(crate) fn to_plugin(

@@ -175,6 +175,7 @@ impl Actor for Vehicle {
             VehicleMessage::Reset => {
                 let fresh = state.cell.model.health.lock().status == ActorStatus::GivenUp;
                 state.model.life.reset(fresh);
+                state.refuse_lost();
                 state.task_version = 0;
             }
         }

@@ -60,6 +60,8 @@ impl Limits {
 
 /// Slowing down counts when it is looked where a velocity leads, but no more than this, in metres per second squared.
 const MAX_BRAKING_M_S2: f64 = 3.0;
+/// Nothing is observed from further away.
+const MAX_STAND_OFF_M: f64 = 10_000.0;
 /// Rounding must not refuse what is exactly at a limit.
 const ROUNDING: f64 = 1.0 + 1e-9;
 
@@ -70,8 +72,16 @@ pub struct Gate {
     fence: Option<Fence>,
 }
 
-/// Nothing is observed from further away.
-const MAX_STAND_OFF_M: f64 = 10_000.0;
+fn observation(target: &Target, stand_off_m: Option<f64>, height_m: Option<f64>) -> Result<(), Refusal> {
+    let stand_off = stand_off_m.is_none_or(|v| v.is_finite() && (0.0..=MAX_STAND_OFF_M).contains(&v));
+    let height = height_m.is_none_or(|v| v.is_finite() && v.abs() <= MAX_STAND_OFF_M);
+    if !(stand_off && height) {
+        return Err(invalid(&format!(
+            "the stand-off must be 0 to {MAX_STAND_OFF_M} m, the height no more than that above or below"
+        )));
+    }
+    finite_target(target)
+}
 
 fn finite_target(target: &Target) -> Result<(), Refusal> {
     match target {
@@ -226,14 +236,7 @@ impl Gate {
                 target,
                 stand_off_m,
                 height_m,
-            } => {
-                let sensible =
-                    |value: &Option<f64>| value.is_none_or(|v| v.is_finite() && (0.0..=MAX_STAND_OFF_M).contains(&v));
-                if !sensible(stand_off_m) || !height_m.is_none_or(|v| v.is_finite() && v.abs() <= MAX_STAND_OFF_M) {
-                    return Err(invalid("stand-off and height must be finite and no more than 10 km"));
-                }
-                finite_target(target)
-            }
+            } => observation(target, *stand_off_m, *height_m),
             VehicleCommand::LookAt { target } => finite_target(target),
             VehicleCommand::Arm
             | VehicleCommand::StopObserving

@@ -6,6 +6,7 @@
 use crate::gate::Gate;
 use skein_domain::payload::{MavlinkMessage, PayloadKind};
 use skein_domain::{Refusal, SystemId};
+use std::ops::RangeInclusive;
 
 /// Ids of the messages that carry a command.
 const COMMAND_INT: u32 = 75;
@@ -33,22 +34,24 @@ const GIMBAL_REPORTS: [u32; 4] = [280, 281, 283, 285];
 /// PARAM_EXT_REQUEST_READ, PARAM_EXT_REQUEST_LIST, PARAM_EXT_SET: a camera's own settings, and where the target system stands.
 /// The target component follows it.
 const CAMERA_SETTINGS: [(u32, usize); 3] = [(320, 2), (321, 0), (323, 0)];
-/// Commands of the camera protocol.
+/// Commands of the camera protocol. 521, 522, 525, 527: what was asked for by a command each before REQUEST_MESSAGE. 526: format the
+/// storage; 529 to 534: reset the settings, mode, zoom, focus, use of the storage, source. 2000 to 2003: start and stop pictures, one
+/// that was missed, the trigger. 2004, 2005, 2010: keep a point or a rectangle of the picture in view, stop that. 2500 to 2505:
+/// record, stop, stream, stop, information and status of a stream.
 const CAMERA_COMMANDS: [u16; 24] = [
-    // What was asked for by a command each before REQUEST_MESSAGE: information, settings, storage, capture status.
-    521, 522, 525, 527, // Format the storage, reset the settings, mode, zoom, focus, use of the storage, source.
-    526, 529, 530, 531, 532, 533, 534, // Pictures: start, stop, one that was missed; the trigger.
-    2000, 2001, 2002, 2003, // Keep a point or a rectangle of the picture in view, stop that.
-    2004, 2005, 2010, // Video: record, stop, stream, stop, information and status of a stream.
-    2500, 2501, 2502, 2503, 2504, 2505,
+    521, 522, 525, 526, 527, 529, 530, 531, 532, 533, 534, 2000, 2001, 2002, 2003, 2004, 2005, 2010, 2500, 2501, 2502,
+    2503, 2504, 2505,
 ];
+/// STORAGE_FORMAT and SET_STORAGE_USAGE: an autopilot has a storage too, with its logs and missions on it.
+const STORAGE_COMMANDS: [u16; 2] = [526, 533];
+/// Starts a recording; its second parameter says how often per second the camera is to report meanwhile.
+const VIDEO_START_CAPTURE: u16 = 2500;
 /// Information, settings, storage, capture status, image captured, stream information and status, field of view, tracking in the
 /// picture and on the ground, thermal range.
 const CAMERA_REPORTS: [u32; 11] = [259, 260, 261, 262, 263, 269, 270, 271, 275, 276, 277];
 
-/// Component id of an autopilot, and of all components at once.
-const AUTOPILOT_COMPONENT: u8 = 1;
-const ALL_COMPONENTS: u8 = 0;
+/// The component ids that are cameras'.
+const CAMERA_COMPONENTS: RangeInclusive<u8> = 100..=105;
 
 impl Gate {
     /// Whether a payload of this kind may send this message to its vehicle. It may send what payloads of its kind are for, and to
@@ -80,10 +83,11 @@ impl Gate {
             PayloadKind::Camera => {
                 if let Some(target_at) = target_at(&CAMERA_SETTINGS, id) {
                     to_own_system(vehicle_system_id, fields.byte(target_at))?;
-                    return to_a_part(fields.byte(target_at + 1));
+                    return to_a_camera(fields.byte(target_at + 1));
                 }
                 if id == COMMAND_LONG {
-                    return command("camera", vehicle_system_id, &fields, &CAMERA_COMMANDS, &CAMERA_REPORTS);
+                    command("camera", vehicle_system_id, &fields, &CAMERA_COMMANDS, &CAMERA_REPORTS)?;
+                    return bounds_of_camera_command(&fields);
                 }
                 Err(not_permitted(format!("a camera does not send message {id}")))
             }
@@ -120,7 +124,8 @@ fn command(
             report(sender, fields.float(0), reports)?;
             let interval_us = fields.float(4);
             // -1 turns it off, 0 asks for the default.
-            if interval_us == -1.0 || interval_us == 0.0 || interval_us >= SHORTEST_INTERVAL_US {
+            let slow_enough = interval_us.is_finite() && interval_us >= SHORTEST_INTERVAL_US;
+            if interval_us == -1.0 || interval_us == 0.0 || slow_enough {
                 Ok(())
             } else {
                 Err(not_permitted(format!(
@@ -129,6 +134,18 @@ fn command(
             }
         }
         number => Err(not_permitted(format!("a {sender} does not send command {number}"))),
+    }
+}
+
+/// What commands to a camera that are permitted must keep to besides.
+fn bounds_of_camera_command(fields: &Fields<'_>) -> Result<(), Refusal> {
+    match fields.word(28) {
+        number if STORAGE_COMMANDS.contains(&number) => to_a_camera(fields.byte(31)),
+        VIDEO_START_CAPTURE if fields.float(4) > 1e6 / SHORTEST_INTERVAL_US => Err(not_permitted(format!(
+            "{} reports per second while it records: not more often than every {SHORTEST_INTERVAL_US} µs",
+            fields.float(4)
+        ))),
+        _ => Ok(()),
     }
 }
 
@@ -151,14 +168,14 @@ fn to_own_system(own: SystemId, target_system: u8) -> Result<(), Refusal> {
     }
 }
 
-/// Settings of a part are never the autopilot's.
-fn to_a_part(target_component: u8) -> Result<(), Refusal> {
-    if matches!(target_component, ALL_COMPONENTS | AUTOPILOT_COMPONENT) {
-        Err(not_permitted(format!(
-            "a camera's settings are its own, not those of component {target_component}"
-        )))
-    } else {
+/// Settings and storage are a camera's own, never the autopilot's or another part's.
+fn to_a_camera(target_component: u8) -> Result<(), Refusal> {
+    if CAMERA_COMPONENTS.contains(&target_component) {
         Ok(())
+    } else {
+        Err(not_permitted(format!(
+            "a camera's settings and storage are its own, not those of component {target_component}"
+        )))
     }
 }
 

@@ -17,8 +17,15 @@ fn main() -> ExitCode {
                 eprintln!("vehicles and seconds are numbers");
                 return ExitCode::from(2);
             };
-            let real_time = |word: &&str| word.parse().ok().map(|priority| Scheduling::RealTime { priority });
-            let scheduling = priority.first().and_then(real_time).unwrap_or_default();
+            let scheduling = match priority {
+                [] => Some(Scheduling::Ordinary),
+                [word] => word.parse().ok().map(|priority| Scheduling::RealTime { priority }),
+                _ => None,
+            };
+            let Some(scheduling) = scheduling else {
+                eprintln!("a priority is one number");
+                return ExitCode::from(2);
+            };
             let args = FleetBenchArgs {
                 scheduling,
                 helper,

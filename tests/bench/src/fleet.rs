@@ -78,12 +78,10 @@ pub fn run_fleet_bench(args: &FleetBenchArgs) -> Result<FleetBenchReport, BenchE
             eprintln!("round {round} of {}: the bare loop", args.rounds);
             bare.push(bare_window(args).await?);
         }
-        Ok(FleetBenchReport::of(
-            args.vehicles,
-            f64::from(args.seconds),
-            program,
-            bare,
-        ))
+        Ok(FleetBenchReport {
+            scheduling: args.scheduling,
+            ..FleetBenchReport::of(args.vehicles, f64::from(args.seconds), program, bare)
+        })
     })
 }
 

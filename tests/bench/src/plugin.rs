@@ -51,7 +51,7 @@ pub struct CallFigures {
     pub p50_ns: Spread,
     /// 99 % of a round were no slower, over the rounds. Calls of under a microsecond are measured by the hundred.
     pub p99_ns: Spread,
-    /// The median in direct calls.
+    /// How many direct calls take as long, by the medians.
     pub ratio_to_direct: f64,
 }
 
@@ -129,7 +129,7 @@ pub fn run_plugin_bench(args: &PluginBenchArgs) -> Result<PluginBenchReport, Ben
     })
 }
 
-/// A child may use a whole core here: that is what is measured.
+/// A child may use whole cores here, so that no round ends at a limit.
 const CHILD: Isolation = Isolation::Child(ChildLimits {
     memory_mib: 256,
     cpu_share: 2.0,

@@ -11,7 +11,7 @@ use skein_domain::{FlightState, PositionNed, Refusal, VehicleCommand, VehicleId}
 use skein_runtime::snapshot::ActorStatus;
 use skein_runtime::{Fault, FleetSnapshot, PayloadSnapshot, Restored, Targets};
 use skein_sim::PayloadPlan;
-use skein_testkit::Swarm;
+use skein_testkit::{Swarm, example_library};
 use std::time::Duration;
 
 const ONE: VehicleId = VehicleId(1);
@@ -215,4 +215,41 @@ async fn payloads_are_attached_and_detached_in_flight() {
         .await;
     assert!(swarm.simulation().truth().vehicles[0].offboard_gap_sender_max_s < 0.2);
     swarm.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_detector_sees_every_frame_its_camera_gives_wherever_each_of_them_runs() {
+    let plugins = tempfile::tempdir().unwrap();
+    let library = example_library("fixture-frame-counter", "frame_counter");
+    std::fs::copy(library, plugins.path().join("libframe_counter.so")).unwrap();
+    for (camera, detector) in [
+        (Isolation::InProcess, Isolation::InProcess),
+        (Isolation::InProcess, Isolation::Child),
+        (Isolation::Child, Isolation::Child),
+    ] {
+        let directory = plugins.path().to_owned();
+        let swarm = Swarm::start_with(1, move |config, sim| {
+            config.plugins.directories.push(directory);
+            config.adopt[0].payloads = vec![
+                rule("camera", camera, json!({ "source": "synthetic" })),
+                rule("frame-counter", detector, json!({})),
+            ];
+            sim.payloads = PayloadPlan::all();
+        })
+        .await;
+        let seen = |fleet: &FleetSnapshot, key: &str| state(fleet, "frame-counter", key).as_f64().unwrap_or(0.0);
+        let fleet = swarm
+            .until("the detector's tenth frame", Duration::from_secs(20), |fleet| {
+                seen(fleet, "frames") >= 10.0
+            })
+            .await;
+        assert_eq!(seen(&fleet, "missing"), 0.0, "{camera:?} to {detector:?}");
+        // Sky and grass: neither a buffer of zeros nor one of noise.
+        assert!(
+            (40.0..220.0).contains(&seen(&fleet, "mean")),
+            "{}",
+            seen(&fleet, "mean")
+        );
+        swarm.stop().await;
+    }
 }

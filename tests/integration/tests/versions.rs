@@ -8,7 +8,7 @@
 use skein_config::Isolation;
 use skein_domain::{FormationRequest, Shape};
 use skein_runtime::{FleetSnapshot, NodeHandle, PluginRefusal, Restored, UpgradeReceipt};
-use skein_testkit::Swarm;
+use skein_testkit::{Swarm, example_library};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -21,21 +21,6 @@ fn folder() -> (tempfile::TempDir, PathBuf) {
     std::fs::create_dir(&plugins).unwrap();
     std::fs::copy(skein_testkit::plugins_dir().join(LIBRARY), plugins.join(LIBRARY)).unwrap();
     (folder, plugins)
-}
-
-fn later(name: &str) -> PathBuf {
-    let program = std::env::current_exe().unwrap();
-    let profile = program.ancestors().nth(2).unwrap();
-    let mut command = std::process::Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    command.args(["build", "--quiet", "--package", "fixture-next-version", "--examples"]);
-    if profile.ends_with("release") {
-        command.arg("--release");
-    }
-    command
-        .current_dir(skein_testkit::repository())
-        .env("CARGO_TARGET_DIR", profile.parent().unwrap());
-    assert!(command.status().unwrap().success());
-    profile.join("examples").join(format!("lib{name}.so"))
 }
 
 /// As a person installs it: beside, then over the old one in one step.
@@ -91,7 +76,7 @@ async fn a_model_is_exchanged_in_flight_and_goes_back_if_it_must() {
         Err(PluginRefusal::NothingNewer { .. })
     ));
 
-    install(&later("good_version"), &plugins);
+    install(&example_library("fixture-next-version", "good_version"), &plugins);
     let receipt = node.upgrade_plugin("generic-uav").await.unwrap();
     assert!(!receipt.rolled_back, "{receipt:?}");
     assert_eq!(restored(&receipt), [Some(Restored::Exactly); 3]);
@@ -102,7 +87,7 @@ async fn a_model_is_exchanged_in_flight_and_goes_back_if_it_must() {
         })
         .await;
 
-    install(&later("bad_version"), &plugins);
+    install(&example_library("fixture-next-version", "bad_version"), &plugins);
     let receipt = node.upgrade_plugin("generic-uav").await.unwrap();
     assert!(receipt.rolled_back, "{receipt:?}");
     assert!(receipt.instances.iter().any(|i| i.error.is_some()), "{receipt:?}");

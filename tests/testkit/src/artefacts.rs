@@ -3,12 +3,9 @@
 //! `cargo xtask test` builds them beforehand and says where they are (`SKEIN_BINARY`, `SKEIN_PLUGINS`); a plain `cargo test` builds
 //! them here. Must never do: test what was built from other sources.
 
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
-
-use parking_lot::Mutex;
 
 /// The repository's root.
 ///
@@ -61,19 +58,14 @@ pub fn plugins_dir() -> PathBuf {
     FOLDER.get_or_init(build).clone()
 }
 
-/// The shared library that a package of the workspace builds, for example `fixture-misbehaving`.
+/// The shared library that an example of a fixture's package becomes, for example `good_version` of `fixture-next-version`.
 ///
 /// # Panics
-/// If it does not compile, or builds no `cdylib`.
+/// If it does not compile, or is no `cdylib`.
 #[must_use]
-pub fn library(package: &str) -> PathBuf {
-    static BUILT: OnceLock<Mutex<HashMap<String, PathBuf>>> = OnceLock::new();
-    let mut built = BUILT.get_or_init(Mutex::default).lock();
-    let build = || {
-        cargo(&["build", "--quiet", "--package", package]);
-        present(profile_dir().join(format!("lib{}.so", package.replace('-', "_"))))
-    };
-    built.entry(package.to_owned()).or_insert_with(build).clone()
+pub fn example_library(package: &str, example: &str) -> PathBuf {
+    cargo(&["build", "--quiet", "--package", package, "--example", example]);
+    present(profile_dir().join("examples").join(format!("lib{example}.so")))
 }
 
 /// A place that the environment names; it must be there.

@@ -2,7 +2,8 @@
 //!
 //! | for | use |
 //! |---|---|
-//! | the program and the plugins under test, built once per run | [`skein_binary`], [`plugins_dir`], [`library`] |
+//! | the program and the plugins under test, built once per run | [`skein_binary`], [`plugins_dir`] |
+//! | a library that a fixture of a tier builds | [`example_library`] |
 //! | a file of the repository | [`repository`] |
 //! | waiting for something without sleeping | [`eventually`] with [`patience`] |
 //! | a port that nobody uses | [`free_udp_port`], [`free_tcp_port`] |
@@ -20,7 +21,7 @@ mod process;
 #[cfg(feature = "swarm")]
 mod swarm;
 
-pub use artefacts::{library, plugins_dir, repository, skein_binary};
+pub use artefacts::{example_library, plugins_dir, repository, skein_binary};
 pub use patience::{eventually, patience};
 pub use ports::{free_tcp_port, free_udp_port};
 pub use process::Process;

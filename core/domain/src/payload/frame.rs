@@ -4,7 +4,7 @@ use crate::{NodeTime, PositionNed};
 use minicbor::{Decode, Encode};
 use serde::{Deserialize, Serialize};
 
-/// How the bytes of a frame are to be read. A number, so that a reader can name one it does not know.
+/// How the bytes of a frame are to be read.
 #[derive(
     Debug,
     Clone,

@@ -13,6 +13,7 @@ use crate::frames::{Frame, Pool};
 use crate::services::TakeLog;
 use crate::sink::LogSink;
 use crate::statistics::CallTimes;
+use crate::watchdog::{LOOKS_PER_DEADLINE, is_too_late};
 use crate::{ChildLimits, Plugin, PluginError, RunnerSettings};
 use rustix::event::PollFlags;
 use rustix::net::SocketType;
@@ -26,11 +27,6 @@ use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 use tokio::sync::oneshot;
 
-/// How often a child that does not answer is looked at within a deadline; it is given up after so many looks at the earliest, so that a
-/// pause of the whole machine counts as one.
-const LOOKS_PER_DEADLINE: u32 = 4;
-/// However starved a child was, a call is given up after so many deadlines.
-const LONGEST_GRACE: u32 = 20;
 /// What an answer may have beside answer and snapshot, in bytes.
 const ANSWER_EXTRA_BYTES: usize = 16 << 10;
 
@@ -136,6 +132,9 @@ impl Caller {
             Err(error) => Err(caller.broken(&error, deadline)),
         };
         if let Err(error) = made {
+            // What it said of why it did not come to be.
+            logs::fetch(&caller.logs, &caller.shared.sink);
+            caller.take_errors();
             let _ = caller.process.end(&mut caller.errors);
             return Err(error);
         }
@@ -224,7 +223,8 @@ impl Caller {
         })
     }
 
-    /// Waits for the answer to the last message. A child that gives none in time is ended.
+    /// Waits for the answer to the last message. A child that gives none in time is ended, after some looks at the earliest, so that a
+    /// pause of the whole machine counts as one.
     fn hear(&mut self, deadline: Duration) -> Result<Message, PluginError> {
         let began = Instant::now();
         let limits = &self.shared.settings;
@@ -267,7 +267,7 @@ impl Caller {
             .process
             .starved()
             .and_then(|starved| starved.checked_sub(starved_before?));
-        after.saturating_sub(starved.unwrap_or_default()) >= deadline || after >= deadline * LONGEST_GRACE
+        is_too_late(after, starved.unwrap_or_default(), deadline)
     }
 
     /// Sleeps until the child says something, taking what it writes to its standard error meanwhile. Tells whether the time is over.

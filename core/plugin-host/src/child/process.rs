@@ -2,10 +2,14 @@
 //!
 //! Must never do: leave a process behind, or its remains.
 
+use super::wire::wait;
 use crate::PluginError;
+use crate::thread_time::starved_of;
+use rustix::event::PollFlags;
 use rustix::io::Errno;
 use rustix::net::{AddressFamily, SocketFlags, SocketType};
 use rustix::pipe::PipeFlags;
+use rustix::process::{Pid, PidfdFlags};
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
@@ -95,18 +99,29 @@ impl ChildProcess {
 
     /// Waits for an end that has begun, helps it along if it takes too long, and buries it.
     pub(crate) fn bury(&self, patience: Duration) -> std::io::Result<ExitStatus> {
-        let began = Instant::now();
-        while began.elapsed() < patience {
-            if let Some(status) = self.has_ended() {
-                return Ok(status);
-            }
-            std::thread::sleep(Duration::from_millis(1));
+        if !patience.is_zero() {
+            // Should the system not let us wait, it is ended at once.
+            let _ = self.wait_for_end(patience);
+        }
+        if let Some(status) = self.has_ended() {
+            return Ok(status);
         }
         let mut child = self.child.lock();
         child.kill()?;
         let status = child.wait()?;
         self.ended.store(true, Ordering::Relaxed);
         Ok(status)
+    }
+
+    /// Sleeps until it has ended; at the end of this time that is an error.
+    fn wait_for_end(&self, patience: Duration) -> std::io::Result<()> {
+        let until = Instant::now() + patience;
+        let pid = Pid::from_child(&self.child.lock());
+        let process = rustix::process::pidfd_open(pid, PidfdFlags::empty())?;
+        while self.has_ended().is_none() {
+            wait(&[process.as_fd()], PollFlags::IN, Some(until))?;
+        }
+        Ok(())
     }
 
     /// How it ended, after its socket was closed.
@@ -134,12 +149,7 @@ impl ChildProcess {
 
     /// How long its first thread has been ready to run without running, in all its life.
     pub(crate) fn starved(&self) -> Option<Duration> {
-        let text = std::fs::read_to_string(format!("/proc/{}/schedstat", self.pid()?)).ok()?;
-        text.split_ascii_whitespace()
-            .nth(1)?
-            .parse()
-            .ok()
-            .map(Duration::from_nanos)
+        starved_of(&format!("/proc/{}", self.pid()?))
     }
 }
 

@@ -114,6 +114,17 @@ fn another_mapping_of_the_file_is_the_same_memory_and_cannot_take_what_is_read()
 }
 
 #[test]
+fn a_buffer_that_was_not_given_back_stays_where_it_is() {
+    let memory = FrameMemory::new().expect("there is memory");
+    let buffer = memory.acquire(4);
+    drop(memory);
+    // SAFETY: lent and not given away; four bytes.
+    let bytes = unsafe { std::slice::from_raw_parts_mut(buffer.data, 4) };
+    bytes.copy_from_slice(b"late");
+    assert_eq!(bytes, b"late");
+}
+
+#[test]
 fn the_file_can_be_cut_off_by_nobody() {
     let memory = FrameMemory::new().expect("there is memory");
     assert!(rustix::fs::ftruncate(memory.file(), 0).is_err());

@@ -109,7 +109,7 @@ impl Host {
     fn with(schema: u32, bytes: &[u8]) -> Result<Self, (Status, String)> {
         let lines = Box::new(Lines::default());
         let context = std::ptr::from_ref::<Lines>(&lines).cast_mut().cast();
-        let sink = HostServices {
+        let services = HostServices {
             size: size_of::<HostServices>(),
             context,
             log: take_line,
@@ -118,10 +118,10 @@ impl Host {
             read_frame: nothing_to_read,
         };
         let table = Exported::<Flying<Model>>::TABLE;
-        // SAFETY: sink and bytes live over the call; the lines live over the instance.
+        // SAFETY: services and bytes live over the call; the lines live over the instance.
         let CreateOutcome {
             status, handle, buffer, ..
-        } = unsafe { table.create.expect("is there")(&sink, schema, Slice::of(bytes)) };
+        } = unsafe { table.create.expect("is there")(&services, schema, Slice::of(bytes)) };
         let outcome = Outcome {
             status,
             schema: 0,

@@ -5,7 +5,7 @@
 
 use super::{Child, FleetMessage, FleetState};
 use crate::board::{Board, VehicleCell};
-use crate::payload::{Payload, PayloadArguments, PayloadCell, PayloadPublished};
+use crate::payload::{Payload, PayloadArguments, PayloadCell, PayloadPublished, escalate};
 use crate::plugin_life::{LifeIdentity, LifeRecord};
 use crate::restart::{Decision, PAYLOAD_LIMITS, RestartHistory, fraction};
 use crate::snapshot::{ActorStatus, EventKind};
@@ -198,10 +198,13 @@ impl FleetState {
             }
         }
         self.tell(&vehicle, &key.1, severity, &text);
-        if let Decision::RestartAfter(delay_s) = decision {
-            myself.send_after(Duration::from_secs_f64(delay_s), move || {
-                FleetMessage::RestartPayload(key)
-            });
+        match decision {
+            Decision::RestartAfter(delay_s) => {
+                myself.send_after(Duration::from_secs_f64(delay_s), move || {
+                    FleetMessage::RestartPayload(key)
+                });
+            }
+            Decision::GiveUp => escalate(&self.board, &vehicle, &cell, error),
         }
     }
 

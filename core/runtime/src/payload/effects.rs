@@ -96,7 +96,7 @@ impl PayloadState {
         self.record(Severity::Info, EventKind::Occurrence { payload, event }, text);
     }
 
-    fn progress(&mut self, id: CommandId, progress: CommandProgress) {
+    pub(super) fn progress(&mut self, id: CommandId, progress: CommandProgress) {
         if let CommandProgress::Refused { refusal } = &progress {
             self.refusal = Some((id, refusal.clone()));
         }

@@ -6,6 +6,8 @@ use crate::board::PeerSnapshot;
 use crate::vehicle::own_state;
 use skein_domain::exchange::{Event, PayloadReport, PeerState};
 use skein_domain::link::MessageTap;
+use skein_domain::payload::PayloadKind;
+use skein_plugin_host::Frame;
 use std::sync::{Arc, Weak};
 
 impl PayloadState {
@@ -16,10 +18,11 @@ impl PayloadState {
             return;
         }
         let mut events = self.gather();
+        let frames = self.gather_frames(&mut events);
         if tick {
             events.push(Event::Tick);
         }
-        self.call(events, &[]).await;
+        self.call(events, &frames).await;
         if tick {
             self.life.publish_statistics();
             self.cell.state.lock().transport_fault = self.transport.as_ref().map(|t| t.fault()).unwrap_or_default();
@@ -62,6 +65,24 @@ impl PayloadState {
                 }));
             }
         }
+    }
+
+    /// A detector sees the newest frame of each camera of its vehicle, once. The bytes stay where the camera wrote them.
+    fn gather_frames(&mut self, events: &mut Vec<Event>) -> Vec<Arc<Frame>> {
+        if self.cell.kind != PayloadKind::Detector {
+            return Vec::new();
+        }
+        let mut frames = Vec::new();
+        for camera in self.vehicle.payloads() {
+            let Some(frame) = camera.frame.load_full() else {
+                continue;
+            };
+            if self.seen_frames.insert(camera.name.clone(), frame.header.id) != Some(frame.header.id) {
+                events.push(Event::Frame(frame.header.clone()));
+                frames.push(frame);
+            }
+        }
+        frames
     }
 
     fn gather_device(&mut self, events: &mut Vec<Event>) {

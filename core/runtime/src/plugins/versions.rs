@@ -15,6 +15,9 @@ use std::time::Duration;
 /// Longest wait for an instance: a child process may have to be started for it.
 const ANSWER_WITHIN: Duration = Duration::from_secs(3);
 
+/// What is said of an instance that did not answer in time. It may come up with the new version all the same, later.
+const NO_ANSWER: &str = "its actor did not answer in time";
+
 /// One instance of a plugin.
 pub(super) enum Holder {
     Model(Arc<VehicleCell>),
@@ -49,7 +52,7 @@ impl Holder {
         };
         match answer {
             CallResult::Success(outcome) => outcome,
-            CallResult::Timeout => Err("its actor did not answer in time".into()),
+            CallResult::Timeout => Err(NO_ANSWER.into()),
             CallResult::SenderError => Err(gone()),
         }
     }
@@ -104,21 +107,26 @@ impl NodeHandle {
     }
 
     async fn go_over(&self, name: &str, old: &Arc<Plugin>, new: &Arc<Plugin>) -> UpgradeReceipt {
+        // Two at once would leave each with some of the instances.
+        let _alone = self.board.exchanging.lock().await;
         let mut instances = Vec::new();
         let mut exchanged = Vec::new();
         let mut failed = false;
         for holder in self.holders(name) {
             let outcome = holder.exchange(new.clone()).await;
             failed = outcome.is_err();
+            let unsure = outcome.as_ref().is_err_and(|error| error == NO_ANSWER);
             instances.push(InstanceUpgrade {
                 name: holder.name(),
                 restored: outcome.as_ref().ok().copied(),
                 error: outcome.err(),
             });
+            if !failed || unsure {
+                exchanged.push(holder);
+            }
             if failed {
                 break;
             }
-            exchanged.push(holder);
         }
         let (from, to) = (old.manifest().version.clone(), new.manifest().version.clone());
         if failed {

@@ -74,7 +74,7 @@ impl VehicleState {
         }
     }
 
-    fn progress(&mut self, id: skein_domain::CommandId, progress: CommandProgress) {
+    pub(super) fn progress(&mut self, id: skein_domain::CommandId, progress: CommandProgress) {
         let name = match progress {
             CommandProgress::Executing => self.commands.get(&id).copied(),
             CommandProgress::Done | CommandProgress::Refused { .. } => self.commands.remove(&id),

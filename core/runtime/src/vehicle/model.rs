@@ -3,7 +3,7 @@
 
 use super::VehicleState;
 use crate::plugin_life::{Called, PluginLife};
-use skein_domain::exchange::Event;
+use skein_domain::exchange::{CommandProgress, Event};
 use skein_domain::{AutopilotCommand, CommandId, FlightMode, FlightState, NodeTime, Refusal, RequestId};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -74,8 +74,19 @@ impl VehicleState {
             Called::Failed => {}
             Called::GivenUp(_) => self.hand_to_autopilot(self.board.now()),
         }
+        self.refuse_lost();
         if self.model.life.incarnation() != before {
             self.model_renewed();
+        }
+    }
+
+    /// Says of commands that two incarnations failed with, or that none will come for, that they are not carried out.
+    pub(super) fn refuse_lost(&mut self) {
+        for id in self.model.life.take_lost() {
+            let refusal = Refusal::NotRunning {
+                what: format!("model of vehicle {}", self.cell.id),
+            };
+            self.progress(id, CommandProgress::Refused { refusal });
         }
     }
 

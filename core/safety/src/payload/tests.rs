@@ -169,7 +169,7 @@ fn a_payload_asks_for_its_own_messages_only_and_not_too_often() {
     let gimbal = PayloadKind::Gimbal;
     assert!(ask(gimbal, SET_MESSAGE_INTERVAL, 285.0, -1.0));
     assert!(ask(gimbal, SET_MESSAGE_INTERVAL, 285.0, 0.0));
-    for interval_us in [1.0, 9_999.0, -2.0, f32::NAN, f32::NEG_INFINITY] {
+    for interval_us in [1.0, 9_999.0, -2.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         assert!(!ask(gimbal, SET_MESSAGE_INTERVAL, 285.0, interval_us), "{interval_us}");
     }
     // The autopilot's own streams stay as its link has set them.
@@ -181,7 +181,14 @@ fn a_payload_asks_for_its_own_messages_only_and_not_too_often() {
 #[test]
 fn a_cameras_settings_are_never_the_autopilots() {
     for (id, target_at) in CAMERA_SETTINGS {
-        for (component, permitted) in [(100, true), (105, true), (1, false), (0, false)] {
+        for (component, permitted) in [
+            (100, true),
+            (105, true),
+            (106, false),
+            (154, false),
+            (1, false),
+            (0, false),
+        ] {
             let mut payload = vec![0; 20];
             (payload[target_at], payload[target_at + 1]) = (OWN.0, component);
             assert_eq!(
@@ -190,5 +197,29 @@ fn a_cameras_settings_are_never_the_autopilots() {
                 "{id} to {component}"
             );
         }
+    }
+}
+
+#[test]
+fn a_cameras_storage_is_never_the_autopilots() {
+    for number in STORAGE_COMMANDS {
+        for (component, permitted) in [(100, true), (105, true), (154, false), (1, false), (0, false)] {
+            let sent = command_message(COMMAND_LONG, number, (OWN.0, component), 1.0, 1.0);
+            assert_eq!(passes(PayloadKind::Camera, &sent), permitted, "{number} to {component}");
+        }
+    }
+}
+
+#[test]
+fn a_recording_is_not_reported_on_more_often_than_a_message_may_be_asked_for() {
+    for (rate_hz, permitted) in [
+        (0.0, true),
+        (1.0, true),
+        (100.0, true),
+        (101.0, false),
+        (f32::INFINITY, false),
+    ] {
+        let sent = command_message(COMMAND_LONG, VIDEO_START_CAPTURE, (OWN.0, 100), 0.0, rate_hz);
+        assert_eq!(passes(PayloadKind::Camera, &sent), permitted, "{rate_hz}");
     }
 }

@@ -20,8 +20,8 @@ const REBOOT: u16 = 246;
 const MISSION_START: u16 = 300;
 const ARM_DISARM: u16 = 400;
 const GET_MESSAGE_INTERVAL: u16 = 510;
-const SET_MESSAGE_INTERVAL: u16 = 511;
-const REQUEST_MESSAGE: u16 = 512;
+pub(super) const SET_MESSAGE_INTERVAL: u16 = 511;
+pub(super) const REQUEST_MESSAGE: u16 = 512;
 const REQUEST_CAPABILITIES: u16 = 520;
 /// Magic number that forces arming or disarming.
 const FORCE: f32 = 21196.0;

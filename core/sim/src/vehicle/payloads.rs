@@ -7,6 +7,7 @@ mod camera;
 mod gimbal;
 
 use super::channel::{AUTOPILOT_COMPONENT, Channel, LinkKind, Outbox, Stream};
+use super::commands::{REQUEST_MESSAGE, SET_MESSAGE_INTERVAL};
 use super::{PendingCommand, Vehicle};
 use crate::payloads::camera::Camera;
 use crate::payloads::manager::{Carrier, Gimbal};
@@ -21,8 +22,6 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use skein_domain::{Geodetic, PositionNed};
 
-const SET_MESSAGE_INTERVAL: u16 = 511;
-const REQUEST_MESSAGE: u16 = 512;
 const HEARTBEAT: u32 = 0;
 /// A signal does not change faster than is worth computing this often, in seconds.
 const RADIO_PERIOD_S: f64 = 0.1;

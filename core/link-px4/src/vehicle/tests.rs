@@ -1,1 +1,0 @@
-//! Tests of the link core: frames in, frames and events out, in time that the test gives.
