@@ -4,8 +4,9 @@
 use crate::payload::{CoordinatorCapability, FrameHeader, MavlinkMessage, PayloadKind, Track};
 use crate::telemetry::VehicleKinematics;
 use crate::{
-    AnchorReference, AutopilotCommand, Battery, CommandId, FlightMode, FlightState, Geodetic, Incarnation, LandedState,
-    NodeTime, PositionNed, Refusal, RequestId, Setpoint, SystemId, VehicleCommand, VehicleId, VehicleTask,
+    AnchorReference, AutopilotCommand, Battery, CommandId, FlightLimits, FlightMode, FlightState, Geodetic,
+    Incarnation, LandedState, NodeTime, PositionNed, Refusal, RequestId, Setpoint, SystemId, VehicleCommand, VehicleId,
+    VehicleTask,
 };
 use minicbor::{Decode, Encode};
 
@@ -366,6 +367,9 @@ pub enum Effect {
     /// Whether the vehicle can host the coordinator.
     #[n(15)]
     Capability(#[n(0)] CoordinatorCapability),
+    /// What the vehicle can do; latest wins.
+    #[n(16)]
+    Limits(#[n(0)] FlightLimits),
 }
 
 /// How a command goes on.

@@ -41,12 +41,12 @@ pub enum Task {
         #[n(1)]
         heading: FormationHeading,
     },
-    /// Follow the leader in a slot.
+    /// Keep a slot relative to the formation's anchor.
     #[n(1)]
     Follow {
-        /// Whom to follow.
+        /// Whom to follow; absent if the anchor is no vehicle but a virtual leader, a reference that moves, or a place.
         #[n(0)]
-        leader: VehicleId,
+        leader: Option<VehicleId>,
         /// The slot, and the way into it.
         #[n(1)]
         slot: SlotMove,
@@ -54,6 +54,89 @@ pub enum Task {
     /// Leave the formation and hold.
     #[n(2)]
     Hold,
+    /// Keep a place among neighbours, from their states alone.
+    #[n(3)]
+    Keep(#[n(0)] Keeping),
+    /// Fly a planned trajectory from its start on, then hold at its end.
+    #[n(4)]
+    Fly(#[n(0)] Trajectory),
+}
+
+/// A vehicle's place among its neighbours, for control without a coordinator.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, Encode, Decode)]
+pub struct Keeping {
+    /// What is kept.
+    #[n(0)]
+    pub law: KeepingLaw,
+    /// The neighbours and where they belong, relative to this vehicle: north, east, down for the formation's heading when it was laid out.
+    #[n(1)]
+    pub neighbours: Vec<NeighbourPlace>,
+    /// Whoever leads: its motion is what the others take over. Also a neighbour, or known only through neighbours.
+    #[n(2)]
+    pub leader: Option<VehicleId>,
+    /// From when on.
+    #[n(3)]
+    pub start: NodeTime,
+}
+
+/// What a vehicle keeps of its neighbours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, Encode, Decode)]
+#[cbor(index_only)]
+pub enum KeepingLaw {
+    /// Distances; the shape may turn as a whole.
+    #[n(0)]
+    Distances,
+    /// Directions in north, east, down; the shape does not turn.
+    #[n(1)]
+    Bearings,
+}
+
+/// Where a neighbour belongs.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, Encode, Decode)]
+pub struct NeighbourPlace {
+    /// Which.
+    #[n(0)]
+    pub vehicle: VehicleId,
+    /// Its place minus this vehicle's: north in metres.
+    #[n(1)]
+    pub north_m: f64,
+    /// East in metres.
+    #[n(2)]
+    pub east_m: f64,
+    /// Down in metres.
+    #[n(3)]
+    pub down_m: f64,
+}
+
+/// A planned way over time: polynomials, piece after piece, that begin at one time for all who fly together.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, Encode, Decode)]
+pub struct Trajectory {
+    /// When it begins, on the common clock.
+    #[n(0)]
+    pub start: NodeTime,
+    /// Its pieces, one after the other.
+    #[n(1)]
+    pub pieces: Vec<TrajectoryPiece>,
+    /// Yaw in radians clockwise from north; along the course if left out.
+    #[n(2)]
+    pub yaw_rad: Option<f64>,
+}
+
+/// One piece: per axis the coefficients of a polynomial in the time since the piece began, constant term first.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, Encode, Decode)]
+pub struct TrajectoryPiece {
+    /// How long it takes in seconds.
+    #[n(0)]
+    pub duration_s: f64,
+    /// North in metres, metres per second, …
+    #[n(1)]
+    pub north: Vec<f64>,
+    /// East.
+    #[n(2)]
+    pub east: Vec<f64>,
+    /// Down.
+    #[n(3)]
+    pub down: Vec<f64>,
 }
 
 /// How a formation's heading is chosen.

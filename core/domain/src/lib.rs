@@ -10,6 +10,7 @@ pub mod formation;
 pub mod frames;
 pub mod ids;
 pub mod intent;
+pub mod limits;
 pub mod link;
 pub mod manifest;
 pub mod payload;
@@ -19,12 +20,16 @@ pub mod telemetry;
 pub mod time;
 
 pub use command::{AutopilotCommand, VehicleCommand};
-pub use formation::{FormationRequest, HeadingRequest, Shape};
+pub use formation::{FormationAnchor, FormationControl, FormationRequest, HeadingRequest, Shape};
 pub use frames::{
     AccelerationNed, Geodetic, LocalFrame, LocalPositionNed, OffsetFrd, PositionNed, SwarmFrame, VelocityNed,
 };
 pub use ids::{CommandId, Incarnation, RequestId, SystemId, VehicleId};
-pub use intent::{AnchorReference, FormationHeading, Intent, Route, SlotMove, Task, VehicleTask};
+pub use intent::{
+    AnchorReference, FormationHeading, Intent, Keeping, KeepingLaw, NeighbourPlace, Route, SlotMove, Task, Trajectory,
+    TrajectoryPiece, VehicleTask,
+};
+pub use limits::FlightLimits;
 pub use refusal::Refusal;
 pub use setpoint::Setpoint;
 pub use telemetry::{Battery, FlightMode, FlightState, Gnss, GnssFix, LandedState, LinkHealth, Telemetry};

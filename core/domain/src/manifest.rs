@@ -95,7 +95,7 @@ effect_kinds!(
     7 TrackingError "tracking_error" Effect::TrackingError { .. },
     /// Reports the end of the route.
     8 RouteFinished "route_finished" Effect::RouteFinished,
-    /// Sends a MAVLink message to its vehicle's payload components.
+    /// Sends a MAVLink message to its vehicle's system.
     9 Mavlink "mavlink" Effect::Mavlink(_),
     /// Sends bytes on the payload's own transport.
     10 Transmit "transmit" Effect::Transmit { .. },
@@ -109,6 +109,8 @@ effect_kinds!(
     14 Frame "frame" Effect::Frame(_),
     /// Says whether the vehicle can host the coordinator.
     15 Capability "capability" Effect::Capability(_),
+    /// Says what the vehicle can do.
+    16 Limits "limits" Effect::Limits(_),
 );
 
 impl EffectKind {

@@ -83,7 +83,7 @@ pub fn slots(
         Shape::Column => (0..count).map(|i| (-(i as f64) * unit_m, 0.0)).collect(),
         Shape::Wedge => (0..count).map(|i| wedge(i, unit_m)).collect(),
         Shape::Circle => circle(count, unit_m),
-        Shape::Grid => grid(count, unit_m),
+        _ => grid(count, unit_m),
     };
     let place = |(i, (forward_m, right_m)): (usize, (f64, f64))| OffsetFrd {
         forward_m,

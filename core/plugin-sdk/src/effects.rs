@@ -4,7 +4,9 @@ use crate::frames::FrameMut;
 use serde::Serialize;
 use skein_domain::exchange::{CommandProgress, Effect, EffectBatch, Severity};
 use skein_domain::payload::{CoordinatorCapability, FrameHeader, MavlinkMessage};
-use skein_domain::{AnchorReference, AutopilotCommand, CommandId, FlightState, Refusal, RequestId, Setpoint};
+use skein_domain::{
+    AnchorReference, AutopilotCommand, CommandId, FlightLimits, FlightState, Refusal, RequestId, Setpoint,
+};
 
 /// The effects of one batch, in the order they are to be carried out.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -146,6 +148,11 @@ impl Effects {
     /// Says whether the vehicle can host the coordinator.
     pub fn capability(&mut self, capability: CoordinatorCapability) {
         self.push(Effect::Capability(capability));
+    }
+
+    /// Says what the vehicle can do.
+    pub fn limits(&mut self, limits: FlightLimits) {
+        self.push(Effect::Limits(limits));
     }
 
     /// What was collected so far.

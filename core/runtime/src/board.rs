@@ -17,8 +17,8 @@ use skein_domain::link::VehicleLink;
 use skein_domain::payload::{CoordinatorCapability, Track};
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{
-    AnchorReference, Clock, FlightState, Geodetic, Intent, LandedState, LinkHealth, NodeTime, PositionNed, Setpoint,
-    SwarmFrame, SystemId, Telemetry, VehicleId,
+    AnchorReference, Clock, FlightLimits, FlightState, Geodetic, Intent, LandedState, LinkHealth, NodeTime,
+    PositionNed, Setpoint, SwarmFrame, SystemId, Telemetry, VehicleId,
 };
 use skein_plugin_host::{Catalog, Runners};
 use skein_safety::{Gate, Peer};
@@ -213,6 +213,8 @@ pub struct PublishedState {
     pub model_state: Option<serde_json::Value>,
     /// Whether it can host the coordinator.
     pub capability: Option<CoordinatorCapability>,
+    /// What it can do, if its model says.
+    pub limits: Option<FlightLimits>,
 }
 
 /// All vehicles at one control period.

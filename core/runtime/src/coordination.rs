@@ -340,7 +340,7 @@ pub fn intent(before: &Intent, coordination: &Coordination, withdrawn: &BTreeSet
             wanted.insert(
                 *id,
                 Task::Follow {
-                    leader: formation.leader,
+                    leader: Some(formation.leader),
                     slot: *slot,
                 },
             );

@@ -275,8 +275,9 @@ pub(crate) struct Lead {
 /// Following.
 #[derive(Debug, Clone, PartialEq, Encode, Decode)]
 pub(crate) struct Follow {
+    /// Whose anchor; none for one that is no vehicle.
     #[n(0)]
-    pub leader: VehicleId,
+    pub leader: Option<VehicleId>,
     #[n(1)]
     pub slot: SlotMove,
     /// The slot flown until the leader's first anchor after the change: slot and anchor change together, or the vehicle would jump.

@@ -52,6 +52,7 @@ impl GenericUav {
             Task::Hold => self.fly(Purpose::Hold { at: None }, None, "left the formation", out),
             Task::Lead { route, heading } => self.lead(flying, route, heading, out),
             Task::Follow { leader, slot } => self.follow(flying, leader, slot, out),
+            Task::Keep(_) | Task::Fly(_) => {}
         }
     }
 
@@ -103,7 +104,7 @@ impl GenericUav {
         }
     }
 
-    fn follow(&mut self, mut flying: Flying, leader: VehicleId, slot: SlotMove, out: &mut Effects) {
+    fn follow(&mut self, mut flying: Flying, leader: Option<VehicleId>, slot: SlotMove, out: &mut Effects) {
         let previous = match &flying.purpose {
             Purpose::Follow(before) => Some(before.previous.unwrap_or(before.slot)),
             _ => None,

@@ -33,12 +33,8 @@ async fn a_formation_holds_whatever_each_vehicle_calls_its_origin() {
     }
     assert!(fleet.frame.is_some());
     let request = FormationRequest {
-        shape: Shape::Line,
-        spacing_m: 6.0,
         heading: HeadingRequest::Fixed { heading_deg: 0.0 },
-        altitude_step_m: 0.0,
-        leader: None,
-        members: None,
+        ..FormationRequest::new(Shape::Line, 6.0)
     };
     let receipt = swarm.node().set_formation(request).await.expect("is flown");
     let extra = Duration::from_secs_f64(receipt.duration_s);

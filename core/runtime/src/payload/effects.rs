@@ -40,7 +40,8 @@ impl PayloadState {
                 | Effect::RouteFinished
                 | Effect::PayloadCommand { .. }
                 | Effect::Frame(_)
-                | Effect::Capability(_) => {}
+                | Effect::Capability(_)
+                | Effect::Limits(_) => {}
             }
         }
         if let Some(frame) = frames.into_iter().next_back() {

@@ -5,7 +5,7 @@ use crate::payload::{Asker, PayloadMessage};
 use crate::snapshot::EventKind;
 use skein_domain::exchange::{CommandProgress, Effect, Event, Severity};
 use skein_domain::setpoint::LocalSetpoint;
-use skein_domain::{AutopilotCommand, FlightState, NodeTime, Refusal, RequestId, Setpoint};
+use skein_domain::{AutopilotCommand, FlightLimits, FlightState, NodeTime, Refusal, RequestId, Setpoint};
 
 /// A refusal of the same kind is told again after so long, in seconds: at 50 setpoints a second the log would hold nothing else.
 const REFUSAL_REPEAT_S: f64 = 2.0;
@@ -68,6 +68,7 @@ impl VehicleState {
                     command_json,
                 } => self.payload_command(request, &payload, command_json),
                 Effect::Capability(capability) => self.cell.state.lock().capability = Some(capability),
+                Effect::Limits(limits) => self.cell.state.lock().limits = Some(limits).filter(FlightLimits::is_usable),
                 // No manifest of a UAV model that names one of these is taken.
                 Effect::Mavlink(_) | Effect::Transmit { .. } | Effect::Frame(_) => {}
             }

@@ -47,7 +47,9 @@ impl VehicleState {
                 self.task_version = task.version;
                 events.push(Event::Task(task.clone()));
             }
-            if let Task::Follow { leader, .. } = &task.task
+            if let Task::Follow {
+                leader: Some(leader), ..
+            } = &task.task
                 && let Some(anchor) = peers.entry(*leader).and_then(|e| e.anchor)
             {
                 events.push(Event::Anchor(anchor));

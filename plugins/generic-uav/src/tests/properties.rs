@@ -70,7 +70,7 @@ fn task() -> impl Strategy<Value = Task> {
     prop_oneof![
         prop::option::of(route).prop_map(|route| Task::Lead { route, heading: COURSE }),
         number().prop_map(|right_m| Task::Follow {
-            leader: VehicleId(1),
+            leader: Some(VehicleId(1)),
             slot: slot(right_m)
         }),
         Just(Task::Hold),

@@ -46,7 +46,7 @@ fn flight() -> (Vec<EventBatch>, Vec<Vec<Effect>>) {
     });
     rig.run(6.0);
     rig.task(Task::Follow {
-        leader: VehicleId(1),
+        leader: Some(VehicleId(1)),
         slot: slot(4.0),
     });
     let mut anchor = AnchorReference {

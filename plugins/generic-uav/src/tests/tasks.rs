@@ -28,7 +28,7 @@ pub fn slot(right_m: f64) -> SlotMove {
 
 pub fn follow(right_m: f64) -> Task {
     Task::Follow {
-        leader: VehicleId(1),
+        leader: Some(VehicleId(1)),
         slot: slot(right_m),
     }
 }
@@ -314,7 +314,7 @@ fn a_slot_is_flown_only_with_an_anchor_of_its_own_time() {
         ..leader.anchor
     };
     rig.task(Task::Follow {
-        leader: VehicleId(2),
+        leader: Some(VehicleId(2)),
         slot: slot(-20.0),
     });
     // In the very batch of the change comes an anchor from before it.
@@ -502,7 +502,7 @@ fn numbers_that_are_not_finite_reach_no_setpoint() {
     let mut broken = slot(0.0);
     broken.to.forward_m = f64::NAN;
     rig.task(Task::Follow {
-        leader: VehicleId(1),
+        leader: Some(VehicleId(1)),
         slot: broken,
     });
     leader.run(&mut rig, 1.0);

@@ -549,6 +549,27 @@ export type FlightMode = "unknown" | "manual" | "altitude" | "position" | "acro"
 export type FlightState = "idle" | "arming" | "taking_off" | "holding" | "going_to" | "following" | "leading" | "returning" | "landing" | "pilot_control" | "faulted";
 
 /**
+ * What a formation's slots are relative to.
+ */
+export type FormationAnchor = { "kind": "leader" } | { "kind": "path", 
+/**
+ * The route. It begins where the formation is anchored now: at its first waypoint if it is not anchored yet.
+ */
+route: Route, } | { "kind": "reference", 
+/**
+ * Its name, as in the list of references.
+ */
+name: string, } | { "kind": "place", 
+/**
+ * The place in the swarm frame.
+ */
+position: PositionNed, 
+/**
+ * Heading of the formation there in degrees clockwise from north; the present one if left out.
+ */
+heading_deg: number | null, };
+
+/**
  * The formation, if one is flown.
  */
 export type FormationAnswer = { 
@@ -556,6 +577,11 @@ export type FormationAnswer = {
  * Null if none is flown.
  */
 formation: FormationSnapshot | null, };
+
+/**
+ * Who works out where each vehicle should be.
+ */
+export type FormationControl = "slots" | "distances" | "bearings";
 
 /**
  * What a change of formation will look like.
@@ -599,7 +625,39 @@ heading: HeadingRequest,
  */
 altitude_step_m: number, 
 /**
- * Who leads; the present leader, or else the lowest id, if left out.
+ * The shape is turned by this about its anchor, in degrees clockwise seen from above.
+ */
+rotation_deg: number, 
+/**
+ * The shape is made so many times as large, spacing and altitudes included.
+ */
+scale: number, 
+/**
+ * For an arc: how much of the circle, in degrees; 180 if left out.
+ */
+arc_deg: number | null, 
+/**
+ * For a box: how many layers; as near to a cube as the number allows if left out.
+ */
+layers: number | null, 
+/**
+ * For a helix: height gained in one turn, in metres; twice the spacing if left out.
+ */
+pitch_m: number | null, 
+/**
+ * For a free shape: the places relative to the anchor, the leader's first. At least as many as vehicles take part.
+ */
+offsets: Array<OffsetFrd> | null, 
+/**
+ * What the slots are relative to; the leader if left out.
+ */
+anchor: FormationAnchor, 
+/**
+ * Who works out the places; the coordinator if left out.
+ */
+control: FormationControl, 
+/**
+ * Who leads; the present leader, or else the first that can in the configured order, if left out.
  */
 leader: VehicleId | null, 
 /**
@@ -955,6 +1013,23 @@ setpoint_rate_hz: number, };
 export type NodeTime = number;
 
 /**
+ * A place relative to a formation's anchor: metres forward, right and down of it.
+ */
+export type OffsetFrd = { 
+/**
+ *First axis, in metres.
+ */
+forward_m: number, 
+/**
+ *Second axis, in metres.
+ */
+right_m: number, 
+/**
+ *Third axis, in metres.
+ */
+down_m: number, };
+
+/**
  * What changes seldom about one payload. Its state is in its vehicle's snapshot.
  */
 export type PayloadInfo = { 
@@ -1068,7 +1143,7 @@ transport_fault: string,
 frame: FrameHeader | null, };
 
 /**
- * How the bytes of a frame are to be read. A number, so that a reader can name one it does not know.
+ * How the bytes of a frame are to be read.
  */
 export type PixelFormat = "gray8" | "rgb8" | "jpeg";
 
@@ -1523,9 +1598,9 @@ error: ErrorDetail, };
 export type Severity = "info" | "advisory" | "warning" | "critical";
 
 /**
- * The outline of a formation.
+ * The outline of a formation. What "forward" and "right" mean is the formation's heading.
  */
-export type Shape = "line" | "column" | "wedge" | "circle" | "grid";
+export type Shape = "line" | "column" | "wedge" | "echelon_left" | "echelon_right" | "diamond" | "circle" | "arc" | "square" | "grid" | "box" | "sphere" | "helix" | "free";
 
 /**
  * The swarm's one common frame: north-east-down about a geodetic origin that all members share.
