@@ -6,6 +6,7 @@
 
 pub mod command;
 pub mod exchange;
+pub mod fence;
 pub mod formation;
 pub mod frames;
 pub mod ids;
@@ -20,17 +21,23 @@ pub mod telemetry;
 pub mod time;
 
 pub use command::{AutopilotCommand, VehicleCommand};
+pub use fence::{
+    AltitudeReference, BreachAction, BreachReturn, FencePlan, FenceZone, MapPoint, ZoneError, ZoneKind, ZoneOutline,
+};
 pub use formation::{FormationAnchor, FormationControl, FormationRequest, HeadingRequest, Shape};
 pub use frames::{
     AccelerationNed, Geodetic, LocalFrame, LocalPositionNed, OffsetFrd, PositionNed, SwarmFrame, VelocityNed,
 };
 pub use ids::{CommandId, Incarnation, RequestId, SystemId, VehicleId};
 pub use intent::{
-    AnchorReference, FormationHeading, Intent, Keeping, KeepingLaw, NeighbourPlace, Route, SlotMove, Task, Trajectory,
-    TrajectoryPiece, VehicleTask,
+    AnchorPlan, AnchorReference, FormationHeading, Intent, Keeping, KeepingLaw, NeighbourPlace, Route, SlotMove, Task,
+    Trajectory, TrajectoryPiece, VehicleTask,
 };
 pub use limits::FlightLimits;
 pub use refusal::Refusal;
 pub use setpoint::Setpoint;
-pub use telemetry::{Battery, FlightMode, FlightState, Gnss, GnssFix, LandedState, LinkHealth, Telemetry};
+pub use telemetry::{
+    Battery, BatteryUse, EstimatorHealth, FlightMode, FlightState, Gnss, GnssFix, HeardTimes, LandedState, LinkHealth,
+    Telemetry,
+};
 pub use time::{Clock, NodeTime};
