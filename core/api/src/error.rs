@@ -213,6 +213,7 @@ fn refusal_status(refusal: &Refusal) -> StatusCode {
         | Refusal::NotEnoughVehicles { .. }
         | Refusal::StaleIncarnation { .. }
         | Refusal::NotSupported { .. }
+        | Refusal::Preflight { .. }
         | Refusal::DuplicateSystemId { .. } => StatusCode::CONFLICT,
     }
 }

@@ -5,22 +5,26 @@
 #![forbid(unsafe_code)]
 
 pub mod command;
+pub mod energy;
 pub mod exchange;
 pub mod fence;
 pub mod formation;
 pub mod frames;
 pub mod ids;
 pub mod intent;
+pub mod ladder;
 pub mod limits;
 pub mod link;
 pub mod manifest;
 pub mod payload;
+pub mod preflight;
 pub mod refusal;
 pub mod setpoint;
 pub mod telemetry;
 pub mod time;
 
 pub use command::{AutopilotCommand, VehicleCommand};
+pub use energy::{EnergyLevel, EnergySettings, EnergyState};
 pub use fence::{
     AltitudeReference, BreachAction, BreachReturn, FencePlan, FenceZone, MapPoint, ZoneError, ZoneKind, ZoneOutline,
 };
@@ -34,6 +38,10 @@ pub use intent::{
     Trajectory, TrajectoryPiece, VehicleTask,
 };
 pub use limits::FlightLimits;
+pub use ladder::{
+    Alarm, LadderEvent, LadderEventKind, LadderSettings, LadderState, Order, Reaction, ReportOnly, Trigger,
+};
+pub use preflight::{ItemStatus, PreflightItem, PreflightOverride, PreflightReport, PreflightSettings};
 pub use refusal::Refusal;
 pub use setpoint::Setpoint;
 pub use telemetry::{

@@ -207,6 +207,14 @@ pub enum Refusal {
         #[n(0)]
         track: u64,
     },
+    /// Red items of the preflight report that nobody has overridden.
+    #[error("preflight: {}", items.join(", "))]
+    #[n(22)]
+    Preflight {
+        /// Ids of the items.
+        #[n(0)]
+        items: Vec<String>,
+    },
 }
 
 impl Refusal {
@@ -236,6 +244,7 @@ impl Refusal {
             Self::NotSupported { .. } => "not_supported",
             Self::UnknownPayload { .. } => "unknown_payload",
             Self::UnknownTrack { .. } => "unknown_track",
+            Self::Preflight { .. } => "preflight",
         }
     }
 }
