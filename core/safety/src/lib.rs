@@ -4,6 +4,7 @@
 //! Must never do: I/O, read a clock, spawn, draw random numbers, or let a number that is not finite through.
 #![forbid(unsafe_code)]
 
+pub mod avoidance;
 mod fence;
 mod gate;
 mod payload;

@@ -1,0 +1,205 @@
+//! What one neighbour demands of the own velocity: one half-space, or nothing. The geometry of two, in stretched coordinates.
+
+use super::nearest::Row;
+use super::surroundings::Carried;
+use super::{AvoidanceSettings, NeighbourId};
+use nalgebra::Vector3;
+use skein_domain::VehicleId;
+
+/// How fast two that are nearer than they should be move apart, per metre that is missing, per second.
+const PARTING_PER_S: f64 = 1.0;
+/// Nobody is asked to part faster than this, in metres per second.
+const PARTING_MAX_M_S: f64 = 3.0;
+/// What the wanted velocity may be changed by other neighbours before this one has to be looked at, in metres per second.
+const ELBOW_ROOM_M_S: f64 = 2.0;
+/// Each of two that share takes this part of what is left between them, and that part of what is already missing.
+const SHARE_OF_ROOM: f64 = 0.5;
+const SHARE_OF_LACK: f64 = 0.7;
+/// Who would pass another on the left by less than this part of the keep-out distance passes it on the right instead.
+const RIGHT_HAND: f64 = 0.35;
+/// Dodging is preferred to braking when what lies between is flown in less than this, in seconds.
+const DODGE_S: f64 = 4.0;
+
+/// The own vehicle as it is believed to be now.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Own {
+    pub id: VehicleId,
+    pub position: Vector3<f64>,
+    pub velocity: Vector3<f64>,
+    /// What the autopilot would make of the wanted setpoint.
+    pub wanted: Vector3<f64>,
+    pub uncertain_m: f64,
+    pub age_s: f64,
+}
+
+/// The demand of one neighbour.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Demand {
+    pub id: NeighbourId,
+    pub row: Row,
+    /// Present distance in real metres.
+    pub distance_m: f64,
+    /// The half-space stops the approach instead of leading past: along the line of sight.
+    pub stops: bool,
+    /// Where it is from here, and how fast.
+    apart: Vector3<f64>,
+    velocity: Vector3<f64>,
+}
+
+impl Demand {
+    /// Smallest distance in metres within the horizon if the own velocity were this one.
+    pub fn predicted_m(&self, own_velocity: &Vector3<f64>, horizon_s: f64) -> f64 {
+        let relative = self.velocity - own_velocity;
+        let speed = relative.norm_squared();
+        let at_s = if speed > 0.0 {
+            (-self.apart.dot(&relative) / speed).min(horizon_s).max(0.0)
+        } else {
+            0.0
+        };
+        (self.apart + relative * at_s).norm()
+    }
+}
+
+/// Beyond this distance nobody that shares demands anything, if none is faster against the own velocity, less certain or older.
+pub(super) fn reach_m(own: &Own, fastest_m_s: f64, uncertain_m: f64, age_s: f64, settings: &AvoidanceSettings) -> f64 {
+    let keep_m = keep_out_m(settings, own.uncertain_m + uncertain_m);
+    let closing = fastest_m_s + (own.wanted - own.velocity).norm() + ELBOW_ROOM_M_S;
+    let delay_s = settings.reaction_s + own.age_s + age_s.min(settings.horizon_s);
+    let room_m = room_needed_m(closing, 2.0 * settings.braking_m_s2, delay_s, settings.horizon_s);
+    stretch(settings, keep_m) * (keep_m + room_m)
+}
+
+/// Closing speed from which two that brake at `braking` after a delay stop within `room_m`; negative if there is none.
+pub(super) fn closing_limit_m_s(room_m: f64, braking_m_s2: f64, delay_s: f64, horizon_s: f64) -> f64 {
+    if room_m <= 0.0 {
+        return (PARTING_PER_S * room_m).max(-PARTING_MAX_M_S);
+    }
+    let lost = braking_m_s2 * delay_s;
+    let brakes = (lost * lost + 2.0 * braking_m_s2 * room_m).sqrt() - lost;
+    brakes.max(room_m / horizon_s)
+}
+
+/// How much room two need that close at a speed; the inverse of [`closing_limit_m_s`].
+pub(super) fn room_needed_m(closing_m_s: f64, braking_m_s2: f64, delay_s: f64, horizon_s: f64) -> f64 {
+    let stops = closing_m_s * delay_s + 0.5 * closing_m_s * closing_m_s / braking_m_s2;
+    stops.min(closing_m_s * horizon_s)
+}
+
+/// The distance two have to keep, in real metres, for what is not known of either.
+pub(super) fn keep_out_m(settings: &AvoidanceSettings, uncertain_m: f64) -> f64 {
+    settings.min_separation_m + uncertain_m
+}
+
+/// How much taller than wide the volume is, after the margin: that is not stretched, since it is no downwash.
+fn stretch(settings: &AvoidanceSettings, keep_m: f64) -> f64 {
+    if keep_m > 0.0 {
+        (settings.vertical_stretch * settings.min_separation_m / keep_m).max(1.0)
+    } else {
+        1.0
+    }
+}
+
+/// What `peer` demands of `own`; none if it is too far away to matter this period.
+pub(super) fn demand(own: &Own, peer: &Carried, settings: &AvoidanceSettings) -> Option<Demand> {
+    let keep_m = keep_out_m(settings, own.uncertain_m + peer.uncertain_m);
+    let squeeze = 1.0 / stretch(settings, keep_m);
+    let squeezed = |v: Vector3<f64>| Vector3::new(v.x, v.y, v.z * squeeze);
+    let apart = peer.position - own.position;
+    let there = squeezed(apart);
+    let distance_m = there.norm();
+    let relative = squeezed(own.velocity - peer.velocity);
+    let braking = if peer.shares { 2.0 } else { 1.0 } * settings.braking_m_s2;
+    let delay_s = settings.reaction_s + own.age_s + peer.age_s.min(settings.horizon_s);
+    let room_m = distance_m - keep_m;
+    let fastest = relative.norm() + (own.wanted - own.velocity).norm() + ELBOW_ROOM_M_S;
+    if room_m > room_needed_m(fastest, braking, delay_s, settings.horizon_s) {
+        return None;
+    }
+    let sight = there
+        .try_normalize(1e-6)
+        .unwrap_or_else(|| sideways_of(own.id, peer.id) * -1.0);
+    let closing = closing_limit_m_s(room_m, braking, delay_s, settings.horizon_s);
+    let stop = Side {
+        normal: sight,
+        room: closing - sight.dot(&relative),
+    };
+    let pass = passing(own, peer, &sight, &relative, keep_m / distance_m);
+    let row = |side: &Side| side.row(own, peer.shares, squeeze, room_m, keep_m);
+    let stop_row = row(&stop);
+    let chosen = pass
+        .filter(|pass| stop_row.excess(&own.wanted) > 0.0 && prefers(&stop, pass, &relative, room_m, closing))
+        .map(|pass| row(&pass));
+    Some(Demand {
+        id: peer.id,
+        row: chosen.unwrap_or(stop_row),
+        distance_m: apart.norm(),
+        stops: chosen.is_none(),
+        apart,
+        velocity: peer.velocity,
+    })
+}
+
+/// Whether leading past costs less than stopping. Both vehicles judge by what both know, so that they come to the same answer.
+fn prefers(stop: &Side, pass: &Side, relative: &Vector3<f64>, room_m: f64, closing: f64) -> bool {
+    let early = closing.min(room_m / DODGE_S) - relative.dot(&stop.normal);
+    pass.room > early
+}
+
+/// One half-space on the relative velocity, in stretched coordinates: `normal · relative` may grow by `room`.
+#[derive(Debug, Clone, Copy)]
+struct Side {
+    normal: Vector3<f64>,
+    room: f64,
+}
+
+impl Side {
+    /// The own part of it as a condition on the own velocity, in real coordinates.
+    fn row(&self, own: &Own, shares: bool, squeeze: f64, room_m: f64, keep_m: f64) -> Row {
+        let part = match (shares, self.room > 0.0) {
+            (false, _) => self.room,
+            (true, true) => SHARE_OF_ROOM * self.room,
+            (true, false) => SHARE_OF_LACK * self.room,
+        };
+        let normal = Vector3::new(self.normal.x, self.normal.y, self.normal.z * squeeze);
+        let length = normal.norm().max(1e-6);
+        Row {
+            normal: normal / length,
+            bound: (normal.dot(&own.velocity) + part) / length,
+            // Who is near yields last.
+            yields: (room_m / keep_m + 0.5).clamp(0.1, 2.0),
+        }
+    }
+}
+
+/// The side of the collision cone along which the two lead past each other; none inside the keep-out volume.
+fn passing(own: &Own, peer: &Carried, sight: &Vector3<f64>, relative: &Vector3<f64>, sine: f64) -> Option<Side> {
+    if !(sine < 1.0) {
+        return None;
+    }
+    let cosine = (1.0 - sine * sine).sqrt();
+    let closing = sight.dot(relative);
+    let across = relative - sight * closing;
+    let right = right_of(sight).unwrap_or_else(|| sideways_of(own.id, peer.id));
+    let bias = RIGHT_HAND * closing.max(0.0) * sine / cosine.max(0.1);
+    let around = (across + right * bias).try_normalize(1e-6).unwrap_or(right);
+    // Out of the cone through this side.
+    let out = around * cosine - sight * sine;
+    Some(Side {
+        normal: -out,
+        room: out.dot(relative),
+    })
+}
+
+/// Level and to the right when looking along `sight`; none if that is straight up or down.
+fn right_of(sight: &Vector3<f64>) -> Option<Vector3<f64>> {
+    Vector3::new(-sight.y, sight.x, 0.0).try_normalize(0.1)
+}
+
+/// A level direction that two vehicles choose opposite to each other where geometry does not give one.
+fn sideways_of(own: VehicleId, peer: NeighbourId) -> Vector3<f64> {
+    let first = match peer {
+        NeighbourId::Vehicle(peer) => own < peer,
+        NeighbourId::Foreign(_) => true,
+    };
+    Vector3::new(if first { 1.0 } else { -1.0 }, 0.0, 0.0)
+}
