@@ -139,4 +139,8 @@ pub enum AutopilotCommand {
     /// Enter OFFBOARD. The link does it only when its setpoint stream has run long enough.
     #[n(6)]
     EnterOffboard,
+    /// Motors off at once, in flight too: the vehicle falls. Never a model's to ask for; the link puts it ahead of all else, repeats
+    /// it until it is done and ends the setpoint stream.
+    #[n(7)]
+    EmergencyStop,
 }

@@ -37,10 +37,10 @@ pub use intent::{
     AnchorPlan, AnchorReference, FormationHeading, Intent, Keeping, KeepingLaw, NeighbourPlace, Route, SlotMove, Task,
     Trajectory, TrajectoryPiece, VehicleTask,
 };
-pub use limits::FlightLimits;
 pub use ladder::{
     Alarm, LadderEvent, LadderEventKind, LadderSettings, LadderState, Order, Reaction, ReportOnly, Trigger,
 };
+pub use limits::FlightLimits;
 pub use preflight::{ItemStatus, PreflightItem, PreflightOverride, PreflightReport, PreflightSettings};
 pub use refusal::Refusal;
 pub use setpoint::Setpoint;

@@ -5,7 +5,9 @@
 
 use crate::payload::MavlinkMessage;
 use crate::setpoint::LocalSetpoint;
-use crate::{AutopilotCommand, FlightMode, LinkHealth, NodeTime, Refusal, RequestId, SystemId, Telemetry};
+use crate::{AutopilotCommand, FlightMode, Geodetic, LinkHealth, NodeTime, Refusal, RequestId, SystemId, Telemetry};
+use minicbor::{Decode, Encode};
+use serde::{Deserialize, Serialize};
 use std::sync::Weak;
 
 /// What happened on a link since it was last asked; drained by the vehicle actor once per period.
@@ -47,6 +49,39 @@ pub enum LinkEvent {
     },
     /// The setpoint stream changed what it does.
     Stream(StreamState),
+    /// The autopilot's clock made a step although it did not restart.
+    ClockJumped {
+        /// By how much, in seconds; forward positive.
+        by_s: f64,
+    },
+    /// The autopilot flies the uploaded route and has reached a point of it.
+    RoutePointReached {
+        /// Which, counted from zero.
+        index: u16,
+    },
+}
+
+/// One point of a route that the autopilot flies by itself.
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Serialize,
+    Deserialize,
+    Encode,
+    Decode,
+    ts_rs::TS,
+    schemars::JsonSchema
+)]
+#[serde(deny_unknown_fields)]
+pub struct RoutePoint {
+    /// The place.
+    #[n(0)]
+    pub place: Geodetic,
+    /// Speed on the way there in metres per second; as before if left out.
+    #[n(1)]
+    pub speed_m_s: Option<f64>,
 }
 
 /// What a link's setpoint stream is doing.
@@ -91,6 +126,10 @@ pub trait VehicleLink: Send + Sync + 'static {
 
     /// End the stream on purpose (after landing, or when the pilot has taken over).
     fn stop_stream(&self, now: NodeTime);
+
+    /// Puts a route on the vehicle in place of the one it has; an empty one takes that away. It is flown when the mode is set to
+    /// [`FlightMode::Mission`]. The outcome comes as [`LinkEvent::Result`].
+    fn upload_route(&self, now: NodeTime, request: RequestId, route: &[RoutePoint]);
 
     /// From now on gives messages of all components of the vehicle's system to a tap, until that is dropped.
     fn tap(&self, tap: Weak<dyn MessageTap>);

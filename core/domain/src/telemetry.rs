@@ -194,6 +194,93 @@ pub struct Gnss {
     pub horizontal_accuracy_m: Option<f32>,
 }
 
+/// What has been taken from the battery, and how long the rest lasts: as far as the vehicle says so.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct BatteryUse {
+    /// Charge used since it was switched on, in ampere hours.
+    pub consumed_ah: Option<f32>,
+    /// Energy used since it was switched on, in watt hours.
+    pub consumed_wh: Option<f32>,
+    /// Flight time that is left by the vehicle's own reckoning, in seconds.
+    pub remaining_s: Option<f32>,
+}
+
+/// What a vehicle's estimator says of itself.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct EstimatorHealth {
+    /// What it has and what is wrong with it, as MAVLink numbers it (`ESTIMATOR_STATUS_FLAGS`). Ask by the methods.
+    pub flags: u16,
+    /// Accuracy of the position along the horizontal in metres, one standard deviation.
+    pub horizontal_accuracy_m: Option<f32>,
+    /// Accuracy of the height in metres, one standard deviation.
+    pub vertical_accuracy_m: Option<f32>,
+    /// How far the last horizontal positions were from what was expected, 1 being where they are not believed any more.
+    pub position_ratio: f32,
+    /// The same for the velocity.
+    pub velocity_ratio: f32,
+}
+
+impl EstimatorHealth {
+    /// It has an attitude.
+    pub const ATTITUDE: u16 = 1;
+    /// It has a horizontal velocity.
+    pub const VELOCITY_HORIZONTAL: u16 = 2;
+    /// It has a vertical velocity.
+    pub const VELOCITY_VERTICAL: u16 = 4;
+    /// It has a position relative to where it started.
+    pub const POSITION_RELATIVE: u16 = 8;
+    /// It has a position on Earth.
+    pub const POSITION_ABSOLUTE: u16 = 16;
+    /// It has a height above mean sea level.
+    pub const HEIGHT_ABSOLUTE: u16 = 32;
+    /// It does not know where it is and takes it that it does not move.
+    pub const CONSTANT_POSITION: u16 = 128;
+    /// It would have a relative position in flight.
+    pub const POSITION_RELATIVE_PREDICTED: u16 = 256;
+    /// It would have a position on Earth in flight.
+    pub const POSITION_ABSOLUTE_PREDICTED: u16 = 512;
+    /// The satellite receiver is not believed.
+    pub const GNSS_GLITCH: u16 = 1024;
+    /// The accelerometers are not believed.
+    pub const ACCELEROMETER_ERROR: u16 = 2048;
+
+    /// Whether all of these flags are set.
+    #[must_use]
+    pub fn has(&self, flags: u16) -> bool {
+        self.flags & flags == flags
+    }
+
+    /// Whether it knows where on Earth it is, how high, and how fast it moves: what flying among others needs.
+    #[must_use]
+    pub fn is_position_good(&self) -> bool {
+        let needed = Self::ATTITUDE | Self::VELOCITY_HORIZONTAL | Self::POSITION_ABSOLUTE | Self::HEIGHT_ABSOLUTE;
+        self.has(needed) && !self.has(Self::CONSTANT_POSITION) && !self.has(Self::ACCELEROMETER_ERROR)
+    }
+}
+
+/// When each kind of message was last heard; zero = never since the autopilot started. By this staleness is judged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct HeardTimes {
+    /// Local position.
+    pub local: NodeTime,
+    /// Global position.
+    pub global: NodeTime,
+    /// Attitude.
+    pub attitude: NodeTime,
+    /// First satellite receiver.
+    pub gnss: NodeTime,
+    /// Second satellite receiver.
+    pub gnss2: NodeTime,
+    /// The estimator's report on itself.
+    pub estimator: NodeTime,
+    /// Wind.
+    pub wind: NodeTime,
+    /// Battery.
+    pub battery: NodeTime,
+    /// System status with the health of the sensors.
+    pub system_status: NodeTime,
+}
+
 /// State of the link to one vehicle, measured by this node.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[derive(Serialize, Deserialize, Encode, Decode, ts_rs::TS, schemars::JsonSchema)]
@@ -254,8 +341,32 @@ pub struct Telemetry {
     pub home: Option<Geodetic>,
     /// Battery.
     pub battery: Battery,
-    /// Satellite navigation.
+    /// Satellite navigation: the first receiver.
     pub gnss: Gnss,
+    /// Where the first satellite receiver says that it is, unfiltered; only with a fix.
+    #[serde(default)]
+    pub gnss_place: Option<Geodetic>,
+    /// The second satellite receiver, if there is one.
+    #[serde(default)]
+    pub gnss2: Gnss,
+    /// Where the second satellite receiver says that it is, unfiltered; only with a fix.
+    #[serde(default)]
+    pub gnss2_place: Option<Geodetic>,
+    /// Whether the autopilot holds its satellite receiver for healthy; `None` if it has none or does not say.
+    #[serde(default)]
+    pub gnss_healthy: Option<bool>,
+    /// What the estimator says of itself.
+    #[serde(default)]
+    pub estimator: Option<EstimatorHealth>,
+    /// Wind as the autopilot estimates it: where the air moves to.
+    #[serde(default)]
+    pub wind: Option<VelocityNed>,
+    /// What has been taken from the battery.
+    #[serde(default)]
+    pub battery_use: BatteryUse,
+    /// When each kind of message was last heard.
+    #[serde(default)]
+    pub heard: HeardTimes,
 }
 
 /// One vehicle as the swarm sees it: telemetry in the common frame. What peers, plugins and screens read.

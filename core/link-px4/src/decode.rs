@@ -5,10 +5,12 @@
 
 use crate::frame::{Frame, FrameHeader};
 use crate::modes::Px4Mode;
+use crate::vehicle::route::RouteMessage;
 use mavlink::dialects::common::{
-    ATTITUDE_DATA, AUTOPILOT_VERSION_DATA, BATTERY_STATUS_DATA, EXTENDED_SYS_STATE_DATA, GLOBAL_POSITION_INT_DATA,
-    GPS_GLOBAL_ORIGIN_DATA, GPS_RAW_INT_DATA, HOME_POSITION_DATA, LOCAL_POSITION_NED_DATA, PARAM_ERROR_DATA,
-    PARAM_VALUE_DATA, STATUSTEXT_DATA, SYS_STATUS_DATA, TIMESYNC_DATA,
+    ATTITUDE_DATA, AUTOPILOT_VERSION_DATA, BATTERY_STATUS_DATA, ESTIMATOR_STATUS_DATA, EXTENDED_SYS_STATE_DATA,
+    GLOBAL_POSITION_INT_DATA, GPS_GLOBAL_ORIGIN_DATA, GPS_RAW_INT_DATA, GPS2_RAW_DATA, HOME_POSITION_DATA,
+    LOCAL_POSITION_NED_DATA, PARAM_ERROR_DATA, PARAM_VALUE_DATA, STATUSTEXT_DATA, SYS_STATUS_DATA, TIMESYNC_DATA,
+    WIND_COV_DATA,
 };
 use mavlink::{MessageData, error::ParserError};
 
@@ -27,6 +29,12 @@ pub enum Inbound {
     ParameterValue(PARAM_VALUE_DATA),
     /// GPS_RAW_INT.
     Gnss(GPS_RAW_INT_DATA),
+    /// GPS2_RAW.
+    SecondGnss(GPS2_RAW_DATA),
+    /// ESTIMATOR_STATUS.
+    Estimator(ESTIMATOR_STATUS_DATA),
+    /// WIND_COV.
+    Wind(WIND_COV_DATA),
     /// ATTITUDE.
     Attitude(ATTITUDE_DATA),
     /// LOCAL_POSITION_NED.
@@ -51,6 +59,8 @@ pub enum Inbound {
     StatusText(STATUSTEXT_DATA),
     /// PARAM_ERROR.
     ParameterError(PARAM_ERROR_DATA),
+    /// A message of the mission protocol.
+    Route(RouteMessage),
 }
 
 /// HEARTBEAT with its numbers as they are.
@@ -171,11 +181,23 @@ impl Acknowledgement {
 }
 
 /// A payload whose trailing zeroes may have been left out.
-struct Fields<'a>(&'a [u8]);
+pub(crate) struct Fields<'a>(pub &'a [u8]);
 
 impl Fields<'_> {
-    fn u8(&self, at: usize) -> u8 {
+    pub fn u8(&self, at: usize) -> u8 {
         self.0.get(at).copied().unwrap_or(0)
+    }
+
+    pub fn u16(&self, at: usize) -> u16 {
+        u16::from_le_bytes([self.u8(at), self.u8(at + 1)])
+    }
+
+    pub fn u32(&self, at: usize) -> u32 {
+        u32::from_le_bytes([self.u8(at), self.u8(at + 1), self.u8(at + 2), self.u8(at + 3)])
+    }
+
+    pub fn i32(&self, at: usize) -> i32 {
+        self.u32(at).cast_signed()
     }
 }
 
@@ -201,6 +223,9 @@ pub fn decode(frame: &Frame<'_>) -> Option<Result<Inbound, ParserError>> {
         EXTENDED_SYS_STATE_DATA::ID => read!(EXTENDED_SYS_STATE_DATA => ExtendedState),
         SYS_STATUS_DATA::ID => read!(SYS_STATUS_DATA => SystemStatus),
         GPS_RAW_INT_DATA::ID => read!(GPS_RAW_INT_DATA => Gnss),
+        GPS2_RAW_DATA::ID => read!(GPS2_RAW_DATA => SecondGnss),
+        ESTIMATOR_STATUS_DATA::ID => read!(ESTIMATOR_STATUS_DATA => Estimator),
+        WIND_COV_DATA::ID => read!(WIND_COV_DATA => Wind),
         BATTERY_STATUS_DATA::ID => read!(BATTERY_STATUS_DATA => Battery),
         HOME_POSITION_DATA::ID => read!(HOME_POSITION_DATA => Home),
         COMMAND_ACK_ID => Ok(Inbound::Acknowledgement(Acknowledgement::read(payload))),
@@ -210,7 +235,7 @@ pub fn decode(frame: &Frame<'_>) -> Option<Result<Inbound, ParserError>> {
         PARAM_ERROR_DATA::ID => read!(PARAM_ERROR_DATA => ParameterError),
         GPS_GLOBAL_ORIGIN_DATA::ID => read!(GPS_GLOBAL_ORIGIN_DATA => GlobalOrigin),
         AUTOPILOT_VERSION_DATA::ID => read!(AUTOPILOT_VERSION_DATA => AutopilotVersion),
-        _ => return None,
+        _ => return RouteMessage::read(message_id, payload).map(|message| Ok(Inbound::Route(message))),
     })
 }
 

@@ -11,6 +11,7 @@ use crate::address::EndpointAddress;
 use crate::error::EndpointError;
 use crate::event::EndpointEvent;
 use crate::settings::EndpointSettings;
+use crate::sighting::ReferenceSink;
 use crate::table::LinkTable;
 use hub::Hub;
 use ractor::{Actor, ActorProcessingErr, ActorRef};
@@ -37,6 +38,8 @@ pub struct EndpointArguments {
     pub links: Arc<LinkTable>,
     /// Where events go.
     pub events: EventSink,
+    /// Where the places of others go that are heard here, if anybody wants to know.
+    pub references: Option<Arc<dyn ReferenceSink>>,
 }
 
 /// The actor of one endpoint. A failed start gives an [`EndpointError`] inside `ractor::SpawnErr::StartupFailed`.

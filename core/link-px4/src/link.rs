@@ -12,7 +12,7 @@ use crate::vehicle::parameters::{ParameterError, ParameterEvent, ParameterValue}
 use crate::vehicle::plan::Command;
 use crate::vehicle::{AUTOPILOT_COMPONENT, AutopilotIdentity, VehicleCore};
 use parking_lot::Mutex;
-use skein_domain::link::{LinkEvent, MessageTap, StreamState, VehicleLink};
+use skein_domain::link::{LinkEvent, MessageTap, RoutePoint, StreamState, VehicleLink};
 use skein_domain::payload::MavlinkMessage;
 use skein_domain::setpoint::LocalSetpoint;
 use skein_domain::{AutopilotCommand, LinkHealth, NodeTime, Refusal, RequestId, SystemId, Telemetry};
@@ -309,6 +309,12 @@ impl VehicleLink for Px4Link {
     fn stop_stream(&self, now: NodeTime) {
         let mut inner = self.inner.lock();
         inner.core.stop_stream(now);
+        inner.flush();
+    }
+
+    fn upload_route(&self, now: NodeTime, request: RequestId, route: &[RoutePoint]) {
+        let mut inner = self.inner.lock();
+        inner.core.upload_route(now, request, route);
         inner.flush();
     }
 

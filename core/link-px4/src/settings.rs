@@ -134,8 +134,12 @@ pub struct MessageRates {
     pub system_status_hz: f64,
     /// BATTERY_STATUS.
     pub battery_hz: f64,
-    /// GPS_RAW_INT.
+    /// GPS_RAW_INT, and GPS2_RAW where there is a second receiver.
     pub gnss_hz: f64,
+    /// ESTIMATOR_STATUS.
+    pub estimator_hz: f64,
+    /// WIND_COV, where the autopilot estimates the wind.
+    pub wind_hz: f64,
     /// HOME_POSITION.
     pub home_hz: f64,
 }
@@ -153,7 +157,9 @@ impl Default for MessageRates {
             landed_state_hz: 2.0,
             system_status_hz: 1.0,
             battery_hz: 1.0,
-            gnss_hz: 1.0,
+            gnss_hz: 2.0,
+            estimator_hz: 1.0,
+            wind_hz: 0.5,
             home_hz: 0.5,
         }
     }

@@ -6,6 +6,7 @@
 pub mod boot;
 pub mod clock_sync;
 pub mod commands;
+pub mod emergency;
 pub mod events;
 mod inbound;
 pub mod local_origin;
@@ -13,9 +14,10 @@ pub mod mode_watch;
 pub mod parameters;
 pub mod plan;
 pub mod rates;
+pub mod route;
 pub mod setpoints;
 pub mod status_text;
-mod telemetry;
+pub(crate) mod telemetry;
 pub mod traffic;
 
 use crate::decode::{Heartbeat, Inbound};
@@ -25,6 +27,7 @@ use crate::settings::LinkSettings;
 use boot::BootWatch;
 use clock_sync::ClockSync;
 use commands::{Around, Commands, Ended, Origin};
+use emergency::EmergencyStop;
 use events::EventQueue;
 use local_origin::LocalOrigin;
 use mavlink::dialects::common::{HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavState, MavType};
@@ -32,6 +35,7 @@ use mode_watch::ModeWatch;
 use parameters::{ParameterError, ParameterMessage, ParameterValue, Parameters};
 use plan::{Class, Command, Condition, Goal, Plan, Situation, Step};
 use rates::{RateKeeper, Tuning};
+use route::RouteUpload;
 use setpoints::{HoldPlace, SetpointStream, StreamAction};
 use skein_domain::link::{LinkEvent, StreamState};
 use skein_domain::payload::MavlinkMessage;
@@ -89,6 +93,8 @@ pub struct VehicleCore {
     /// Why nothing may be asked of it, if so.
     refuse_all: Option<Refusal>,
     interleaved: Option<NodeTime>,
+    emergency: Option<EmergencyStop>,
+    route: RouteUpload,
 }
 
 impl VehicleCore {
@@ -126,6 +132,8 @@ impl VehicleCore {
             next_heartbeat: now,
             refuse_all: None,
             interleaved: None,
+            emergency: None,
+            route: RouteUpload::default(),
         }
     }
 
@@ -213,12 +221,14 @@ impl VehicleCore {
 
     /// Does what has become due; gives when to come again.
     pub fn on_tick(&mut self, now: NodeTime) -> NodeTime {
+        self.poll_emergency(now);
         self.check_lost(now);
         while let Some(text) = self.texts.poll(now) {
             self.on_text(Some(text));
         }
         self.poll_stream(now);
         self.poll_commands(now);
+        self.poll_route(now);
         if self.connected {
             self.send_parameters(now);
             if let Some(request) = self.clock.poll(now, self.settings.timesync_hz, self.target()) {
@@ -250,7 +260,12 @@ impl VehicleCore {
             Some(self.rates.due())
         };
         let when_connected = [Some(lost), tuning, Some(self.clock.due()), self.parameters.due()];
-        let always = [self.stream.due(&self.settings), self.commands.due()];
+        let always = [
+            self.stream.due(&self.settings),
+            self.commands.due(),
+            self.emergency.as_ref().map(EmergencyStop::due),
+            self.route.due(),
+        ];
         for next in always
             .into_iter()
             .chain(when_connected.into_iter().filter(|_| self.connected))
@@ -270,13 +285,23 @@ impl VehicleCore {
         self.traffic.restart();
         self.events.push(LinkEvent::Lost);
         self.parameters.break_off("the link was lost", false);
+        self.break_off_route(&Refusal::LinkLost {
+            vehicle: VehicleId(u16::from(self.system_id)),
+        });
         true
     }
 
     /// Asks the autopilot for something; the outcome comes as an event.
     pub fn request(&mut self, now: NodeTime, request: RequestId, command: AutopilotCommand) {
+        if command == AutopilotCommand::EmergencyStop {
+            self.stop_motors(now, request);
+            return;
+        }
         let planned = match self.refusal(now) {
             Some(refusal) => Err(refusal),
+            None if self.is_stopping_motors() => Err(Refusal::NotPermitted {
+                detail: "an emergency stop is under way".to_owned(),
+            }),
             None => plan::plan(command, &self.situation(now)),
         };
         match planned {
@@ -380,6 +405,7 @@ impl VehicleCore {
             self.commands.end_all(&mut self.ended, refusal);
             self.finish_commands();
             self.parameters.break_off(&refusal.to_string(), false);
+            self.break_off_route(refusal);
             let action = self.stream.give_up();
             self.act(now, action);
         }

@@ -290,6 +290,7 @@ impl NodeState {
                     clock: board.clock.clone(),
                     links: parts.links.clone(),
                     events: listening::sink(&board, parts),
+                    references: None,
                 };
                 Ok(spawned(Endpoint::spawn_linked(None, Endpoint, arguments, parent).await)?.get_id())
             }

@@ -271,6 +271,7 @@ impl Gate {
             AutopilotCommand::SetMode {
                 mode: FlightMode::Unknown,
             } => Err(invalid("the mode is not known")),
+            AutopilotCommand::EmergencyStop => not_permitted("stop the motors"),
             AutopilotCommand::Arm
             | AutopilotCommand::Disarm
             | AutopilotCommand::Land

@@ -10,6 +10,7 @@ use crate::link::{Px4Link, Received};
 use crate::metrics::EndpointCounters;
 use crate::outbox::Outbox;
 use crate::settings::{EndpointSettings, LinkSettings};
+use crate::sighting::{self, ReferenceSink};
 use crate::table::{LinkTable, Slot};
 use crate::vehicle::{AUTOPILOT_COMPONENT, own_heartbeat};
 use skein_domain::{Clock, NodeTime};
@@ -36,6 +37,7 @@ pub struct Hub {
     clock: Arc<dyn Clock>,
     table: Arc<LinkTable>,
     events: super::EventSink,
+    references: Option<Arc<dyn ReferenceSink>>,
     /// Links by system id, looked up once.
     known: Vec<Option<Arc<Px4Link>>>,
     /// Links that are ticked here.
@@ -52,6 +54,7 @@ impl Hub {
             clock,
             links,
             events,
+            references,
         } = arguments;
         let link_settings = Arc::new(settings.link.clone());
         let hello = Outbox::new(link_settings.own_system_id, link_settings.own_component_id);
@@ -65,6 +68,7 @@ impl Hub {
             clock,
             table: links,
             events,
+            references,
             known: vec![None; 256],
             heard: Vec::new(),
             next_tick: NodeTime::default(),
@@ -120,6 +124,9 @@ impl Hub {
             return;
         }
         let system_id = frame.header.system_id;
+        if sighting::is_of_others(frame.header.message_id) {
+            self.sight(now, frame);
+        }
         let Some(Some(link)) = self.known.get(usize::from(system_id)) else {
             self.on_stranger(now, counters, frame, from);
             return;
@@ -167,7 +174,11 @@ impl Hub {
                 && heartbeat.is_vehicle()
         });
         let Some(heartbeat) = heartbeat else {
-            counters.unadopted += 1;
+            // What a receiver heard of others has been told already.
+            let told = sighting::is_of_others(header.message_id);
+            if told || header.system_id == self.link_settings.own_system_id || !self.sight(now, frame) {
+                counters.unadopted += 1;
+            }
             return;
         };
         let (link, event) =
@@ -183,6 +194,19 @@ impl Hub {
         }
         // The heartbeat itself, and whether it comes from where this vehicle is heard already.
         self.on_frame(now, counters, frame, from);
+    }
+
+    /// Tells of somebody's place, if the frame says one. True if it does, and somebody wants to know.
+    fn sight(&self, now: NodeTime, frame: &Frame<'_>) -> bool {
+        let Some(references) = &self.references else {
+            return false;
+        };
+        let sighting = sighting::read(now, frame);
+        let seen = sighting.is_some();
+        if let Some(sighting) = sighting {
+            references.sighted(sighting);
+        }
+        seen
     }
 
     fn remember(&mut self, link: &Arc<Px4Link>) {

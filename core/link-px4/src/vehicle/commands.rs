@@ -237,6 +237,25 @@ impl Commands {
         self.resting.clear();
     }
 
+    /// Ends every command that flies or arms: an emergency stop goes ahead of all of them. Acknowledgements that are still on the
+    /// way find nobody any more.
+    pub fn end_flying(&mut self, ended: &mut Vec<Ended>, refusal: &Refusal) {
+        self.tasks.retain(|task| {
+            if task.class != Class::Service && task.origin != Origin::Nobody {
+                ended.push(Ended {
+                    origin: task.origin,
+                    outcome: Err(refusal.clone()),
+                });
+            }
+            task.class == Class::Service
+        });
+    }
+
+    /// Lets a command's number rest: late answers to it must not be taken for those of the next.
+    pub fn rest(&mut self, number: u16, until: NodeTime) {
+        self.resting.push((number, until));
+    }
+
     /// Ends the commands of a class that a newer one replaces. Those whose acknowledgement is on the way keep their number
     /// for as long as it may still come.
     fn replace(&mut self, around: &mut Around<'_>, class: Class) {

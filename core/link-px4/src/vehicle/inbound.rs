@@ -23,7 +23,7 @@ impl VehicleCore {
             }
             Inbound::Attitude(attitude) => {
                 if self.is_of_this_boot(now, attitude.time_boot_ms) {
-                    self.estimate.on_attitude(&attitude);
+                    self.estimate.on_attitude(now, &attitude);
                 }
             }
             Inbound::GlobalPosition(global) => self.on_global_position(now, &global),
@@ -33,9 +33,12 @@ impl VehicleCore {
                     self.poll_commands(now);
                 }
             }
-            Inbound::SystemStatus(status) => self.estimate.on_system_status(&status),
+            Inbound::SystemStatus(status) => self.estimate.on_system_status(now, &status),
             Inbound::Battery(battery) => self.estimate.on_battery(now, &battery),
-            Inbound::Gnss(gnss) => self.estimate.on_gnss(&gnss),
+            Inbound::Gnss(gnss) => self.estimate.on_gnss(now, &gnss),
+            Inbound::SecondGnss(gnss) => self.estimate.on_second_gnss(now, &gnss),
+            Inbound::Estimator(status) => self.estimate.on_estimator(now, &status),
+            Inbound::Wind(wind) => self.estimate.on_wind(now, &wind),
             Inbound::Home(home) => {
                 self.rates.on_copy(rates::HOME);
                 self.estimate.on_home(&home);
@@ -56,6 +59,7 @@ impl VehicleCore {
                 self.send_parameters(now);
             }
             Inbound::AutopilotVersion(version) => self.on_version(&version),
+            Inbound::Route(message) => self.on_route_message(now, &message),
         }
     }
 
@@ -77,7 +81,8 @@ impl VehicleCore {
     fn on_acknowledgement(&mut self, now: NodeTime, ack: &Acknowledgement) {
         let ours = |id: u8, own: u8| id == 0 || id == own;
         let (system, component) = (self.settings.own_system_id, self.settings.own_component_id);
-        if ours(ack.target_system, system) && ours(ack.target_component, component) {
+        if ours(ack.target_system, system) && ours(ack.target_component, component) && !self.acknowledge_emergency(ack)
+        {
             self.with_commands(now, |commands, around| commands.on_ack(around, ack));
         }
     }
@@ -109,6 +114,7 @@ impl VehicleCore {
         if armed_before.is_some_and(|before| before != armed) {
             self.events.push(LinkEvent::ArmedChanged { armed });
         }
+        self.see_emergency(now, armed);
         if let Some(change) = self.modes.on_mode(now, mode) {
             let (from, to, commanded) = (change.from, change.to, change.commanded);
             self.events.push(LinkEvent::ModeChanged { from, to, commanded });
@@ -157,6 +163,7 @@ impl VehicleCore {
         };
         self.commands.end_all(&mut self.ended, &refusal);
         self.finish_commands();
+        self.break_off_route(&refusal);
         // Its frame may be another now: no old position must reach it.
         let action = self.stream.stop();
         self.act(now, action);

@@ -252,6 +252,8 @@ pub fn plan(command: AutopilotCommand, situation: &Situation) -> Result<Plan, Re
             (_, None) => Err(invalid("the mode `unknown` cannot be set")),
             (_, Some(px4)) => Ok(Plan::single("set_mode", Class::Flight, change_mode(mode, px4))),
         },
+        // Never one command among others: it has its own way past all of them.
+        AutopilotCommand::EmergencyStop => Err(invalid("the emergency stop has its own way")),
         AutopilotCommand::EnterOffboard => {
             let step = change_mode(FlightMode::Offboard, Px4Mode { main: 6, sub: 0 });
             Ok(Plan {

@@ -31,13 +31,22 @@ pub const TIMESYNC: u32 = 111;
 pub const GLOBAL_ORIGIN: u32 = 49;
 /// AUTOPILOT_VERSION.
 pub const AUTOPILOT_VERSION: u32 = 148;
+/// ESTIMATOR_STATUS.
+const ESTIMATOR_STATUS: u32 = 230;
+/// GPS2_RAW.
+const SECOND_GNSS: u32 = 124;
+/// WIND_COV.
+const WIND: u32 = 231;
+/// Messages that a healthy autopilot may have nothing to say in: not every one has a second receiver or estimates the wind.
+const MAY_BE_MISSING: [u32; 2] = [SECOND_GNSS, WIND];
 /// HOME_POSITION.
 pub const HOME: u32 = 242;
 
 /// Messages that come as answers or on events, and so have no rate: text, acknowledgements, parameters, missions, files,
-/// commands to others, events.
-const WITHOUT_RATE: [u32; 26] = [
-    22, 39, 40, 42, 43, 44, 45, 46, 47, 49, 51, 73, 75, 76, 77, 110, 126, 148, 253, 323, 324, 345, 410, 411, 412, 413,
+/// commands to others, events, and what is heard of others' places.
+const WITHOUT_RATE: [u32; 28] = [
+    22, 39, 40, 42, 43, 44, 45, 46, 47, 49, 51, 73, 75, 76, 77, 110, 126, 144, 148, 246, 253, 323, 324, 345, 410, 411,
+    412, 413,
 ];
 
 #[derive(Debug)]
@@ -81,7 +90,7 @@ pub enum Tuning {
 #[derive(Debug)]
 pub struct RateKeeper {
     settings: MessageRates,
-    wanted: [Wanted; 9],
+    wanted: [Wanted; 12],
     unused: Vec<Unused>,
     copies: [Copy; 3],
     next_request: NodeTime,
@@ -101,6 +110,9 @@ impl RateKeeper {
             (1, settings.system_status_hz),
             (24, settings.gnss_hz),
             (147, settings.battery_hz),
+            (ESTIMATOR_STATUS, settings.estimator_hz),
+            (SECOND_GNSS, settings.gnss_hz),
+            (WIND, settings.wind_hz),
             (HOME, settings.home_hz),
         ]
         .map(|(id, rate_hz)| Wanted {
@@ -275,8 +287,8 @@ impl RateKeeper {
         for wanted in &mut self.wanted {
             let measured_hz = f64::from(wanted.in_window) / window_s;
             let expected = wanted.rate_hz * window_s;
-            let wrong =
-                measured_hz > wanted.rate_hz * 1.6 + 0.5 || (expected >= 3.0 && measured_hz < wanted.rate_hz * 0.5);
+            let due = expected >= 3.0 && !MAY_BE_MISSING.contains(&wanted.id);
+            let wrong = measured_hz > wanted.rate_hz * 1.6 + 0.5 || (due && measured_hz < wanted.rate_hz * 0.5);
             if !silent && wrong && wanted.attempts > 0 && wanted.attempts < ATTEMPTS_MAX {
                 wanted.due = true;
             }

@@ -31,6 +31,8 @@ enum Barred {
     GivenUp,
     /// The autopilot left OFFBOARD unasked.
     TakenOver,
+    /// The motors were stopped in an emergency.
+    Emergency,
 }
 
 /// What is to be done now.
@@ -178,13 +180,24 @@ impl SetpointStream {
 
     /// The autopilot has left OFFBOARD unasked: nothing that could bring it back is sent until it is asked for.
     pub fn taken_over(&mut self) -> StreamAction {
-        self.barred = Some(Barred::TakenOver);
+        if self.barred != Some(Barred::Emergency) {
+            self.barred = Some(Barred::TakenOver);
+        }
         let changed = if self.is_active() {
             self.enter(StreamState::Stopped)
         } else {
             None
         };
         StreamAction { send: None, changed }
+    }
+
+    /// The motors are being stopped: nothing is sent until OFFBOARD is asked for, or the vehicle stands disarmed.
+    pub fn bar_for_good(&mut self) -> StreamAction {
+        self.barred = Some(Barred::Emergency);
+        StreamAction {
+            send: None,
+            changed: self.enter(StreamState::Stopped),
+        }
     }
 
     /// The autopilot is in OFFBOARD again, by whoever's will: what a take-over barred may be sent again.

@@ -3,17 +3,21 @@
 use super::clock_sync::ClockSync;
 use super::local_origin::{LocalOrigin, OriginChange};
 use mavlink::dialects::common::{
-    ATTITUDE_DATA, BATTERY_STATUS_DATA, EXTENDED_SYS_STATE_DATA, GLOBAL_POSITION_INT_DATA, GPS_RAW_INT_DATA,
-    GpsFixType, HOME_POSITION_DATA, LOCAL_POSITION_NED_DATA, MavLandedState, MavSysStatusSensor, SYS_STATUS_DATA,
+    ATTITUDE_DATA, BATTERY_STATUS_DATA, ESTIMATOR_STATUS_DATA, EXTENDED_SYS_STATE_DATA, GLOBAL_POSITION_INT_DATA,
+    GPS_RAW_INT_DATA, GPS2_RAW_DATA, GpsFixType, HOME_POSITION_DATA, LOCAL_POSITION_NED_DATA, MavLandedState,
+    MavSysStatusSensor, SYS_STATUS_DATA, WIND_COV_DATA,
 };
 use skein_domain::{
-    Battery, FlightMode, Geodetic, Gnss, GnssFix, LandedState, LocalPositionNed, NodeTime, Telemetry, VelocityNed,
+    Battery, BatteryUse, EstimatorHealth, FlightMode, Geodetic, Gnss, GnssFix, LandedState, LocalPositionNed, NodeTime,
+    Telemetry, VelocityNed,
 };
 
 /// A battery report counts for this long; then the system status tells, in seconds.
 const BATTERY_FRESH_S: f64 = 5.0;
 /// Battery cells whose voltage is not given.
 const NO_CELL: u16 = u16::MAX;
+/// Local positions with stamps from before the newest that are passed over in a row: more are a clock that was set back.
+const OVERTAKEN_MAX: u8 = 4;
 
 /// When something was heard, and its own stamp.
 #[derive(Debug, Clone, Copy)]
@@ -30,6 +34,7 @@ pub struct Estimate {
     global: Option<Heard>,
     battery: Option<NodeTime>,
     has_attitude: bool,
+    overtaken: u8,
 }
 
 /// A place from the wire: 1e-7 degrees and millimetres.
@@ -99,10 +104,13 @@ impl Estimate {
         let is_older = self
             .local
             .is_some_and(|heard| message.time_boot_ms.wrapping_sub(heard.stamp_ms).cast_signed() < 0);
-        if is_older {
+        if is_older && self.overtaken < OVERTAKEN_MAX {
             // Overtaken on the way.
+            self.overtaken += 1;
             return;
         }
+        self.overtaken = 0;
+        self.telemetry.heard.local = now;
         origin.on_local(message.time_boot_ms, position, velocity);
         self.telemetry.local = Some(position);
         self.telemetry.velocity = Some(velocity);
@@ -123,6 +131,7 @@ impl Estimate {
         if !place.is_valid() || (message.lat == 0 && message.lon == 0) {
             return OriginChange::None;
         }
+        self.telemetry.heard.global = now;
         self.telemetry.global = Some(place);
         self.global = Some(Heard {
             at: now,
@@ -136,12 +145,13 @@ impl Estimate {
     }
 
     /// ATTITUDE.
-    pub fn on_attitude(&mut self, message: &ATTITUDE_DATA) {
+    pub fn on_attitude(&mut self, now: NodeTime, message: &ATTITUDE_DATA) {
         if message.roll.is_finite() && message.pitch.is_finite() && message.yaw.is_finite() {
             self.telemetry.roll_rad = message.roll;
             self.telemetry.pitch_rad = message.pitch;
             self.telemetry.yaw_rad = message.yaw;
             self.has_attitude = true;
+            self.telemetry.heard.attitude = now;
         }
     }
 
@@ -158,11 +168,18 @@ impl Estimate {
     }
 
     /// SYS_STATUS.
-    pub fn on_system_status(&mut self, message: &SYS_STATUS_DATA) {
+    pub fn on_system_status(&mut self, now: NodeTime, message: &SYS_STATUS_DATA) {
+        self.telemetry.heard.system_status = now;
         // PX4 sets the health bit alone, neither "present" nor "enabled".
         let prearm = MavSysStatusSensor::MAV_SYS_STATUS_PREARM_CHECK;
         self.telemetry.ready_to_arm = Some(message.onboard_control_sensors_health.contains(prearm));
+        let receiver = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_GPS;
+        self.telemetry.gnss_healthy = message
+            .onboard_control_sensors_present
+            .contains(receiver)
+            .then(|| message.onboard_control_sensors_health.contains(receiver));
         if self.battery.is_none() {
+            self.telemetry.heard.battery = now;
             self.telemetry.battery = Battery {
                 remaining: percent(message.battery_remaining),
                 voltage_v: (message.voltage_battery != u16::MAX && message.voltage_battery != 0)
@@ -181,6 +198,13 @@ impl Estimate {
             return;
         }
         self.battery = Some(now);
+        self.telemetry.heard.battery = now;
+        self.telemetry.battery_use = BatteryUse {
+            consumed_ah: (message.current_consumed >= 0).then_some(message.current_consumed as f32 * 1e-3),
+            // In hundreds of joules.
+            consumed_wh: (message.energy_consumed >= 0).then_some(message.energy_consumed as f32 / 36.0),
+            remaining_s: (message.time_remaining > 0).then_some(message.time_remaining as f32),
+        };
         let cells = message.voltages.iter().filter(|&&mv| mv != NO_CELL);
         let more = message.voltages_ext.iter().filter(|&&mv| mv != 0 && mv != NO_CELL);
         let millivolts: u32 = cells.chain(more).map(|&mv| u32::from(mv)).sum();
@@ -191,26 +215,47 @@ impl Estimate {
         };
     }
 
-    /// GPS_RAW_INT.
-    pub fn on_gnss(&mut self, message: &GPS_RAW_INT_DATA) {
-        let fix = match message.fix_type {
-            GpsFixType::GPS_FIX_TYPE_NO_GPS => GnssFix::Unknown,
-            GpsFixType::GPS_FIX_TYPE_NO_FIX => GnssFix::None,
-            GpsFixType::GPS_FIX_TYPE_2D_FIX => GnssFix::TwoD,
-            GpsFixType::GPS_FIX_TYPE_3D_FIX | GpsFixType::GPS_FIX_TYPE_STATIC => GnssFix::ThreeD,
-            GpsFixType::GPS_FIX_TYPE_DGPS | GpsFixType::GPS_FIX_TYPE_PPP => GnssFix::Dgps,
-            GpsFixType::GPS_FIX_TYPE_RTK_FLOAT => GnssFix::RtkFloat,
-            GpsFixType::GPS_FIX_TYPE_RTK_FIXED => GnssFix::RtkFixed,
-        };
-        self.telemetry.gnss = Gnss {
-            fix,
-            satellites: if message.satellites_visible == u8::MAX {
-                0
-            } else {
-                message.satellites_visible
-            },
-            horizontal_accuracy_m: (message.h_acc > 0).then_some(message.h_acc as f32 * 1e-3),
-        };
+    /// GPS_RAW_INT: the first receiver.
+    pub fn on_gnss(&mut self, now: NodeTime, message: &GPS_RAW_INT_DATA) {
+        let fix = fix(message.fix_type);
+        self.telemetry.heard.gnss = now;
+        self.telemetry.gnss = receiver(fix, message.satellites_visible, message.h_acc);
+        self.telemetry.gnss_place = fixed_place(fix, message.lat, message.lon, message.alt);
+    }
+
+    /// GPS2_RAW: the second receiver.
+    pub fn on_second_gnss(&mut self, now: NodeTime, message: &GPS2_RAW_DATA) {
+        let fix = fix(message.fix_type);
+        self.telemetry.heard.gnss2 = now;
+        self.telemetry.gnss2 = receiver(fix, message.satellites_visible, message.h_acc);
+        self.telemetry.gnss2_place = fixed_place(fix, message.lat, message.lon, message.alt);
+    }
+
+    /// ESTIMATOR_STATUS.
+    pub fn on_estimator(&mut self, now: NodeTime, message: &ESTIMATOR_STATUS_DATA) {
+        let accuracy = |metres: f32| (metres.is_finite() && metres > 0.0).then_some(metres);
+        let ratio = |ratio: f32| if ratio.is_finite() { ratio } else { f32::MAX };
+        self.telemetry.heard.estimator = now;
+        self.telemetry.estimator = Some(EstimatorHealth {
+            flags: message.flags.bits(),
+            horizontal_accuracy_m: accuracy(message.pos_horiz_accuracy),
+            vertical_accuracy_m: accuracy(message.pos_vert_accuracy),
+            position_ratio: ratio(message.pos_horiz_ratio),
+            velocity_ratio: ratio(message.vel_ratio),
+        });
+    }
+
+    /// WIND_COV. PX4 gives no vertical part: it sends zero.
+    pub fn on_wind(&mut self, now: NodeTime, message: &WIND_COV_DATA) {
+        let wind = VelocityNed::new(
+            f64::from(message.wind_x),
+            f64::from(message.wind_y),
+            f64::from(message.wind_z),
+        );
+        if wind.is_finite() {
+            self.telemetry.heard.wind = now;
+            self.telemetry.wind = Some(wind);
+        }
     }
 
     /// HOME_POSITION.
@@ -224,4 +269,31 @@ impl Estimate {
 
 fn percent(value: i8) -> Option<f32> {
     (0..=100).contains(&value).then(|| f32::from(value) * 0.01)
+}
+
+fn fix(kind: GpsFixType) -> GnssFix {
+    match kind {
+        GpsFixType::GPS_FIX_TYPE_NO_GPS => GnssFix::Unknown,
+        GpsFixType::GPS_FIX_TYPE_NO_FIX => GnssFix::None,
+        GpsFixType::GPS_FIX_TYPE_2D_FIX => GnssFix::TwoD,
+        GpsFixType::GPS_FIX_TYPE_3D_FIX | GpsFixType::GPS_FIX_TYPE_STATIC => GnssFix::ThreeD,
+        GpsFixType::GPS_FIX_TYPE_DGPS | GpsFixType::GPS_FIX_TYPE_PPP => GnssFix::Dgps,
+        GpsFixType::GPS_FIX_TYPE_RTK_FLOAT => GnssFix::RtkFloat,
+        GpsFixType::GPS_FIX_TYPE_RTK_FIXED => GnssFix::RtkFixed,
+    }
+}
+
+fn receiver(fix: GnssFix, satellites: u8, accuracy_mm: u32) -> Gnss {
+    const UNKNOWN: u8 = u8::MAX;
+    Gnss {
+        fix,
+        satellites: if satellites == UNKNOWN { 0 } else { satellites },
+        horizontal_accuracy_m: (accuracy_mm > 0).then_some(accuracy_mm as f32 * 1e-3),
+    }
+}
+
+/// Where a receiver is, if it has a fix; without one the numbers are old or zero.
+fn fixed_place(fix: GnssFix, latitude: i32, longitude: i32, altitude_mm: i32) -> Option<Geodetic> {
+    let fixed = !matches!(fix, GnssFix::Unknown | GnssFix::None) && (latitude != 0 || longitude != 0);
+    Some(place(latitude, longitude, altitude_mm)).filter(|place| fixed && place.is_valid())
 }

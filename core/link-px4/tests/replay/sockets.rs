@@ -49,6 +49,7 @@ impl Node {
             clock: Arc::clone(&clock) as Arc<dyn Clock>,
             links: Arc::clone(&links),
             events: Arc::new(move |event| sender.send(event).unwrap()),
+            references: None,
         };
         let (actor, _) = Actor::spawn(None, Endpoint, arguments).await.unwrap();
         let Some(EndpointEvent::Bound {

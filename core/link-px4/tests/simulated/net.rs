@@ -63,6 +63,7 @@ impl Net {
             clock: Arc::clone(&self.clock),
             links: Arc::clone(&self.links),
             events: Arc::new(move |event| sender.send(event).unwrap_or_default()),
+            references: None,
         };
         match Actor::spawn(None, Endpoint, arguments).await {
             Ok((actor, _)) => Ok(actor),

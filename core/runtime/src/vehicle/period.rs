@@ -126,6 +126,14 @@ impl VehicleState {
                 self.record(level, EventKind::StatusText, format!("{name}: {text}"));
             }
             LinkEvent::Stream(state) => self.tell_stream(state),
+            LinkEvent::ClockJumped { by_s } => {
+                let text = format!("{name}: the autopilot's clock jumped by {by_s:.3} s");
+                self.record(Severity::Warning, EventKind::Notice, text);
+            }
+            LinkEvent::RoutePointReached { index } => {
+                let text = format!("{name}: point {index} of its route reached");
+                self.record(Severity::Info, EventKind::Notice, text);
+            }
         }
     }
 

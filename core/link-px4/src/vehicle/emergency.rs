@@ -1,0 +1,150 @@
+//! The emergency stop: the forced disarm, sent at once, ahead of every other command, and again and again until the autopilot has
+//! acknowledged it and shows disarmed motors.
+//!
+//! Must never do: be started by anything but its own request, or go on once it has ended. It does not wait for the link to be
+//! there: a vehicle that is not heard may hear. Of two vehicles with one system id neither is stopped: nobody can tell which would be.
+
+use super::VehicleCore;
+use super::plan::Command;
+use mavlink::dialects::common::{COMMAND_LONG_DATA, MavCmd};
+use skein_domain::link::LinkEvent;
+use skein_domain::{NodeTime, Refusal, RequestId};
+
+use crate::decode::Acknowledgement;
+
+/// `MAV_CMD_COMPONENT_ARM_DISARM`.
+pub const ARM_DISARM: u16 = 400;
+/// Parameter 2 that makes it happen in flight as well.
+const FORCE: f32 = 21_196.0;
+/// Pause between two sendings until it is acknowledged, and from then on until it is seen, in seconds.
+const PERIOD_S: f64 = 0.05;
+const PERIOD_ACKNOWLEDGED_S: f64 = 0.25;
+/// A heartbeat that comes earlier than this after the first sending may have been sent before that arrived, in seconds.
+const SETTLE_S: f64 = 0.2;
+/// How long it is tried, in seconds.
+const TRY_FOR_S: f64 = 10.0;
+/// Late answers must not be taken for those of a later command of this number, in seconds.
+const REST_S: f64 = 0.5;
+
+/// One emergency stop under way.
+#[derive(Debug)]
+pub struct EmergencyStop {
+    request: RequestId,
+    first: NodeTime,
+    next: NodeTime,
+    sent: u8,
+    acknowledged: bool,
+    /// What the autopilot said against it last.
+    refused: Option<String>,
+}
+
+impl EmergencyStop {
+    fn new(request: RequestId, now: NodeTime) -> Self {
+        Self {
+            request,
+            first: now,
+            next: now,
+            sent: 0,
+            acknowledged: false,
+            refused: None,
+        }
+    }
+
+    /// When there is something to do next.
+    pub fn due(&self) -> NodeTime {
+        self.next
+    }
+
+    fn message(&mut self, now: NodeTime, target: (u8, u8)) -> COMMAND_LONG_DATA {
+        let command = Command::long(
+            MavCmd::MAV_CMD_COMPONENT_ARM_DISARM,
+            [0.0, FORCE, 0.0, 0.0, 0.0, 0.0, 0.0],
+        );
+        let message = command.long_message(self.sent, target);
+        self.sent = self.sent.saturating_add(1);
+        self.next = now.plus_seconds(if self.acknowledged {
+            PERIOD_ACKNOWLEDGED_S
+        } else {
+            PERIOD_S
+        });
+        message
+    }
+}
+
+impl VehicleCore {
+    /// Stops the motors at once. Ends the setpoint stream and every command under way that flies or arms.
+    pub(super) fn stop_motors(&mut self, now: NodeTime, request: RequestId) {
+        if let Some(refusal) = &self.refuse_all {
+            let outcome = Err(refusal.clone());
+            self.events.push(LinkEvent::Result { request, outcome });
+            return;
+        }
+        self.end_emergency(now, Err(Refusal::Superseded));
+        self.emergency = Some(EmergencyStop::new(request, now));
+        // First of all the command itself: nothing that follows may keep it waiting.
+        self.poll_emergency(now);
+        self.commands.end_flying(&mut self.ended, &Refusal::Superseded);
+        self.finish_commands();
+        let action = self.stream.bar_for_good();
+        self.act(now, action);
+    }
+
+    /// Whether an emergency stop is under way.
+    #[must_use]
+    pub fn is_stopping_motors(&self) -> bool {
+        self.emergency.is_some()
+    }
+
+    /// Sends it again if it is time, or gives up.
+    pub(super) fn poll_emergency(&mut self, now: NodeTime) {
+        let target = self.target();
+        let Some(emergency) = &mut self.emergency else { return };
+        let after_s = now.seconds_since(emergency.first);
+        if after_s >= TRY_FOR_S {
+            let refusal = match emergency.refused.take().filter(|_| !emergency.acknowledged) {
+                Some(result) => Refusal::Autopilot {
+                    result,
+                    text: self.texts.between(emergency.first, now),
+                },
+                None => Refusal::TimedOut {
+                    what: "motors that have stopped".to_owned(),
+                    after_s,
+                },
+            };
+            self.end_emergency(now, Err(refusal));
+        } else if now >= emergency.next {
+            let message = emergency.message(now, target);
+            self.outbox.push(&message);
+        }
+    }
+
+    /// An acknowledgement that is the emergency stop's. An accepted one may still be that of a command of the same number which was
+    /// under way before, so that the motors have to be seen stopped as well.
+    pub(super) fn acknowledge_emergency(&mut self, ack: &Acknowledgement) -> bool {
+        let Some(emergency) = self.emergency.as_mut().filter(|_| ack.command == ARM_DISARM) else {
+            return false;
+        };
+        match ack.result {
+            Acknowledgement::ACCEPTED => emergency.acknowledged = true,
+            Acknowledgement::IN_PROGRESS => {}
+            _ => emergency.refused = Some(ack.result_word()),
+        }
+        true
+    }
+
+    /// A heartbeat shows whether the motors are armed.
+    pub(super) fn see_emergency(&mut self, now: NodeTime, armed: bool) {
+        let round_trip_s = self.clock.round_trip_s().unwrap_or(0.0);
+        let settled = |stop: &EmergencyStop| now.seconds_since(stop.first) >= SETTLE_S.max(2.0 * round_trip_s);
+        if !armed && self.emergency.as_ref().is_some_and(settled) {
+            self.end_emergency(now, Ok(()));
+        }
+    }
+
+    fn end_emergency(&mut self, now: NodeTime, outcome: Result<(), Refusal>) {
+        if let Some(EmergencyStop { request, .. }) = self.emergency.take() {
+            self.commands.rest(ARM_DISARM, now.plus_seconds(REST_S));
+            self.events.push(LinkEvent::Result { request, outcome });
+        }
+    }
+}
