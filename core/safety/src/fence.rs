@@ -1,7 +1,20 @@
-//! The fence: a polygon on the ground with a floor and a ceiling. It knows whether a place is inside, how far outside, and whether
-//! a straight way stays inside.
+//! Fences: polygons on the ground with a floor and a ceiling, and several of them together. They know whether a place is inside, how
+//! far outside, whether a straight way stays inside, and how fast a boundary may be approached.
 
+mod approach;
+mod clearance;
+mod fences;
+mod plan;
 mod plane;
+mod walls;
+mod zone;
+
+pub use approach::Approach;
+pub use clearance::Clearance;
+pub use fences::{Breach, Fences};
+pub use plan::FencePlanError;
+pub use walls::Wall;
+pub use zone::Zone;
 
 use plane::{distance_to_edge_m, edges, even_odd, on_edge, signed_area, touch, touches_at};
 use skein_domain::{PositionNed, Refusal};
@@ -86,6 +99,12 @@ impl Excess {
         self.outside_m <= 0.0 && self.above_m <= 0.0 && self.below_m <= 0.0
     }
 
+    /// All parts as one distance in metres.
+    #[must_use]
+    pub fn distance_m(&self) -> f64 {
+        self.outside_m.hypot(self.above_m).hypot(self.below_m)
+    }
+
     /// Whether no part is larger than in `other`: moving from there to here makes nothing worse.
     #[must_use]
     pub fn is_no_worse_than(&self, other: &Self) -> bool {
@@ -99,7 +118,15 @@ impl Fence {
     ///
     /// # Errors
     /// [`FenceError`] if it is not a simple polygon or a number is not usable.
-    pub fn new(mut vertices: Vec<[f64; 2]>, floor_m: f64, ceiling_m: f64) -> Result<Self, FenceError> {
+    pub fn new(vertices: Vec<[f64; 2]>, floor_m: f64, ceiling_m: f64) -> Result<Self, FenceError> {
+        if !(floor_m.is_finite() && ceiling_m.is_finite()) {
+            return Err(FenceError::FloorAboveCeiling { floor_m, ceiling_m });
+        }
+        Self::open(vertices, floor_m, ceiling_m)
+    }
+
+    /// The same, but the floor may be minus infinity and the ceiling infinity: a side without a limit.
+    pub(crate) fn open(mut vertices: Vec<[f64; 2]>, floor_m: f64, ceiling_m: f64) -> Result<Self, FenceError> {
         if let Some(index) = vertices.iter().position(|v| !v.iter().all(|x| x.is_finite())) {
             return Err(FenceError::NotFinite { index });
         }
@@ -116,7 +143,7 @@ impl Fence {
                 limit: MAX_VERTICES,
             });
         }
-        if !(floor_m < ceiling_m && floor_m.is_finite() && ceiling_m.is_finite()) {
+        if !(floor_m < ceiling_m) {
             return Err(FenceError::FloorAboveCeiling { floor_m, ceiling_m });
         }
         if let Some((first, second)) = first_self_contact(&vertices) {
@@ -175,6 +202,19 @@ impl Fence {
             above_m: (height_m - self.ceiling_m).max(0.0),
             below_m: (self.floor_m - height_m).max(0.0),
         }
+    }
+
+    /// The same for a vehicle that may stand on the ground, where the floor does not count.
+    pub(crate) fn excess_standing(&self, position: &PositionNed, airborne: bool) -> Excess {
+        let mut excess = self.excess(position);
+        if !airborne {
+            excess.below_m = if excess.below_m.is_finite() {
+                0.0
+            } else {
+                excess.below_m
+            };
+        }
+        excess
     }
 
     /// Whether a place is inside (the boundary is).

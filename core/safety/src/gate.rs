@@ -1,6 +1,8 @@
 //! The gate: one place that says yes or no to setpoints, goals, commands, formations and routes.
 
-use crate::fence::{Excess, Fence};
+mod inside;
+
+use crate::fence::Fences;
 use crate::separation::{Motion, Peer};
 use skein_domain::payload::Target;
 use skein_domain::telemetry::VehicleKinematics;
@@ -69,7 +71,7 @@ const ROUNDING: f64 = 1.0 + 1e-9;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gate {
     limits: Limits,
-    fence: Option<Fence>,
+    fences: Fences,
 }
 
 fn observation(target: &Target, stand_off_m: Option<f64>, height_m: Option<f64>) -> Result<(), Refusal> {
@@ -91,10 +93,13 @@ fn finite_target(target: &Target) -> Result<(), Refusal> {
 }
 
 impl Gate {
-    /// A gate with these limits, and a fence if there is one.
+    /// A gate with these limits and fences: [`Fences`], one [`crate::Fence`], or `None`.
     #[must_use]
-    pub fn new(limits: Limits, fence: Option<Fence>) -> Self {
-        Self { limits, fence }
+    pub fn new(limits: Limits, fences: impl Into<Fences>) -> Self {
+        Self {
+            limits,
+            fences: fences.into(),
+        }
     }
 
     /// Its limits.
@@ -103,10 +108,10 @@ impl Gate {
         &self.limits
     }
 
-    /// Its fence.
+    /// Its fences.
     #[must_use]
-    pub fn fence(&self) -> Option<&Fence> {
-        self.fence.as_ref()
+    pub fn fences(&self) -> &Fences {
+        &self.fences
     }
 
     /// Whether a vehicle may be given this setpoint now: well-formed, not too fast, inside of the fence together with where it leads
@@ -135,8 +140,8 @@ impl Gate {
         if let Some(velocity) = &setpoint.velocity {
             self.velocity(velocity)?;
         }
-        if let Some(fence) = &self.fence {
-            self.setpoint_in_fence(fence, &own_kinematics.position, airborne, setpoint)?;
+        if !self.fences.is_empty() {
+            self.setpoint_in_fences(own_kinematics, airborne, setpoint)?;
         }
         if airborne {
             let motion = Motion::new(own_kinematics, setpoint, self.limits.max_speed_m_s, now);
@@ -183,7 +188,7 @@ impl Gate {
         if !position.is_finite() {
             return Err(invalid("the position is not finite"));
         }
-        self.fence.as_ref().map_or(Ok(()), |fence| fence.contains(position))
+        self.fences.contains(position)
     }
 
     /// Whether an operator's command makes sense and stays within the limits. `ground` is where the vehicle stands or was launched,
@@ -195,31 +200,17 @@ impl Gate {
         match command {
             VehicleCommand::TakeOff { height_m } => {
                 take_off_height(*height_m)?;
-                match (&self.fence, ground) {
-                    (None, _) => Ok(()),
-                    (Some(_), None) => Err(Refusal::NoPosition),
-                    (Some(_), Some(ground)) => self.goal(&PositionNed {
-                        down_m: ground.down_m - height_m,
-                        ..*ground
-                    }),
+                match ground {
+                    _ if self.fences.is_empty() => Ok(()),
+                    None => Err(Refusal::NoPosition),
+                    Some(ground) => self.take_off_in_fences(ground, *height_m),
                 }
             }
             VehicleCommand::LandAt { spot } => {
                 if !spot.is_finite() {
                     return Err(invalid("the landing spot is not finite"));
                 }
-                let Some(fence) = &self.fence else { return Ok(()) };
-                // The ground is wherever it is: only the boundary counts.
-                let excess = Excess {
-                    above_m: 0.0,
-                    below_m: 0.0,
-                    ..fence.excess(spot)
-                };
-                if excess.is_inside() {
-                    Ok(())
-                } else {
-                    Err(fence.refusal(spot, &excess))
-                }
+                self.fences.landing(spot)
             }
             VehicleCommand::GoTo {
                 position,
@@ -312,9 +303,8 @@ impl Gate {
         for waypoint in &route.waypoints {
             self.goal(waypoint)?;
         }
-        let Some(fence) = &self.fence else { return Ok(()) };
         for (from, to) in route.waypoints.iter().zip(route.waypoints.iter().skip(1)) {
-            fence.contains_way(from, to)?;
+            self.fences.contains_way(from, to)?;
         }
         Ok(())
     }
@@ -325,10 +315,8 @@ impl Gate {
     /// The typed reason.
     pub fn route_from(&self, start: &PositionNed, route: &Route) -> Result<(), Refusal> {
         self.route(route)?;
-        match (&self.fence, route.waypoints.first()) {
-            (Some(fence), Some(first)) => fence.contains_way(start, first),
-            _ => Ok(()),
-        }
+        let first = route.waypoints.first();
+        first.map_or(Ok(()), |first| self.fences.contains_way(start, first))
     }
 
     fn cruise_speed(&self, speed_m_s: f64) -> Result<(), Refusal> {
@@ -342,48 +330,6 @@ impl Gate {
         within(velocity.north_m_s.hypot(velocity.east_m_s), self.limits.max_speed_m_s)?;
         within(-velocity.down_m_s, self.limits.max_climb_m_s)?;
         within(velocity.down_m_s, self.limits.max_descent_m_s)
-    }
-
-    fn setpoint_in_fence(
-        &self,
-        fence: &Fence,
-        own: &PositionNed,
-        airborne: bool,
-        setpoint: &Setpoint,
-    ) -> Result<(), Refusal> {
-        let excess_of = |position: &PositionNed| {
-            let mut excess = fence.excess(position);
-            if !airborne {
-                // It stands on the ground, which may be under the floor.
-                excess.below_m = 0.0;
-            }
-            excess
-        };
-        let own_excess = excess_of(own);
-        let base = setpoint.position.unwrap_or(*own);
-        let leads_to = setpoint.velocity.map(|velocity| {
-            let braking = setpoint
-                .acceleration
-                .map_or(0.0, |a| braking_m_s2(&velocity, &a.vector()));
-            base.moved(velocity.vector() * driven_share_s(velocity.norm(), braking, self.limits.separation_horizon_s))
-        });
-        for target in setpoint.position.iter().chain(leads_to.iter()) {
-            let excess = excess_of(target);
-            if excess.is_inside() {
-                continue;
-            }
-            if own_excess.is_inside() || !excess.is_no_worse_than(&own_excess) {
-                return Err(fence.refusal(target, &excess));
-            }
-        }
-        if !own_excess.is_inside() || !airborne {
-            return Ok(());
-        }
-        // Both ends are inside; with a fence that is not convex the way between them need not be.
-        if let Some(position) = &setpoint.position {
-            fence.contains_way(own, position)?;
-        }
-        leads_to.map_or(Ok(()), |end| fence.contains_way(&base, &end))
     }
 }
 

@@ -7,9 +7,14 @@
 pub mod avoidance;
 mod fence;
 mod gate;
+pub mod gnss;
+pub mod ladder;
+mod half_space;
 mod payload;
 mod separation;
 
-pub use fence::{Excess, Fence, FenceError};
+pub use fence::{Approach, Breach, Clearance, Excess, Fence, FenceError, FencePlanError, Fences, Wall, Zone};
 pub use gate::{Gate, Limits, LimitsError};
+pub use half_space::HalfSpace;
+pub use ladder::Ladder;
 pub use separation::Peer;

@@ -56,8 +56,8 @@ pub(super) fn even_odd(vertices: &[Point], p: Point) -> bool {
     edges(vertices).filter(crosses).count() % 2 == 1
 }
 
-/// Distance from a place to an edge in metres.
-pub(super) fn distance_to_edge_m(edge: Edge, p: Point) -> f64 {
+/// The place on an edge that is nearest to another.
+pub(super) fn nearest_on_edge(edge: Edge, p: Point) -> Point {
     let (along, to) = (minus(edge[1], edge[0]), minus(p, edge[0]));
     let length2 = dot(along, along);
     let share = if length2 > 0.0 {
@@ -65,8 +65,26 @@ pub(super) fn distance_to_edge_m(edge: Edge, p: Point) -> f64 {
     } else {
         0.0
     };
-    let off = minus(to, [along[0] * share, along[1] * share]);
+    [edge[0][0] + along[0] * share, edge[0][1] + along[1] * share]
+}
+
+/// Distance from a place to an edge in metres.
+pub(super) fn distance_to_edge_m(edge: Edge, p: Point) -> f64 {
+    let off = minus(p, nearest_on_edge(edge, p));
     off[0].hypot(off[1])
+}
+
+/// Distance between two edges in metres; zero if they touch or cross.
+pub(super) fn edges_distance_m(e: Edge, f: Edge) -> f64 {
+    if touch(e, f) {
+        return 0.0;
+    }
+    let of = |edge: Edge, ends: Edge| {
+        ends.map(|p| distance_to_edge_m(edge, p))
+            .into_iter()
+            .fold(f64::INFINITY, f64::min)
+    };
+    of(e, f).min(of(f, e))
 }
 
 /// Whether a place is within `near_m` of an edge.

@@ -1,6 +1,7 @@
 //! The gate as a whole: what passes stays inside, and every refusal carries what it should.
 
 use super::*;
+use crate::fence::Fence;
 use crate::fence::tests::polygon_about;
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -159,7 +160,7 @@ fn a_velocity_that_leads_out_is_refused_unless_it_brakes() {
     assert_eq!(
         verdict,
         Err(Refusal::OutsideFence {
-            detail: "1.0 m beyond the boundary".to_owned()
+            detail: "\"fence\": 1.0 m beyond the boundary".to_owned()
         })
     );
     // On the way to a goal right at the boundary: 1.5 m at 3 m/s², just enough for 3 m/s.
