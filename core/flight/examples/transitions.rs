@@ -1,6 +1,6 @@
 //! Prints what transitions of fifty vehicles cost to plan and take to fly: `cargo run --release -p skein-flight --example transitions`.
 
-use skein_domain::{NodeTime, OffsetFrd, Shape};
+use skein_domain::{FormationRequest, NodeTime, OffsetFrd, Shape};
 use skein_flight::formation::slots;
 use skein_flight::transition::{MotionLimits, plan};
 use std::time::Instant;
@@ -34,7 +34,7 @@ fn main() {
     }
     for from in Shape::ALL {
         for to in Shape::ALL {
-            if let Ok(present) = slots(*from, 50, 5.0, 0.0) {
+            if let Ok(present) = slots(&FormationRequest::new(*from, 5.0), 50) {
                 show(&format!("{from:?}"), &present, *to, &limits);
             }
         }
@@ -42,7 +42,7 @@ fn main() {
 }
 
 fn show(name: &str, from: &[OffsetFrd], to: Shape, limits: &MotionLimits) {
-    let Ok(targets) = slots(to, from.len(), 5.0, 0.0) else {
+    let Ok(targets) = slots(&FormationRequest::new(to, 5.0), from.len()) else {
         return;
     };
     let begun = Instant::now();

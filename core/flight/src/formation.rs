@@ -1,73 +1,124 @@
-//! Where the slots of a formation are, relative to its leader.
+//! Where the slots of a formation are, relative to its leader or to the place it is anchored to.
+//!
+//! Any two slots of a shape are at least the spacing apart. For shapes that have heights of their own (box, sphere, helix) vertical
+//! distances count by `1 /` [`VERTICAL_FACTOR`] only, since one above another flies in its downwash; all others keep the spacing
+//! horizontally, so that an altitude step only adds. A free shape is as close as its offsets are: [`smallest_distance_m`] says it.
 
-use skein_domain::{OffsetFrd, Shape};
-use std::f64::consts::{FRAC_1_SQRT_2, PI};
-use thiserror::Error;
+mod distance;
+mod errors;
+mod import;
+mod shapes;
+mod view;
 
-/// Why a formation or a transition cannot be made.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum FormationError {
-    /// A formation needs at least its leader.
-    #[error("a formation needs at least one vehicle")]
-    NoMembers,
-    /// The spacing is not a positive finite number.
-    #[error("spacing {spacing_m} m: it must be a finite number above zero")]
-    InvalidSpacing {
-        /// What was given.
-        spacing_m: f64,
-    },
-    /// The altitude step is not finite.
-    #[error("altitude step {altitude_step_m} m: it must be a finite number")]
-    InvalidAltitudeStep {
-        /// What was given.
-        altitude_step_m: f64,
-    },
-    /// A motion limit is not a positive finite number.
-    #[error("{limit} = {value}: it must be a finite number above zero")]
-    InvalidLimit {
-        /// Which limit.
-        limit: &'static str,
-        /// What was given.
-        value: f64,
-    },
-    /// An offset is not finite.
-    #[error("the offset of member {index} is not finite")]
-    NotFinite {
-        /// Its place in the list, from 0.
-        index: usize,
-    },
-    /// Fewer slots than members.
-    #[error("{members} members, but {slots} slots")]
-    NotEnoughSlots {
-        /// Members, the leader included.
-        members: usize,
-        /// Slots, the leader's included.
-        slots: usize,
-    },
-    /// No way into the slots was found that keeps the asked distance.
-    #[error("no way into the slots keeps {limit_m:.1} m between the vehicles; the best found comes to {best_m:.1} m")]
-    NoSafeTransition {
-        /// The largest smallest distance of all ways tried, in metres.
-        best_m: f64,
-        /// The distance asked for in metres.
-        limit_m: f64,
-    },
-}
+pub use distance::{VERTICAL_FACTOR, smallest_distance_m, smallest_separation_m};
+pub use errors::FormationError;
+pub use import::{OffsetsError, offsets_from_csv, offsets_from_json};
+pub use view::{VIEW_HALF_ANGLE_RAD, View, views};
+
+use nalgebra::Vector3;
+use skein_domain::{FormationAnchor, FormationRequest, OffsetFrd, Shape};
+use std::f64::consts::PI;
 
 /// Slots are laid out this much wider than asked, so that rounding never makes a distance smaller than the spacing.
 const ROUNDING_MARGIN: f64 = 1.0 + 1e-9;
 
-/// The slots of a formation of `count` vehicles as offsets from its leader, whose own (the first) is zero. Any two are at least
-/// `spacing_m` apart horizontally. Each next one is `altitude_step_m` higher than the one before.
+/// Offsets of a free shape nearer than this are the same place, in metres. What else is too near is the safety gate's to say.
+pub const LEAST_FREE_DISTANCE_M: f64 = 0.1;
+
+/// An arc whose size is left out is a half circle.
+const DEFAULT_ARC_DEG: f64 = 180.0;
+/// A helix whose pitch is left out rises by so many spacings in a turn.
+const DEFAULT_PITCH_SPACINGS: f64 = 2.0;
+
+/// The slots of a formation of `count` vehicles as offsets from its leader, whose own (the first) is zero; spacing, scale, altitude
+/// step and rotation applied. What the formation is anchored to is not looked at.
 ///
 /// # Errors
-/// [`FormationError`] if the count is zero or a number is not usable.
-pub fn slots(
-    shape: Shape,
-    count: usize,
-    spacing_m: f64,
-    altitude_step_m: f64,
-) -> Result<Vec<OffsetFrd>, FormationError> {
+/// [`FormationError`] if the count is zero or a parameter is not usable.
+pub fn slots(request: &FormationRequest, count: usize) -> Result<Vec<OffsetFrd>, FormationError> {
+    let places = laid_out(request, count)?;
+    let leader = places.first().copied().unwrap_or_default();
+    finished(&places, leader, request)
+}
+
+/// The same as offsets from an anchor that is no vehicle: the shape's centre (the mean of its places) is at the anchor, and every
+/// slot is a follower's. The offsets of a free shape are taken as they are.
+///
+/// # Errors
+/// As [`slots`].
+pub fn centred_slots(request: &FormationRequest, count: usize) -> Result<Vec<OffsetFrd>, FormationError> {
+    let places = laid_out(request, count)?;
+    let centre = if request.shape == Shape::Free {
+        Vector3::zeros()
+    } else {
+        places.iter().sum::<Vector3<f64>>() / count as f64
+    };
+    finished(&places, centre, request)
+}
+
+/// [`slots`] where the formation is anchored to its leader, else [`centred_slots`].
+///
+/// # Errors
+/// As [`slots`].
+pub fn anchored_slots(request: &FormationRequest, count: usize) -> Result<Vec<OffsetFrd>, FormationError> {
+    match request.anchor {
+        FormationAnchor::Leader => slots(request, count),
+        FormationAnchor::Path { .. } | FormationAnchor::Reference { .. } | FormationAnchor::Place { .. } => {
+            centred_slots(request, count)
+        }
+    }
+}
+
+/// Places as the shape, spacing, scale and altitude step ask for, about any origin.
+fn laid_out(request: &FormationRequest, count: usize) -> Result<Vec<Vector3<f64>>, FormationError> {
+    check(request, count)?;
+    let spacing_m = request.spacing_m * request.scale;
+    let unit_m = spacing_m * ROUNDING_MARGIN;
+    let mut places = match request.shape {
+        Shape::Line => shapes::line(count, unit_m),
+        Shape::Column => shapes::column(count, unit_m),
+        Shape::Wedge => shapes::wedge(count, unit_m),
+        Shape::EchelonLeft => shapes::echelon(count, unit_m, -1.0),
+        Shape::EchelonRight => shapes::echelon(count, unit_m, 1.0),
+        Shape::Diamond => shapes::diamond(count, unit_m),
+        Shape::Circle => shapes::circle(count, unit_m),
+        Shape::Arc => shapes::arc(count, unit_m, arc_rad(request)?),
+        Shape::Square => shapes::square(count, unit_m),
+        Shape::Grid => shapes::grid(count, unit_m),
+        Shape::Box => match request.layers {
+            Some(0) => return Err(FormationError::NoLayers),
+            layers => shapes::solid_box(count, unit_m, layers),
+        },
+        Shape::Sphere => shapes::sphere(count, unit_m),
+        Shape::Helix => shapes::helix(count, unit_m, pitch_m(request)? * request.scale * ROUNDING_MARGIN),
+        Shape::Free => free(request, count)?,
+    };
+    let step_m = request.altitude_step_m * request.scale;
+    for (i, place) in places.iter_mut().enumerate() {
+        place.z -= i as f64 * step_m;
+    }
+    if step_m != 0.0 && matches!(request.shape, Shape::Box | Shape::Sphere | Shape::Helix) {
+        let flat: Vec<_> = places.iter().map(|place| distance::flattened(*place)).collect();
+        let closest = distance::closest_pair(&flat);
+        if let Some(pair) = closest.filter(|pair| pair.distance_m < spacing_m) {
+            return Err(FormationError::AltitudeStepTooClose {
+                altitude_step_m: request.altitude_step_m,
+                distance_m: pair.distance_m,
+                least_m: spacing_m,
+            });
+        }
+    }
+    Ok(places)
+}
+
+fn check(request: &FormationRequest, count: usize) -> Result<(), FormationError> {
+    let FormationRequest {
+        spacing_m,
+        altitude_step_m,
+        rotation_deg,
+        scale,
+        ..
+    } = *request;
     if count == 0 {
         return Err(FormationError::NoMembers);
     }
@@ -77,57 +128,75 @@ pub fn slots(
     if !altitude_step_m.is_finite() {
         return Err(FormationError::InvalidAltitudeStep { altitude_step_m });
     }
-    let unit_m = spacing_m * ROUNDING_MARGIN;
-    let planar: Vec<(f64, f64)> = match shape {
-        Shape::Line => (0..count).map(|i| (0.0, alternating(i) * unit_m)).collect(),
-        Shape::Column => (0..count).map(|i| (-(i as f64) * unit_m, 0.0)).collect(),
-        Shape::Wedge => (0..count).map(|i| wedge(i, unit_m)).collect(),
-        Shape::Circle => circle(count, unit_m),
-        _ => grid(count, unit_m),
-    };
-    let place = |(i, (forward_m, right_m)): (usize, (f64, f64))| OffsetFrd {
-        forward_m,
-        right_m,
-        // `0.0 -` instead of a negation: a plain zero stays a plain zero.
-        down_m: 0.0 - i as f64 * altitude_step_m,
-    };
-    Ok(planar.into_iter().enumerate().map(place).collect())
-}
-
-/// 0, 1, -1, 2, -2, …: the place in a row that is filled from its middle outwards, right side first.
-fn alternating(index: usize) -> f64 {
-    let step = index.div_ceil(2) as f64;
-    if index % 2 == 1 { step } else { 0.0 - step }
-}
-
-/// Arms at 45 degrees to the rear on both sides; neighbours on an arm are one unit apart.
-fn wedge(index: usize, unit_m: f64) -> (f64, f64) {
-    let right_m = alternating(index) * unit_m * FRAC_1_SQRT_2;
-    (0.0 - right_m.abs(), right_m)
-}
-
-/// Neighbours one unit apart along the chord; the leader at the front, the others clockwise.
-fn circle(count: usize, unit_m: f64) -> Vec<(f64, f64)> {
-    if count == 1 {
-        return vec![(0.0, 0.0)];
+    if !rotation_deg.is_finite() {
+        return Err(FormationError::InvalidRotation { rotation_deg });
     }
-    let radius_m = unit_m / (2.0 * (PI / count as f64).sin());
-    let place = |i: usize| {
-        let (sin, cos) = (2.0 * PI * i as f64 / count as f64).sin_cos();
-        // cos - 1 = -2 sin²(half) would be as exact as needed only near zero; the plain form is exact at the leader itself.
-        (radius_m * (cos - 1.0), radius_m * sin)
-    };
-    (0..count).map(place).collect()
+    if !(scale > 0.0 && scale.is_finite()) {
+        return Err(FormationError::InvalidScale { scale });
+    }
+    Ok(())
 }
 
-/// Rows from front to back, each filled from its middle outwards; the leader in the middle of the first.
-fn grid(count: usize, unit_m: f64) -> Vec<(f64, f64)> {
-    let mut columns = (count as f64).sqrt().ceil() as usize;
-    while columns * columns < count {
-        columns += 1;
+fn arc_rad(request: &FormationRequest) -> Result<f64, FormationError> {
+    let arc_deg = request.arc_deg.unwrap_or(DEFAULT_ARC_DEG);
+    if arc_deg > 0.0 && arc_deg <= 360.0 {
+        Ok(arc_deg.to_radians())
+    } else {
+        Err(FormationError::InvalidArc { arc_deg })
     }
-    let place = |i: usize| (0.0 - (i / columns) as f64 * unit_m, alternating(i % columns) * unit_m);
-    (0..count).map(place).collect()
+}
+
+fn pitch_m(request: &FormationRequest) -> Result<f64, FormationError> {
+    let pitch_m = request.pitch_m.unwrap_or(DEFAULT_PITCH_SPACINGS * request.spacing_m);
+    let least_m = VERTICAL_FACTOR * request.spacing_m;
+    if pitch_m >= least_m && pitch_m.is_finite() {
+        Ok(pitch_m)
+    } else {
+        Err(FormationError::InvalidPitch { pitch_m, least_m })
+    }
+}
+
+/// The first `count` of the offsets, scaled.
+fn free(request: &FormationRequest, count: usize) -> Result<Vec<Vector3<f64>>, FormationError> {
+    let offsets = request.offsets.as_deref().ok_or(FormationError::NoOffsets)?;
+    let used = offsets.get(..count).ok_or(FormationError::TooFewOffsets {
+        members: count,
+        offsets: offsets.len(),
+    })?;
+    if let Some(index) = used.iter().position(|offset| !offset.is_finite()) {
+        return Err(FormationError::NotFinite { index });
+    }
+    let places: Vec<_> = used.iter().map(|offset| offset.vector() * request.scale).collect();
+    match distance::closest_pair(&places) {
+        // Written so that a distance that is not a number is too small.
+        Some(pair) if !(pair.distance_m >= LEAST_FREE_DISTANCE_M) => Err(FormationError::OffsetsTooClose {
+            first: pair.first,
+            second: pair.second,
+            distance_m: pair.distance_m,
+            least_m: LEAST_FREE_DISTANCE_M,
+        }),
+        _ => Ok(places),
+    }
+}
+
+/// The places about `origin`, turned.
+fn finished(
+    places: &[Vector3<f64>],
+    origin: Vector3<f64>,
+    request: &FormationRequest,
+) -> Result<Vec<OffsetFrd>, FormationError> {
+    // Whole turns, so that no rotation at all leaves every number as it is.
+    let (sin, cos) = ((request.rotation_deg % 360.0) * PI / 180.0).sin_cos();
+    let turned = |place: &Vector3<f64>| {
+        let p = place - origin;
+        OffsetFrd::new(p.x * cos - p.y * sin, p.x * sin + p.y * cos, p.z)
+    };
+    let slots: Vec<_> = places.iter().map(turned).collect();
+    if slots.iter().all(OffsetFrd::is_finite) {
+        Ok(slots)
+    } else {
+        Err(FormationError::TooLarge)
+    }
 }
 
 #[cfg(test)]

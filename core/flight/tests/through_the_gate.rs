@@ -4,9 +4,9 @@
 use nalgebra::Vector3;
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{
-    AccelerationNed, AnchorReference, NodeTime, OffsetFrd, PositionNed, Route, Shape, SlotMove, VehicleId, VelocityNed,
+    AccelerationNed, AnchorReference, FormationRequest, NodeTime, OffsetFrd, PositionNed, Route, Shape, SlotMove, VehicleId, VelocityNed,
 };
-use skein_flight::formation::slots;
+use skein_flight::formation;
 use skein_flight::transition::{MotionLimits, plan};
 use skein_flight::{HeadingFollower, RouteTrajectory, follow, limits};
 use skein_safety::{Gate, Limits, Peer};
@@ -159,6 +159,10 @@ fn fly(
     outcome
 }
 
+fn slots(shape: Shape, count: usize) -> Result<Vec<OffsetFrd>, formation::FormationError> {
+    formation::slots(&FormationRequest::new(shape, 5.0), count)
+}
+
 fn start() -> NodeTime {
     NodeTime::from_seconds(101.0)
 }
@@ -195,8 +199,8 @@ fn standing(offsets: &[OffsetFrd]) -> Vec<SlotMove> {
 
 #[test]
 fn tight_formations_at_ten_metres_a_second_pass() {
-    for shape in Shape::ALL {
-        let moves = standing(&slots(*shape, 20, 5.0, 0.0).unwrap());
+    for shape in Shape::ALL.iter().filter(|shape| **shape != Shape::Free) {
+        let moves = standing(&slots(*shape, 20).unwrap());
         let outcome = fly(&moves, 12.0, straight(10.0));
         assert_eq!(outcome.refused, 0, "{shape:?}: {outcome:?}");
         assert!(outcome.min_distance_m > 3.5, "{shape:?}: {outcome:?}");
@@ -220,7 +224,7 @@ fn planned_transitions_pass_standing_and_flying() {
         (8.0, Shape::Circle),
         (8.0, Shape::Column),
     ] {
-        let targets = slots(shape, from_grid.len(), 5.0, 0.0).unwrap();
+        let targets = slots(shape, from_grid.len()).unwrap();
         let plan = plan(&from_grid, &targets, &limits, start()).unwrap();
         let outcome = fly(&plan.moves, plan.duration_s + 3.0, straight(f64::max(speed_m_s, 0.01)));
         assert_eq!(outcome.refused, 0, "{shape:?} at {speed_m_s} m/s: {outcome:?}");
@@ -233,7 +237,7 @@ fn planned_transitions_pass_standing_and_flying() {
 
 #[test]
 fn turns_of_a_route_pass() {
-    let formation = slots(Shape::Wedge, 15, 5.0, 0.0).unwrap();
+    let formation = slots(Shape::Wedge, 15).unwrap();
     let place = |north_m, east_m| PositionNed::new(north_m, east_m, -30.0);
     let route = Route {
         waypoints: vec![place(80.0, 0.0), place(80.0, 80.0), place(0.0, 80.0)],

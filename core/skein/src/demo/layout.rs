@@ -1,7 +1,7 @@
 //! The demonstration's flight plan: how long the legs can be so that the whole flight fits into the time asked for.
 
 use skein_domain::NodeTime;
-use skein_domain::{OffsetFrd, PositionNed, Route, Shape};
+use skein_domain::{FormationRequest, OffsetFrd, PositionNed, Route, Shape};
 use skein_flight::formation::slots;
 use skein_flight::transition::{self, MotionLimits};
 
@@ -114,7 +114,7 @@ fn changes_s(vehicles: usize) -> f64 {
         min_distance_m: 2.8,
     };
     let shapes = [Shape::Grid, Shape::Wedge, Shape::Line, Shape::Circle, Shape::Grid];
-    let places = shapes.map(|shape| slots(shape, vehicles, SPACING_M, 0.0).unwrap_or_default());
+    let places = shapes.map(|shape| slots(&FormationRequest::new(shape, SPACING_M), vehicles).unwrap_or_default());
     let change_s = |from: &[OffsetFrd], to: &[OffsetFrd]| {
         transition::plan(from, to, &limits, NodeTime(0)).map_or(10.0, |plan| plan.duration_s) + SETTLE_S
     };
