@@ -4,12 +4,17 @@
 //! * [`vehicle::Vehicle`]: one vehicle without sockets or clock: bytes in, time steps in, frames out. Runs faster than real time.
 //! * [`PayloadPlan`]: what each vehicle carries: a gimbal, a camera, a telemetry radio, each spoken to over the vehicle's own links.
 //! * [`scene`]: what a camera would see from anywhere, and where in the picture a place lies.
+//! * [`Fault`]: what can go wrong with a vehicle while it flies. [`Mover`]: others that tell of themselves, or are told of.
+//! * [`Airframe`]: kinds of vehicles, so that swarms can be mixed.
 //! * [`TruthFrame`]: where every vehicle really is, and what its autopilot really did; for referees only, never for the swarm.
 //!
 //! Must never do: share code with the link that it is there to test, or let anything but its seed decide what happens in
 //! [`vehicle`]. Nothing here listens on other interfaces than the loopback.
 #![forbid(unsafe_code)]
 
+pub mod airframe;
+pub mod faults;
+pub mod movers;
 pub mod payloads;
 pub mod scene;
 pub mod settings;
@@ -19,9 +24,12 @@ pub mod vehicle;
 mod wind;
 mod wire;
 
+pub use airframe::Airframe;
+pub use faults::{Fault, Receiver};
+pub use movers::{Mover, Report};
 pub use payloads::{CameraSettings, GimbalSettings, PayloadPlan, RadioSettings};
 pub use settings::{
     BatterySettings, Impairment, NoiseSettings, PortPlan, Px4Ports, SimSettings, VehicleStart, WindSettings,
 };
 pub use simulation::{SimError, Simulation, VehiclePorts};
-pub use truth::{CameraTruth, GimbalTruth, ModeCause, ModeChange, RadioTruth, TruthFrame, VehicleTruth};
+pub use truth::{CameraTruth, GimbalTruth, ModeCause, ModeChange, MoverTruth, RadioTruth, TruthFrame, VehicleTruth};

@@ -1,5 +1,7 @@
 //! What a simulation is made of: how many vehicles, where they stand, how they are reached, and what disturbs them.
 
+use crate::airframe::Airframe;
+use crate::movers::Mover;
 use crate::payloads::PayloadPlan;
 use crate::vehicle::ParameterValue;
 use skein_domain::{Geodetic, PositionNed};
@@ -38,6 +40,10 @@ pub struct SimSettings {
     pub drag_per_s: f64,
     /// What each vehicle carries.
     pub payloads: PayloadPlan,
+    /// Whether each vehicle has a second satellite receiver, which it tells of by GPS2_RAW.
+    pub second_gnss: bool,
+    /// Others that move about and tell of themselves, or are told of.
+    pub movers: Vec<Mover>,
 }
 
 impl Default for SimSettings {
@@ -62,6 +68,8 @@ impl Default for SimSettings {
             ready_after_s: 3.9,
             drag_per_s: 0.08,
             payloads: PayloadPlan::default(),
+            second_gnss: false,
+            movers: Vec::new(),
         }
     }
 }
@@ -75,6 +83,10 @@ pub struct VehicleStart {
     pub position: PositionNed,
     /// Yaw in radians, clockwise from north.
     pub yaw_rad: f64,
+    /// What kind of vehicle it is.
+    pub airframe: Airframe,
+    /// Charge of its battery, 0..=1; that of the simulation's settings if left out.
+    pub battery: Option<f64>,
 }
 
 /// How vehicles are reached. Everything is on the loopback interface.

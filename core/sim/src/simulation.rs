@@ -5,11 +5,13 @@
 mod ports;
 mod runner;
 
-use crate::settings::{Impairment, SimSettings, VehicleStart};
+use crate::faults::Fault;
+use crate::movers::{Mover, Scripted};
+use crate::settings::{Impairment, SimSettings, VehicleStart, WindSettings};
 use crate::truth::TruthFrame;
 use crate::vehicle::VehicleIdentity;
 use parking_lot::Mutex;
-use ports::Sockets;
+use ports::{Sockets, Voice};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -115,7 +117,8 @@ impl Simulation {
         for start in starts(&simulation.settings) {
             simulation.enlist(start)?;
         }
-        let mut runner = Runner::new(&simulation.settings, inbox, truth);
+        let movers = voices(&simulation.settings)?;
+        let mut runner = Runner::new(&simulation.settings, movers, inbox, truth);
         runner.take_orders();
         runner.publish();
         let thread = std::thread::Builder::new()
@@ -138,6 +141,8 @@ impl Simulation {
             system_id,
             position: start.position,
             yaw_rad: start.yaw_rad,
+            airframe: start.airframe,
+            battery: start.battery,
             number: roll.started,
             ground_link: ports.ground.is_some(),
             started_s: 0.0,
@@ -223,6 +228,22 @@ impl Simulation {
         self.order_for(system_id, Order::Impair(system_id, impairment))
     }
 
+    /// Something goes wrong with a vehicle, or is mended.
+    ///
+    /// # Errors
+    /// When there is no such vehicle.
+    pub fn inflict(&self, system_id: u8, fault: Fault) -> Result<(), SimError> {
+        self.order_for(system_id, Order::Inflict(system_id, fault))
+    }
+
+    /// The wind is another from now on, for all vehicles.
+    ///
+    /// # Errors
+    /// When the simulation has ended.
+    pub fn set_wind(&self, wind: WindSettings) -> Result<(), SimError> {
+        self.order(Order::Wind(wind))
+    }
+
     /// Ends the simulation and waits for its thread.
     pub fn stop(mut self) {
         self.end();
@@ -244,6 +265,15 @@ impl Drop for Simulation {
     }
 }
 
+/// The movers, each with its way out.
+fn voices(settings: &SimSettings) -> Result<Vec<(Scripted, Voice)>, SimError> {
+    let voice = |mover: &Mover| {
+        let voice = Voice::open(&settings.ports, mover.to)?;
+        Ok((Scripted::new(mover.clone(), settings.origin), voice))
+    };
+    settings.movers.iter().map(voice).collect()
+}
+
 /// The places the vehicles start from: the given ones, or a grid as near to a square as the number allows.
 fn starts(settings: &SimSettings) -> Vec<VehicleStart> {
     if !settings.starts.is_empty() {
@@ -261,9 +291,8 @@ fn starts(settings: &SimSettings) -> Vec<VehicleStart> {
                 relief,
             );
             VehicleStart {
-                system_id: None,
                 position,
-                yaw_rad: 0.0,
+                ..VehicleStart::default()
             }
         })
         .collect()

@@ -12,6 +12,8 @@ pub struct TruthFrame {
     pub sequence: u64,
     /// Every vehicle ever started, killed ones too, in the order of their start.
     pub vehicles: Vec<VehicleTruth>,
+    /// Every other that moves about.
+    pub movers: Vec<MoverTruth>,
     /// The longest time for which the simulation itself did not run, in seconds. A setpoint gap of that length may be its own.
     pub longest_stall_s: f64,
 }
@@ -99,6 +101,17 @@ pub struct VehicleTruth {
     pub camera: Option<CameraTruth>,
     /// How its radio is heard, if it has one.
     pub radio: Option<RadioTruth>,
+}
+
+/// Where somebody else is.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MoverTruth {
+    /// Who, as whoever hears it will call it: `mavlink:42`, `adsb:4CA123`.
+    pub source: String,
+    /// Where it is about the simulation's origin.
+    pub position: PositionNed,
+    /// Velocity.
+    pub velocity: VelocityNed,
 }
 
 /// Where a gimbal points.

@@ -9,10 +9,13 @@ mod channel;
 mod commander;
 mod commands;
 mod estimator;
+mod faults;
+mod gnss;
 mod guidance;
 mod lift;
 mod limits;
 mod mode;
+mod navigation;
 mod offboard;
 mod parameters;
 mod payloads;
@@ -23,6 +26,7 @@ mod telemetry;
 pub use channel::{LinkKind, Outbox};
 pub use parameters::ParameterValue;
 
+use crate::airframe::Airframe;
 use crate::settings::SimSettings;
 use crate::truth::VehicleTruth;
 use crate::wind::Wander;
@@ -32,6 +36,7 @@ use body::{Body, Drive, GRAVITY_M_S2};
 use channel::Channel;
 use commander::{Asker, Commander, Notice, Situation};
 use estimator::Estimator;
+use faults::Faults;
 use guidance::Guidance;
 use lift::{Lift, LiftInput, Stage};
 use limits::{Limits, limits_from};
@@ -68,6 +73,10 @@ pub struct VehicleIdentity {
     pub ground_link: bool,
     /// Simulation time at which it is switched on, in seconds.
     pub started_s: f64,
+    /// What kind of vehicle it is.
+    pub airframe: Airframe,
+    /// Charge of its battery, 0..=1; that of the settings if left out.
+    pub battery: Option<f64>,
     /// Universal time at simulation time zero, in microseconds since 1970.
     pub utc_at_zero_us: u64,
 }
@@ -114,6 +123,9 @@ pub struct Vehicle {
     target: Target,
     force: Vector3<f64>,
     payloads: Payloads,
+    faults: Faults,
+    /// Wind as the estimator has it, in metres per second.
+    wind_seen: Vector3<f64>,
     rng: ChaCha8Rng,
 }
 
@@ -128,14 +140,14 @@ impl Vehicle {
             origin: swarm.geodetic(&identity.position),
         };
         let body = Body::new(identity.yaw_rad);
-        let estimator = Estimator::new(&settings.noise, &body, &mut rng);
+        let estimator = Estimator::new(&settings.noise, settings.second_gnss, &body, &mut rng);
         let gust = 0.3 * settings.wind.gust_m_s;
         let gusts = Wander::new(
             Vector3::new(gust, gust, 0.2 * gust),
             settings.wind.gust_time_s,
             &mut rng,
         );
-        let parameters = Parameters::new(identity.system_id, &settings.parameters);
+        let parameters = Parameters::new(identity.system_id, identity.airframe, &settings.parameters);
         let mut vehicle = Self {
             swarm,
             start,
@@ -163,12 +175,17 @@ impl Vehicle {
             target: Target::NONE,
             force: Vector3::zeros(),
             payloads: Payloads::new(&settings.payloads, settings.seed, identity.number, &identity.position),
+            faults: Faults::default(),
+            wind_seen: Vector3::zeros(),
             rng,
             body,
             estimator,
             identity,
             settings: settings.clone(),
         };
+        if let Some(charge) = identity.battery {
+            vehicle.battery.set_charge(charge);
+        }
         vehicle.commander = Commander::new(vehicle.draw_ready_s());
         vehicle.open_channels();
         vehicle
@@ -202,6 +219,8 @@ impl Vehicle {
     /// The autopilot starts anew, wherever the vehicle is: a new local origin, default rates, disarmed.
     pub fn reboot(&mut self) {
         self.booted_s = self.time_s;
+        self.faults.clock_step_s = 0.0;
+        self.wind_seen = Vector3::zeros();
         self.reboot_at_s = None;
         self.estimator.restart(&self.body);
         self.control.reset();
@@ -237,6 +256,7 @@ impl Vehicle {
     /// Lets `dt_s` pass in the given wind (metres per second along north, east, down); frames to be sent are added to `out`.
     pub fn step(&mut self, dt_s: f64, wind_m_s: &Vector3<f64>, out: &mut Outbox) {
         self.time_s += dt_s;
+        let before = out.mark();
         if self.reboot_at_s.is_some_and(|at| self.time_s >= at) {
             self.reboot();
         }
@@ -247,10 +267,23 @@ impl Vehicle {
         let drive = self.drive();
         self.body.step(&drive, &wind, self.settings.drag_per_s, dt_s);
         self.estimator.step(&self.body, dt_s, &mut self.rng);
+        self.see_wind(&wind, dt_s);
         self.watch_battery(dt_s);
         self.watch_home();
         self.step_payloads(dt_s);
         self.report(out);
+        if self.faults.silent {
+            out.back_to(before);
+        }
+    }
+
+    /// The estimator learns the wind from the drag, slowly and in flight only.
+    fn see_wind(&mut self, wind: &Vector3<f64>, dt_s: f64) {
+        const LEARNING_S: f64 = 8.0;
+        if !self.lift.is_landed() {
+            let level = Vector3::new(wind.x, wind.y, 0.0);
+            self.wind_seen += (level - self.wind_seen) * (dt_s / (LEARNING_S + dt_s));
+        }
     }
 
     /// Modes, failsafes, take-off and landing.
@@ -260,6 +293,7 @@ impl Vehicle {
             setpoint_age_s: self.offboard.age_s(self.time_s),
             setpoint_timeout_s: self.limits.setpoint_timeout_s,
             loss_action: self.limits.loss_action,
+            position_valid: self.estimator.satellites.is_valid(),
         });
         self.enter_mode();
         let was_armed = self.commander.is_armed();
@@ -353,7 +387,8 @@ impl Vehicle {
                     self.force = Vector3::zeros();
                     return;
                 }
-                self.target = self.make_target(dt_s);
+                let target = self.make_target(dt_s);
+                self.target = self.stuck(target);
                 let mut limits = self.limits.control;
                 limits.up_m_s = self.lift.climb_limit_m_s(self.time_s, limits.up_m_s);
                 self.force = self.control.step(&self.estimator.now, &self.target, &limits, dt_s);
@@ -463,6 +498,11 @@ impl Vehicle {
     /// Seconds since the autopilot was started.
     fn up_time_s(&self) -> f64 {
         self.time_s - self.booted_s
+    }
+
+    /// The same as the autopilot's own clock has it.
+    fn clock_s(&self) -> f64 {
+        (self.up_time_s() + self.faults.clock_step_s).max(0.0)
     }
 
     /// The frame the vehicle itself uses: about its estimator's origin.

@@ -62,6 +62,13 @@ impl Wind {
         }
     }
 
+    /// Another wind from now on; the gusts that blow go on and change over.
+    pub(crate) fn change(&mut self, settings: &WindSettings) {
+        self.mean = Vector3::new(settings.mean_north_m_s, settings.mean_east_m_s, 0.0);
+        self.gusts.sigma = Vector3::new(1.0, 1.0, 0.2) * settings.gust_m_s;
+        self.gusts.time_s = settings.gust_time_s.max(1e-3);
+    }
+
     /// Lets `dt_s` pass and gives the wind in metres per second.
     pub(crate) fn step(&mut self, dt_s: f64, rng: &mut ChaCha8Rng) -> Vector3<f64> {
         self.mean + self.gusts.step(dt_s, rng)

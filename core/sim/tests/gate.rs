@@ -52,6 +52,8 @@ impl Flight {
             number: 0,
             ground_link: false,
             started_s: 0.0,
+            airframe: skein_sim::Airframe::default(),
+            battery: None,
             utc_at_zero_us: 0,
         };
         let mut flight = Self {

@@ -79,6 +79,8 @@ impl<P: Payload> Rig<P> {
             number: 0,
             ground_link: true,
             started_s: 0.0,
+            airframe: skein_sim::Airframe::default(),
+            battery: None,
             utc_at_zero_us: 0,
         };
         let create = Create {

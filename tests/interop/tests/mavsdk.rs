@@ -26,6 +26,7 @@ fn simulation(onboard_partner: u16, ground_partner: u16) -> Result<Simulation> {
         system_id: Some(1),
         position: PositionNed::new(40.0, -25.0, -12.0),
         yaw_rad: 0.3,
+        ..VehicleStart::default()
     };
     let settings = SimSettings {
         starts: vec![start],

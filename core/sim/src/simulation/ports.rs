@@ -107,6 +107,32 @@ impl Wire {
     }
 }
 
+/// A mover's way out.
+#[derive(Debug)]
+pub(super) struct Voice {
+    socket: UdpSocket,
+    partner: SocketAddr,
+}
+
+impl Voice {
+    /// Speaks to an address, or where the first vehicle of the plan sends its onboard link to.
+    pub(super) fn open(plan: &PortPlan, to: Option<SocketAddr>) -> Result<Self, SimError> {
+        let partner = to.unwrap_or_else(|| match plan {
+            PortPlan::Px4 => loopback(Px4Ports::default().onboard_partner),
+            PortPlan::Px4At(base) => loopback(base.onboard_partner),
+            PortPlan::SendTo(partner) => *partner,
+        });
+        let Wire { socket, .. } = Wire::bind(0, partner, 0)?;
+        Ok(Self { socket, partner })
+    }
+
+    /// Sends one frame.
+    pub(super) fn send(&self, frame: &[u8]) {
+        // Nobody need listen.
+        let _ = self.socket.send_to(frame, self.partner);
+    }
+}
+
 fn loopback(port: u16) -> SocketAddr {
     SocketAddr::from((Ipv4Addr::LOCALHOST, port))
 }

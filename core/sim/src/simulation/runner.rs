@@ -1,7 +1,9 @@
 //! The simulation's thread: keeps step with real time, moves datagrams, obeys orders, publishes the truth.
 
-use super::ports::Sockets;
-use crate::settings::{Impairment, SimSettings};
+use super::ports::{Sockets, Voice};
+use crate::faults::Fault;
+use crate::movers::Scripted;
+use crate::settings::{Impairment, SimSettings, WindSettings};
 use crate::truth::{TruthFrame, VehicleTruth};
 use crate::vehicle::{LinkKind, Outbox, Vehicle, VehicleIdentity};
 use crate::wind::Wind;
@@ -24,6 +26,8 @@ pub(super) enum Order {
     PilotMode(u8, FlightMode),
     Reboot(u8),
     Impair(u8, Impairment),
+    Inflict(u8, Fault),
+    Wind(WindSettings),
     Observe(Observer),
     Stop,
 }
@@ -65,6 +69,7 @@ pub(super) struct Runner {
     inbox: Receiver<Order>,
     truth: Arc<Mutex<Arc<TruthFrame>>>,
     slots: Vec<Slot>,
+    movers: Vec<(Scripted, Voice)>,
     observers: Vec<Observer>,
     wind: Wind,
     rng: ChaCha8Rng,
@@ -79,7 +84,12 @@ pub(super) struct Runner {
 }
 
 impl Runner {
-    pub(super) fn new(settings: &SimSettings, inbox: Receiver<Order>, truth: Arc<Mutex<Arc<TruthFrame>>>) -> Self {
+    pub(super) fn new(
+        settings: &SimSettings,
+        movers: Vec<(Scripted, Voice)>,
+        inbox: Receiver<Order>,
+        truth: Arc<Mutex<Arc<TruthFrame>>>,
+    ) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
         Self {
             wind: Wind::new(&settings.wind, &mut rng),
@@ -87,6 +97,7 @@ impl Runner {
             inbox,
             truth,
             slots: Vec::new(),
+            movers,
             observers: Vec::new(),
             rng,
             time_s: 0.0,
@@ -193,6 +204,11 @@ impl Runner {
             }
             outbox.clear();
         }
+        for (mover, voice) in &mut self.movers {
+            if let Some(frame) = mover.report(self.time_s) {
+                voice.send(&frame);
+            }
+        }
         if self.time_s - self.published_s >= PUBLISH_S - 1e-9 {
             self.published_s = self.time_s;
             self.publish();
@@ -211,6 +227,7 @@ impl Runner {
             time_s: self.time_s,
             sequence: self.sequence,
             vehicles,
+            movers: self.movers.iter().map(|(mover, _)| mover.truth(self.time_s)).collect(),
             longest_stall_s: self.longest_stall_s,
         });
         *self.truth.lock() = frame.clone();
@@ -257,6 +274,8 @@ impl Runner {
             Order::PilotMode(id, mode) => self.each(id, |slot| slot.vehicle.pilot_mode(mode)),
             Order::Reboot(id) => self.each(id, |slot| slot.vehicle.reboot()),
             Order::Impair(id, impairment) => self.each(id, |slot| slot.impairment = impairment),
+            Order::Inflict(id, fault) => self.each(id, |slot| slot.vehicle.inflict(fault)),
+            Order::Wind(wind) => self.wind.change(&wind),
             Order::Observe(observer) => self.observers.push(observer),
             Order::Stop => self.stopped = true,
         }

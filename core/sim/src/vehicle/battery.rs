@@ -11,6 +11,8 @@ const CAPACITY_MAH: f64 = 5000.0;
 pub(crate) struct Battery {
     settings: BatterySettings,
     charge: f64,
+    /// How many times as fast as it should it drains.
+    drain: f64,
 }
 
 impl Battery {
@@ -18,6 +20,19 @@ impl Battery {
         Self {
             settings: *settings,
             charge: settings.initial.clamp(0.0, 1.0),
+            drain: 1.0,
+        }
+    }
+
+    /// It drains so many times as fast as it should.
+    pub(crate) fn set_drain(&mut self, factor: f64) {
+        self.drain = if factor.is_finite() { factor.max(0.0) } else { 1.0 };
+    }
+
+    /// It has this charge from now on.
+    pub(crate) fn set_charge(&mut self, charge: f64) {
+        if charge.is_finite() {
+            self.charge = charge.clamp(0.0, 1.0);
         }
     }
 
@@ -27,7 +42,7 @@ impl Battery {
             return None;
         }
         let before = self.level();
-        let left = self.charge - dt_s / self.settings.endurance_s.max(1.0);
+        let left = self.charge - self.drain * dt_s / self.settings.endurance_s.max(1.0);
         self.charge = left.max(self.settings.floor.min(self.charge));
         let after = self.level();
         (after != before).then_some(after)
@@ -46,7 +61,7 @@ impl Battery {
     /// Current in amperes.
     pub(crate) fn current_a(&self, armed: bool) -> f64 {
         if armed {
-            CAPACITY_MAH * 3.6 / self.settings.endurance_s.max(1.0)
+            self.drain * CAPACITY_MAH * 3.6 / self.settings.endurance_s.max(1.0)
         } else {
             0.4
         }
@@ -59,7 +74,7 @@ impl Battery {
 
     /// Flight time left in seconds.
     pub(crate) fn remaining_s(&self) -> f64 {
-        self.charge * self.settings.endurance_s
+        self.charge * self.settings.endurance_s / self.drain.max(0.01)
     }
 
     /// Warning level, with PX4's default thresholds.

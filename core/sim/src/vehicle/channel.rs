@@ -32,6 +32,17 @@ impl Outbox {
         })
     }
 
+    /// How much there is to send now.
+    pub(crate) fn mark(&self) -> usize {
+        self.marks.len()
+    }
+
+    /// Forgets all frames since a mark.
+    pub(crate) fn back_to(&mut self, mark: usize) {
+        self.marks.truncate(mark);
+        self.bytes.truncate(self.marks.last().map_or(0, |(_, end)| *end));
+    }
+
     /// Whether there is nothing to send.
     #[must_use]
     pub fn is_empty(&self) -> bool {
@@ -92,10 +103,12 @@ const STREAMS: &[(u32, f64, f64)] = &[
     (85, 10.0, 50.0),
     (105, 50.0, 0.0),
     (111, 10.0, 0.0),
+    (124, 1.0, 1.0),
     (141, 10.0, 1.0),
     (147, 0.5, 0.5),
     (148, 0.0, 0.0),
     (230, 1.0, 0.5),
+    (231, 0.0, 0.0),
     (241, 0.5, 0.1),
     (242, 0.5, 0.5),
     (245, 5.0, 1.0),

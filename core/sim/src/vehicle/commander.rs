@@ -35,6 +35,8 @@ pub(crate) struct Situation {
     pub setpoint_timeout_s: f64,
     /// COM_OBL_RC_ACT.
     pub loss_action: i32,
+    /// Whether the estimator has a horizontal position.
+    pub position_valid: bool,
 }
 
 /// After COM_OF_LOSS_T it takes PX4 this long to act, in seconds.
@@ -55,6 +57,7 @@ pub(crate) struct Commander {
     /// The pilot's radio control is there.
     pub rc: bool,
     setpoints_alive: bool,
+    position_valid: bool,
     next_check_s: f64,
     changes: Arc<Vec<ModeChange>>,
     notices: Vec<Notice>,
@@ -73,6 +76,7 @@ impl Commander {
             mode_after_disarm: FlightMode::Hold,
             rc: false,
             setpoints_alive: false,
+            position_valid: true,
             next_check_s: 0.0,
             changes: Arc::default(),
             notices: Vec::new(),
@@ -152,17 +156,38 @@ impl Commander {
             self.next_check_s = s.now_s + CHECK_PERIOD_S;
             self.setpoints_alive = s.setpoint_age_s <= s.setpoint_timeout_s;
         }
-        if !self.is_armed() || self.intention != FlightMode::Offboard {
+        self.position_valid = s.position_valid;
+        if !self.is_armed() {
             return;
         }
-        if !self.setpoints_alive && !self.failsafe {
-            self.failsafe = true;
-            let to = self.loss_mode(s.loss_action);
-            self.say(MavSeverity::MAV_SEVERITY_CRITICAL, "Failsafe activated");
-            self.show(to, ModeCause::Failsafe, s.now_s);
-        } else if self.setpoints_alive && self.failsafe {
-            self.failsafe = false;
-            self.show(FlightMode::Offboard, ModeCause::Recovered, s.now_s);
+        match self.fallback(s) {
+            Some(to) => {
+                if !self.failsafe {
+                    self.say(MavSeverity::MAV_SEVERITY_CRITICAL, "Failsafe activated");
+                }
+                self.failsafe = true;
+                self.show(to, ModeCause::Failsafe, s.now_s);
+            }
+            None if self.failsafe => {
+                self.failsafe = false;
+                self.show(self.intention, ModeCause::Recovered, s.now_s);
+            }
+            None => {}
+        }
+    }
+
+    /// The mode that takes the place of the one that was asked for, if that cannot go on.
+    fn fallback(&self, s: &Situation) -> Option<FlightMode> {
+        let setpoints_lost = self.intention == FlightMode::Offboard && !self.setpoints_alive;
+        if !s.position_valid && mode::needs_position(self.intention) {
+            // Nothing is left that could hold a place: down, or the pilot.
+            Some(if self.rc {
+                FlightMode::Altitude
+            } else {
+                FlightMode::Descend
+            })
+        } else {
+            setpoints_lost.then(|| self.loss_mode(s.loss_action))
         }
     }
 
@@ -182,6 +207,10 @@ impl Commander {
 
     /// Whether a mode could run now.
     fn can_run(&self, wanted: FlightMode) -> bool {
+        // Without a place a landing is accepted all the same, and becomes a descent.
+        if !self.position_valid && mode::needs_position(wanted) && wanted != FlightMode::Land {
+            return false;
+        }
         match wanted {
             FlightMode::Offboard => self.setpoints_alive,
             FlightMode::Mission => false,

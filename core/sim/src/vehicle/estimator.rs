@@ -2,6 +2,7 @@
 //! origin is where it believed to be when it was started.
 
 use super::body::Body;
+use super::gnss::Satellites;
 use crate::settings::NoiseSettings;
 use crate::wind::Wander;
 use nalgebra::Vector3;
@@ -31,13 +32,15 @@ pub(crate) struct Estimator {
     limit_m: f64,
     /// The estimator's origin about the start place, in metres.
     origin: Vector3<f64>,
+    /// The receivers it follows.
+    pub satellites: Satellites,
     /// The latest estimate.
     pub now: Estimate,
 }
 
 impl Estimator {
     /// Starts where the body is.
-    pub(crate) fn new(noise: &NoiseSettings, body: &Body, rng: &mut ChaCha8Rng) -> Self {
+    pub(crate) fn new(noise: &NoiseSettings, second_gnss: bool, body: &Body, rng: &mut ChaCha8Rng) -> Self {
         let wander = Vector3::new(
             noise.wander_horizontal_m,
             noise.wander_horizontal_m,
@@ -51,6 +54,7 @@ impl Estimator {
             velocity_jitter: Wander::new(velocity_jitter, 0.15, rng),
             limit_m: noise.wander_limit_m,
             origin: Vector3::zeros(),
+            satellites: Satellites::new(second_gnss),
             now: Estimate {
                 position: Vector3::zeros(),
                 velocity: Vector3::zeros(),
@@ -65,6 +69,7 @@ impl Estimator {
 
     /// Takes the place where the body is believed to be as the new origin.
     pub(crate) fn restart(&mut self, body: &Body) {
+        self.satellites.restart();
         self.origin = body.position + self.error();
         self.observe(body);
     }
@@ -74,13 +79,14 @@ impl Estimator {
         self.offset.step(dt_s, rng);
         self.jitter.step(dt_s, rng);
         self.velocity_jitter.step(dt_s, rng);
+        self.satellites.step(dt_s, rng);
         self.observe(body);
     }
 
     fn observe(&mut self, body: &Body) {
         self.now = Estimate {
             position: body.position + self.error() - self.origin,
-            velocity: body.velocity + self.velocity_jitter.value(),
+            velocity: body.velocity + self.satellites.drift + self.velocity_jitter.value(),
             acceleration: body.acceleration,
             yaw_rad: body.yaw_rad,
             height_m: -body.position.z,
@@ -101,7 +107,7 @@ impl Estimator {
             offset.y * scale,
             offset.z.clamp(-self.limit_m, self.limit_m),
         );
-        slow + self.jitter.value()
+        slow + self.jitter.value() + self.satellites.error
     }
 
     /// The origin about the start place in metres.

@@ -70,6 +70,15 @@ pub(crate) fn needs_pilot(mode: FlightMode) -> bool {
     matches!(mode, M::Manual | M::Altitude | M::Position | M::Acro | M::Stabilized)
 }
 
+/// Modes that need to know the place.
+pub(crate) fn needs_position(mode: FlightMode) -> bool {
+    use FlightMode as M;
+    matches!(
+        mode,
+        M::Position | M::Offboard | M::TakeOff | M::Hold | M::Ready | M::Mission | M::Return | M::Land
+    )
+}
+
 /// Modes in which a vehicle does not let itself be armed; after a landing it leaves them for the last one that is not.
 pub(crate) fn prevents_arming(mode: FlightMode) -> bool {
     use FlightMode as M;

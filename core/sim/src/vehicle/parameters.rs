@@ -1,6 +1,8 @@
 //! Parameters, as PX4 keeps them: sorted by name, 32-bit integers or floats, and on the wire always the bytes of the
 //! value in a field declared as float.
 
+use crate::airframe::Airframe;
+
 /// Value of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ParameterValue {
@@ -55,7 +57,7 @@ pub(crate) struct Parameters {
 }
 
 impl Parameters {
-    pub(crate) fn new(system_id: u8, changes: &[(String, ParameterValue)]) -> Self {
+    pub(crate) fn new(system_id: u8, airframe: Airframe, changes: &[(String, ParameterValue)]) -> Self {
         let mut list: Vec<Parameter> = DEFAULTS
             .iter()
             .map(|(name, value)| Parameter {
@@ -67,12 +69,14 @@ impl Parameters {
             name: "MAV_SYS_ID".to_owned(),
             value: ParameterValue::Int(i32::from(system_id)),
         });
-        for (name, value) in changes {
-            match list.iter_mut().find(|p| p.name == *name) {
-                Some(parameter) => parameter.value = *value,
+        let of_airframe = airframe.parameters();
+        let changes = changes.iter().map(|(name, value)| (name.as_str(), *value));
+        for (name, value) in of_airframe.into_iter().chain(changes) {
+            match list.iter_mut().find(|p| p.name == name) {
+                Some(parameter) => parameter.value = value,
                 None => list.push(Parameter {
                     name: name.chars().take(16).collect(),
-                    value: *value,
+                    value,
                 }),
             }
         }
@@ -162,6 +166,8 @@ const DEFAULTS: &[(&str, ParameterValue)] = &[
     ("COM_RC_LOSS_T", Real(0.5)),
     ("COM_SPOOLUP_TIME", Real(1.0)),
     ("COM_TAKEOFF_ACT", Int(0)),
+    // Not PX4's default: without the estimation of the drag a multicopter knows of no wind.
+    ("EKF2_DRAG_CTRL", Int(1)),
     ("GF_ACTION", Int(2)),
     ("GF_MAX_HOR_DIST", Real(0.0)),
     ("GF_MAX_VER_DIST", Real(0.0)),

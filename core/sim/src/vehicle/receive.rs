@@ -21,6 +21,9 @@ const COMMAND_DELAY_SPREAD_S: f64 = 0.009;
 impl Vehicle {
     /// Takes a datagram that came on one of its links; what is answered at once is added to `out`.
     pub fn receive(&mut self, link: LinkKind, datagram: &[u8], out: &mut Outbox) {
+        if self.faults.silent {
+            return;
+        }
         wire::read_frames(datagram, |sender, message| self.take(link, sender, message, out));
     }
 
@@ -72,7 +75,7 @@ impl Vehicle {
                 self.tell_setpoint_problem("SET_POSITION_TARGET_GLOBAL_INT", taken);
             }
             MavMessage::TIMESYNC(m) if m.tc1 == 0 => {
-                let tc1 = (self.up_time_s() * 1e9) as i64;
+                let tc1 = (self.clock_s() * 1e9) as i64;
                 let answer = TIMESYNC_DATA {
                     tc1,
                     ts1: m.ts1,

@@ -15,6 +15,8 @@ const SENSORS_PRESENT: u32 = 33_603_631;
 const SENSORS_ENABLED: u32 = 33_669_167;
 const SENSORS_HEALTH: u32 = 52_480_063;
 const PREARM_CHECK: u32 = 0x1000_0000;
+/// The bit of the satellite receiver.
+const RECEIVER: u32 = 0x20;
 /// 1.18 alpha, and a commit of that time.
 const SOFTWARE_VERSION: u32 = 0x0112_0040;
 const SOFTWARE_COMMIT: [u8; 8] = [0, 0, 0, 205, 55, 198, 89, 187];
@@ -41,13 +43,16 @@ fn cm(speed: f64) -> i16 {
 }
 
 /// An angle in radians as hundredths of a degree, 0..36000.
-fn centidegrees(angle_rad: f64) -> u16 {
+pub(super) fn centidegrees(angle_rad: f64) -> u16 {
     (angle_rad.to_degrees().rem_euclid(360.0) * 100.0).round() as u16 % 36_000
 }
 
 impl Vehicle {
     /// Sends one message on a link; false if it is not one of this vehicle's, or not known yet.
     pub(super) fn send_message(&self, channel: &mut Channel, id: u32, out: &mut Outbox) -> bool {
+        if !self.has_to_tell(id) {
+            return false;
+        }
         match id {
             0 => channel.send(out, &self.heartbeat()),
             1 => channel.send(out, &self.sys_status()),
@@ -62,13 +67,15 @@ impl Vehicle {
             111 => channel.send(
                 out,
                 &TIMESYNC_DATA {
-                    ts1: (self.up_time_s() * 1e9) as i64,
+                    ts1: (self.clock_s() * 1e9) as i64,
                     ..TIMESYNC_DATA::default()
                 },
             ),
+            124 => return self.send_second_gnss(channel, out),
             147 => channel.send(out, &self.battery_status()),
             148 => channel.send(out, &self.autopilot_version()),
             230 => channel.send(out, &self.estimator_status()),
+            231 => channel.send(out, &self.wind_cov()),
             241 => channel.send(
                 out,
                 &VIBRATION_DATA {
@@ -115,11 +122,11 @@ impl Vehicle {
     }
 
     pub(super) fn up_ms(&self) -> u32 {
-        (self.up_time_s() * 1e3) as u32
+        (self.clock_s() * 1e3) as u32
     }
 
-    fn up_us(&self) -> u64 {
-        (self.up_time_s() * 1e6) as u64
+    pub(super) fn up_us(&self) -> u64 {
+        (self.clock_s() * 1e6) as u64
     }
 
     fn heartbeat(&self) -> HEARTBEAT_DATA {
@@ -152,10 +159,15 @@ impl Vehicle {
         let known = if self.up_time_s() > 1.5 { u32::MAX } else { 0 };
         let ready = if self.commander.would_arm() { PREARM_CHECK } else { 0 };
         let sensors = MavSysStatusSensor::from_bits_retain;
+        let receiver = if self.estimator.satellites.first().lost {
+            RECEIVER
+        } else {
+            0
+        };
         SYS_STATUS_DATA {
             onboard_control_sensors_present: sensors(SENSORS_PRESENT & known),
             onboard_control_sensors_enabled: sensors(SENSORS_ENABLED & known),
-            onboard_control_sensors_health: sensors(SENSORS_HEALTH | ready),
+            onboard_control_sensors_health: sensors(SENSORS_HEALTH & !receiver | ready),
             load: 160,
             voltage_battery: (self.battery.voltage_v() * 1e3) as u16,
             current_battery: (self.battery.current_a(self.commander.is_armed()) * 1e2) as i16,
@@ -213,22 +225,6 @@ impl Vehicle {
         }
     }
 
-    fn estimator_status(&self) -> ESTIMATOR_STATUS_DATA {
-        let ready = self.commander.is_estimator_ready();
-        ESTIMATOR_STATUS_DATA {
-            time_usec: self.up_us(),
-            vel_ratio: 0.02,
-            pos_horiz_ratio: 0.02,
-            pos_vert_ratio: 0.01,
-            mag_ratio: 0.01,
-            pos_horiz_accuracy: 0.2,
-            pos_vert_accuracy: 0.2,
-            // Attitude, velocity, absolute and relative position, and that it is not merely predicting.
-            flags: EstimatorStatusFlags::from_bits_retain(if ready { 0b11_0011_1111 } else { 0b1 }),
-            ..ESTIMATOR_STATUS_DATA::default()
-        }
-    }
-
     fn extended_sys_state(&self) -> EXTENDED_SYS_STATE_DATA {
         EXTENDED_SYS_STATE_DATA {
             vtol_state: MavVtolState::MAV_VTOL_STATE_UNDEFINED,
@@ -239,34 +235,6 @@ impl Vehicle {
                 LandedState::InAir => MavLandedState::MAV_LANDED_STATE_IN_AIR,
                 LandedState::Unknown => MavLandedState::MAV_LANDED_STATE_UNDEFINED,
             },
-        }
-    }
-
-    fn gps_raw_int(&self) -> GPS_RAW_INT_DATA {
-        let now = &self.estimator.now;
-        let place = self.geodetic_of(&now.position);
-        let fixed = self.up_time_s() > 0.5;
-        let course_rad = now.velocity.y.atan2(now.velocity.x);
-        GPS_RAW_INT_DATA {
-            time_usec: self.up_us(),
-            lat: e7(place.latitude_deg),
-            lon: e7(place.longitude_deg),
-            alt: mm(place.altitude_amsl_m),
-            eph: 70,
-            epv: 70,
-            vel: (now.velocity.norm() * 1e2) as u16,
-            cog: centidegrees(course_rad),
-            fix_type: if fixed {
-                GpsFixType::GPS_FIX_TYPE_3D_FIX
-            } else {
-                GpsFixType::GPS_FIX_TYPE_NO_FIX
-            },
-            satellites_visible: if fixed { 16 } else { 0 },
-            alt_ellipsoid: mm(place.altitude_amsl_m + 47.2),
-            h_acc: 700,
-            v_acc: 900,
-            vel_acc: 150,
-            ..GPS_RAW_INT_DATA::default()
         }
     }
 

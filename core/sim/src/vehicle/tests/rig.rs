@@ -43,6 +43,8 @@ pub fn identity() -> VehicleIdentity {
         number: 0,
         ground_link: true,
         started_s: 0.0,
+        airframe: crate::Airframe::default(),
+        battery: None,
         utc_at_zero_us: 0,
     }
 }
