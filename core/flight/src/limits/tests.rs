@@ -3,7 +3,7 @@
 use super::*;
 use crate::formation::slots;
 use proptest::prelude::*;
-use skein_domain::Shape;
+use skein_domain::{FormationRequest, Shape};
 
 /// Speed of a slot while the leader flies forward and the formation turns to the right.
 fn slot_speed_m_s(slot: &OffsetFrd, leader_speed_m_s: f64, rate_rad_s: f64) -> f64 {
@@ -13,10 +13,10 @@ fn slot_speed_m_s(slot: &OffsetFrd, leader_speed_m_s: f64, rate_rad_s: f64) -> f
 proptest! {
     #[test]
     fn no_slot_is_faster_than_the_limit_and_the_rate_is_the_largest(
-        shape in prop::sample::select(Shape::ALL), count in 2_usize..60, spacing_m in 2.0..20.0,
+        shape in prop::sample::select(&Shape::ALL[..Shape::ALL.len() - 1]), count in 2_usize..60, spacing_m in 2.0..20.0,
         leader_share in 0.0..1.0, max_speed_m_s in 1.0..20.0,
     ) {
-        let slots = slots(shape, count, spacing_m, 0.0).unwrap();
+        let slots = slots(&FormationRequest::new(shape, spacing_m), count).unwrap();
         let limit = max_speed_m_s * TURN_SPEED_SHARE;
         let leader = limit * leader_share;
         let rate = max_turn_rate_rad_s(&slots, leader, max_speed_m_s);
@@ -33,7 +33,7 @@ proptest! {
 
 #[test]
 fn unusable_numbers_and_a_leader_at_the_limit_allow_no_turn() {
-    let slots = slots(Shape::Line, 5, 5.0, 0.0).unwrap();
+    let slots = slots(&FormationRequest::new(Shape::Line, 5.0), 5).unwrap();
     for (leader, max) in [
         (9.5, 10.0),
         (f64::NAN, 10.0),
