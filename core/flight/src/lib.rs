@@ -12,9 +12,11 @@ pub mod formation;
 pub mod goto;
 pub mod heading;
 pub mod limits;
+pub mod return_plan;
 pub mod route;
 mod speed;
 mod time_law;
+pub mod trajectory;
 pub mod transition;
 
 pub use formation::FormationError;
