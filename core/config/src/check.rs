@@ -51,6 +51,10 @@ impl NodeConfig {
                 "must be at least two control periods, or every late period would stop the vehicle",
             ));
         }
+        crate::ladder_settings::problems(&self.safety.ladder, &mut problems);
+        crate::energy_settings::problems(&self.safety.energy, &mut problems);
+        crate::preflight_settings::problems(&self.safety.preflight, &mut problems);
+        self.fence_problems(&mut problems);
         self.name_problems(&mut problems);
         problems
     }
@@ -100,6 +104,14 @@ impl NodeConfig {
             ("safety.max_descent_m_s", safety.max_descent_m_s, 0.1, 30.0),
             ("safety.min_separation_m", safety.min_separation_m, 0.0, 100.0),
             ("safety.separation_horizon_s", safety.separation_horizon_s, 0.0, 10.0),
+            ("safety.returning.height_m", safety.returning.height_m, 1.0, 500.0),
+            ("safety.returning.layer_gap_m", safety.returning.layer_gap_m, 0.5, 100.0),
+            (
+                "safety.returning.landing_spacing_m",
+                safety.returning.landing_spacing_m,
+                0.5,
+                100.0,
+            ),
             (
                 "coordinator.take_off_stagger_s",
                 coordinator.take_off_stagger_s,

@@ -1,14 +1,19 @@
 //! The configuration of a node: typed, with units in the key names, unknown keys refused, checked whole before any socket opens.
 //! `default.toml` beside this crate documents every key; a test parses it and compares it with the defaults here.
 //!
-//! Must never do: open sockets, read anything but the one file it is asked to read, fill in a value silently that was given wrongly.
+//! Must never do: open sockets, read anything but the one file it is asked to read and the fence files that it names, fill in a value silently that was given wrongly.
 #![forbid(unsafe_code)]
 
 mod check;
+mod energy_settings;
+mod fences;
 mod ids;
+mod ladder_settings;
+mod preflight_settings;
 pub mod settings;
 
 pub use check::Problem;
+pub use fences::{FenceFault, FenceFileError, ImportedFences, parse_fences, read_fence_file, to_geojson};
 pub use ids::SystemIdSet;
 pub use settings::{
     AdoptionRule, CoordinatorSettings, EndpointSettings, Escalation, FaultSettings, FenceSettings, Isolation,
@@ -48,6 +53,14 @@ pub enum ConfigError {
         /// Everything that is wrong.
         problems: Vec<Problem>,
     },
+    /// A fence file that it names cannot be used, or its zones cannot be placed.
+    #[error("the configuration {path}: safety: {source}")]
+    Fences {
+        /// Which configuration.
+        path: PathBuf,
+        /// What is wrong.
+        source: FenceFileError,
+    },
 }
 
 impl NodeConfig {
@@ -68,7 +81,16 @@ impl NodeConfig {
                     *directory = folder.join(&*directory);
                 }
             }
+            for file in &mut config.safety.fence_files {
+                if file.is_relative() {
+                    *file = folder.join(&*file);
+                }
+            }
         }
+        config.fences().map_err(|source| ConfigError::Fences {
+            path: path.to_owned(),
+            source,
+        })?;
         Ok(config)
     }
 

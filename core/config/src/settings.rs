@@ -2,7 +2,7 @@
 
 use crate::SystemIdSet;
 use serde::{Deserialize, Serialize};
-use skein_domain::Geodetic;
+use skein_domain::{EnergySettings, FenceZone, Geodetic, LadderSettings, PreflightSettings};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
@@ -292,8 +292,21 @@ pub struct SafetySettings {
     pub min_separation_m: f64,
     /// How far ahead the separation check looks, in seconds.
     pub separation_horizon_s: f64,
-    /// The fence; none if left out.
+    /// Files with zones, GeoJSON or QGroundControl's `.plan`; relative ones from the folder of the configuration file.
+    pub fence_files: Vec<PathBuf>,
+    /// The fence; none if left out. It is one inclusion zone.
     pub fence: Option<FenceSettings>,
+    /// More zones to stay in or keep out of.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub zones: Vec<FenceZone>,
+    /// How several vehicles return at once.
+    pub returning: ReturningSettings,
+    /// What is done when something goes wrong in flight.
+    pub ladder: LadderSettings,
+    /// How the way home is reckoned.
+    pub energy: EnergySettings,
+    /// What is looked at before arming.
+    pub preflight: PreflightSettings,
 }
 
 impl Default for SafetySettings {
@@ -304,7 +317,35 @@ impl Default for SafetySettings {
             max_descent_m_s: 3.0,
             min_separation_m: 2.0,
             separation_horizon_s: 0.8,
+            fence_files: Vec::new(),
             fence: None,
+            zones: Vec::new(),
+            returning: ReturningSettings::default(),
+            ladder: LadderSettings::default(),
+            energy: EnergySettings::default(),
+            preflight: PreflightSettings::default(),
+        }
+    }
+}
+
+/// `[safety.returning]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ReturningSettings {
+    /// Height of the lowest above the highest launch place, in metres.
+    pub height_m: f64,
+    /// Vertical distance between two of them, in metres.
+    pub layer_gap_m: f64,
+    /// Distance between two landing places, in metres.
+    pub landing_spacing_m: f64,
+}
+
+impl Default for ReturningSettings {
+    fn default() -> Self {
+        Self {
+            height_m: 12.0,
+            layer_gap_m: 4.0,
+            landing_spacing_m: 3.0,
         }
     }
 }
@@ -337,6 +378,8 @@ pub struct CoordinatorSettings {
     pub transition_min_distance_m: f64,
     /// A leader not heard for so long is replaced, in seconds.
     pub leader_lost_after_s: f64,
+    /// Ids of vehicles that lead before others, in this order. The rest follow by health.
+    pub leader_order: Vec<u16>,
 }
 
 impl Default for CoordinatorSettings {
@@ -348,6 +391,7 @@ impl Default for CoordinatorSettings {
             transition_climb_m_s: 2.5,
             transition_min_distance_m: 2.8,
             leader_lost_after_s: 1.0,
+            leader_order: Vec::new(),
         }
     }
 }

@@ -19,11 +19,21 @@ fn every_key_is_documented() {
             );
             continue;
         };
-        for key in keys.keys() {
+        assert_documented(section, keys);
+    }
+}
+
+fn assert_documented(section: &str, keys: &toml::Table) {
+    for (key, value) in keys {
+        let nested = format!("{section}.{key}");
+        if let Some(keys) = value.as_table() {
             assert!(
-                DEFAULT_TOML.contains(&format!("{key} =")),
-                "{section}.{key} is not documented"
+                DEFAULT_TOML.contains(&format!("[{nested}]")),
+                "[{nested}] is not documented"
             );
+            assert_documented(&nested, keys);
+        } else {
+            assert!(DEFAULT_TOML.contains(&format!("{key} =")), "{nested} is not documented");
         }
     }
 }

@@ -199,6 +199,12 @@ impl Default for LadderSettings {
     }
 }
 
+/// What is left of the steps of a trigger that cannot be switched off.
+const REPORTED_AT_LEAST: &[Step] = &[Step {
+    after_s: 1.0,
+    reaction: Reaction::Warn,
+}];
+
 impl LadderSettings {
     /// How a trigger is set. Link loss and stale estimates are at least reported.
     #[must_use]
@@ -221,10 +227,10 @@ impl LadderSettings {
         }
     }
 
-    /// The steps of a trigger; none for those whose reaction comes with their value.
+    /// The steps of a trigger; none for those whose reaction comes with their value. Link loss and stale estimates have at least one.
     #[must_use]
     pub fn steps(&self, trigger: Trigger) -> &[Step] {
-        match trigger {
+        let steps: &[Step] = match trigger {
             Trigger::LinkLoss => &self.link_loss.steps,
             Trigger::GnssLoss => &self.gnss_loss.steps,
             Trigger::GnssDisagreement => &self.gnss_disagreement.steps,
@@ -234,6 +240,10 @@ impl LadderSettings {
             Trigger::CoordinatorLoss => &self.coordinator_loss.steps,
             Trigger::OperatorDeadMan => &self.operator_dead_man.steps,
             Trigger::FenceBreach | Trigger::Energy => &[],
+        };
+        match trigger {
+            Trigger::LinkLoss | Trigger::StaleEstimate if steps.is_empty() => REPORTED_AT_LEAST,
+            _ => steps,
         }
     }
 }

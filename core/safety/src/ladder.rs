@@ -1,0 +1,202 @@
+//! The ladder of reactions of one vehicle: what goes wrong with it is reported, and answered step by step, each step within a bounded
+//! time. `LADDER.md` beside this crate is the written table.
+//!
+//! The rules: of several triggers the strongest reaction wins, and all are reported. A weaker reaction never replaces a stronger
+//! one in force. What was ordered must be seen to take effect, or the next stronger is ordered, up to stopping the setpoint stream.
+//! When a trigger is over, what was ordered stays until an operator or the coordinator takes the vehicle up again. A vehicle on the
+//! ground or in a pilot's hands is reported on, no more.
+//!
+//! Must never do: command anything. It says what is to be done; the vehicle's actor does it.
+
+mod clock;
+mod effect;
+mod health;
+mod orders;
+mod readings;
+mod tracker;
+mod words;
+
+pub use effect::{Means, feasible, is_effective};
+pub use health::{Breach, GnssHealth, Health, reaction_of};
+pub use orders::TakenUpBy;
+
+use clock::ClockWatch;
+use readings::Memory;
+use skein_domain::ladder::TriggerMode;
+use skein_domain::{
+    Alarm, LadderEvent, LadderEventKind, LadderSettings, LadderState, NodeTime, Order, Reaction, ReportOnly, Trigger,
+};
+use tracker::{Change, Tracker};
+
+/// The ladder of one vehicle.
+#[derive(Debug, Clone)]
+pub struct Ladder {
+    trackers: Vec<(Trigger, Tracker)>,
+    clock: ClockWatch,
+    gnss_good_at: Option<NodeTime>,
+    /// In the air and in the swarm's hands since then.
+    reacting_since: Option<NodeTime>,
+    pilot_in_control: bool,
+    order: Option<Order>,
+    /// Since when the order in force has not been seen to take effect.
+    ineffective_since: Option<NodeTime>,
+    /// The latest time it was told: the node's clock may be at fault too.
+    now: NodeTime,
+}
+
+impl Default for Ladder {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Ladder {
+    /// A ladder on which nothing has happened yet.
+    #[must_use]
+    pub fn new() -> Self {
+        Self {
+            trackers: Trigger::ALL.iter().map(|t| (*t, Tracker::default())).collect(),
+            clock: ClockWatch::default(),
+            gnss_good_at: None,
+            reacting_since: None,
+            pilot_in_control: false,
+            order: None,
+            ineffective_since: None,
+            now: NodeTime::default(),
+        }
+    }
+
+    /// Takes one look at the vehicle, at least ten times a second. What is to be done is in events of kind
+    /// [`LadderEventKind::Ordered`]; at most one per call.
+    pub fn step(&mut self, now: NodeTime, health: &Health, settings: &LadderSettings) -> Vec<LadderEvent> {
+        let clock_deviation_s =
+            self.clock
+                .deviation_s(now, health.clock_offset_s, health.position_time, &settings.clock_fault);
+        self.now = self.now.max(now);
+        let mut events = Vec::new();
+        self.note_hands(health, &mut events);
+        self.gnss_good_at = readings::good_fix_at(health, settings).max(self.gnss_good_at);
+        let memory = Memory {
+            gnss_good_at: self.gnss_good_at,
+            clock_deviation_s,
+            reacting_since: self.reacting_since,
+        };
+        for i in 0..self.trackers.len() {
+            self.look_at(i, health, settings, &memory, &mut events);
+        }
+        self.give_orders(health, settings, &mut events);
+        events
+    }
+
+    /// Where the vehicle stands on its ladder.
+    #[must_use]
+    pub fn state(&self, settings: &LadderSettings) -> LadderState {
+        LadderState {
+            alarms: self
+                .trackers
+                .iter()
+                .filter(|(_, tracker)| tracker.is_raised())
+                .map(|(trigger, tracker)| self.alarm(*trigger, tracker, settings))
+                .collect(),
+            order: self.order,
+        }
+    }
+
+    /// The reaction that is in force; `None` if the vehicle flies freely.
+    #[must_use]
+    pub fn order(&self) -> Option<&Order> {
+        self.order.as_ref()
+    }
+
+    fn alarm(&self, trigger: Trigger, tracker: &Tracker, settings: &LadderSettings) -> Alarm {
+        let (value, limit, unit) = tracker.figures();
+        Alarm {
+            trigger,
+            value,
+            limit,
+            unit: unit.to_owned(),
+            since: tracker.since(),
+            reaction: tracker.stand().map_or(Reaction::Warn, |s| s.reaction),
+            report_only: self.report_only(trigger, tracker, settings),
+        }
+    }
+
+    fn report_only(&self, trigger: Trigger, tracker: &Tracker, settings: &LadderSettings) -> Option<ReportOnly> {
+        if self.pilot_in_control {
+            Some(ReportOnly::PilotInControl)
+        } else if self.reacting_since.is_none() {
+            Some(ReportOnly::OnGround)
+        } else if settings.mode(trigger) != TriggerMode::React {
+            Some(ReportOnly::WarnOnly)
+        } else {
+            tracker.is_overruled().then_some(ReportOnly::Overruled)
+        }
+    }
+
+    /// In whose hands the vehicle is, and whether it flies.
+    fn note_hands(&mut self, health: &Health, events: &mut Vec<LadderEvent>) {
+        self.pilot_in_control = health.pilot_in_control;
+        if health.airborne && !health.pilot_in_control {
+            self.reacting_since.get_or_insert(self.now);
+            return;
+        }
+        if self.reacting_since.take().is_some() {
+            for (_, tracker) in &mut self.trackers {
+                tracker.stand_down();
+            }
+        }
+        // In a pilot's hands the stream stays stopped until somebody takes the vehicle up again.
+        let ends = |order: &Order| !health.airborne || order.reaction != Reaction::Release;
+        if let Some(order) = self.order.filter(ends) {
+            let why = if health.airborne {
+                "the pilot took over"
+            } else {
+                "on the ground"
+            };
+            events.push(self.about_order(LadderEventKind::Ended, &order, why));
+            self.order = None;
+            self.ineffective_since = None;
+        }
+    }
+
+    /// Reads one trigger and tells what became of it.
+    fn look_at(
+        &mut self,
+        index: usize,
+        health: &Health,
+        settings: &LadderSettings,
+        memory: &Memory,
+        events: &mut Vec<LadderEvent>,
+    ) {
+        let Some((trigger, tracker)) = self.trackers.get_mut(index) else {
+            return;
+        };
+        let trigger = *trigger;
+        let reading = readings::read(trigger, self.now, health, settings, memory, tracker);
+        let since = tracker.since();
+        let change = tracker.advance(
+            self.now,
+            reading.as_ref(),
+            self.reacting_since,
+            settings.recovered_after_s,
+        );
+        let kind = match change {
+            Change::None => return,
+            Change::Raised => LadderEventKind::Raised,
+            Change::Escalated => LadderEventKind::Escalated,
+            Change::Cleared => LadderEventKind::Cleared,
+        };
+        let Some((_, tracker)) = self.trackers.get(index) else {
+            return;
+        };
+        let mut alarm = self.alarm(trigger, tracker, settings);
+        if change == Change::Cleared {
+            alarm.since = since;
+            alarm.report_only = None;
+        }
+        events.push(words::event(kind, &alarm, self.now, health));
+    }
+}
+
+#[cfg(test)]
+mod tests;
