@@ -45,7 +45,7 @@ pub enum OffsetsError {
         /// What it says.
         text: String,
     },
-    /// The text is no table or no list.
+    /// The text is no list of offsets.
     #[error("line {line}: {detail}")]
     Syntax {
         /// Where.
@@ -73,32 +73,30 @@ enum Column {
 /// # Errors
 /// [`OffsetsError`] with the line.
 pub fn offsets_from_csv(text: &str) -> Result<Vec<OffsetFrd>, OffsetsError> {
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
     let mut columns = [Column::Forward, Column::Right, Column::Down];
     let mut offsets = Vec::new();
-    for (row, record) in reader.records().enumerate() {
-        let record = record.map_err(|e| OffsetsError::Syntax {
-            line: e.position().map_or(1, csv::Position::line),
-            detail: e.to_string(),
-        })?;
-        let line = record.position().map_or(1, csv::Position::line);
-        if row == 0 && record.iter().any(|field| field.parse::<f64>().is_err()) && looks_like_heading(&record) {
-            columns = heading(&record, line)?;
+    let rows = text
+        .trim_start_matches('\u{feff}')
+        .lines()
+        .zip(1_u64..)
+        .map(|(row, line)| (row.trim(), line))
+        .filter(|(row, _)| !row.is_empty() && !row.starts_with('#'));
+    for (at, (row, line)) in rows.enumerate() {
+        // Numbers need no quotes, but some programs put them around headings.
+        let fields: Vec<&str> = row.split(',').map(|field| field.trim().trim_matches('"')).collect();
+        // A first row without any number in it is a heading; one with some is a row with a mistake.
+        if at == 0 && fields.iter().all(|field| field.parse::<f64>().is_err()) {
+            columns = heading(&fields, line)?;
             continue;
         }
-        if record.len() != columns.len() {
+        if fields.len() != columns.len() {
             return Err(OffsetsError::Fields {
                 line,
-                fields: record.len(),
+                fields: fields.len(),
             });
         }
         let mut offset = OffsetFrd::default();
-        for (column, field) in columns.iter().zip(&record) {
+        for (column, field) in columns.iter().zip(&fields) {
             let value = number(field, line)?;
             match column {
                 Column::Forward => offset.forward_m = value,
@@ -112,13 +110,8 @@ pub fn offsets_from_csv(text: &str) -> Result<Vec<OffsetFrd>, OffsetsError> {
     not_empty(offsets)
 }
 
-/// A first row without any number in it is a heading; one with some is a row with a mistake.
-fn looks_like_heading(record: &csv::StringRecord) -> bool {
-    record.iter().all(|field| field.parse::<f64>().is_err())
-}
-
-fn heading(record: &csv::StringRecord, line: u64) -> Result<[Column; 3], OffsetsError> {
-    let named = |name: &str| match name.to_ascii_lowercase().as_str() {
+fn heading(fields: &[&str], line: u64) -> Result<[Column; 3], OffsetsError> {
+    let named = |name: &&str| match name.to_ascii_lowercase().as_str() {
         "forward_m" => Ok(Column::Forward),
         "right_m" => Ok(Column::Right),
         "down_m" => Ok(Column::Down),
@@ -128,7 +121,7 @@ fn heading(record: &csv::StringRecord, line: u64) -> Result<[Column; 3], Offsets
             column: shortened(name),
         }),
     };
-    let columns: Vec<Column> = record.iter().map(named).collect::<Result<_, _>>()?;
+    let columns: Vec<Column> = fields.iter().map(named).collect::<Result<_, _>>()?;
     let columns: [Column; 3] = columns.try_into().map_err(|_| OffsetsError::Columns { line })?;
     let times = |wanted: &[Column]| columns.iter().filter(|column| wanted.contains(column)).count();
     if times(&[Column::Forward]) == 1 && times(&[Column::Right]) == 1 && times(&[Column::Down, Column::Up]) == 1 {
