@@ -17,7 +17,7 @@ mod tracker;
 mod words;
 
 pub use effect::{Means, feasible, is_effective};
-pub use health::{Breach, GnssHealth, Health, reaction_of};
+pub use health::{FenceBreach, GnssHealth, Health, reaction_of};
 pub use orders::TakenUpBy;
 
 use clock::ClockWatch;

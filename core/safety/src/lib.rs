@@ -5,13 +5,16 @@
 #![forbid(unsafe_code)]
 
 pub mod avoidance;
+pub mod energy;
 mod fence;
 mod gate;
 pub mod gnss;
 pub mod ladder;
 mod half_space;
 mod payload;
+pub mod preflight;
 mod separation;
+pub mod wind;
 
 pub use fence::{Approach, Breach, Clearance, Excess, Fence, FenceError, FencePlanError, Fences, Wall, Zone};
 pub use gate::{Gate, Limits, LimitsError};

@@ -60,7 +60,7 @@ impl Wind {
 }
 
 /// Getting on slower than this over the ground is not getting there, in metres per second.
-const SLOWEST_M_S: f64 = 0.5;
+pub(crate) const SLOWEST_M_S: f64 = 0.5;
 
 #[cfg(test)]
 mod tests;

@@ -20,7 +20,7 @@ pub struct GnssHealth {
 
 /// The vehicle is outside of a fence or inside of a zone where it must not be.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Breach {
+pub struct FenceBreach {
     /// What the fence asks for.
     pub reaction: Reaction,
     /// How far outside, in metres.
@@ -59,7 +59,7 @@ pub struct Health {
     /// Its autopilot's clock minus the node's, in seconds.
     pub clock_offset_s: Option<f64>,
     /// Outside of a fence.
-    pub breach: Option<Breach>,
+    pub breach: Option<FenceBreach>,
     /// When the coordinator last gave a sign of life; absent if the vehicle does nothing that needs one.
     pub coordinator_heard: Option<NodeTime>,
     /// When any operator last gave a sign of life; absent if none ever did.

@@ -1,6 +1,6 @@
 //! From a vehicle's health to one reading per trigger: how bad, against which limit, and what is to be done about it.
 
-use super::{Breach, Health};
+use super::{FenceBreach, Health};
 use crate::gnss::is_good_fix;
 use crate::ladder::tracker::Tracker;
 use skein_domain::ladder::{FenceBreachRule, LadderSettings, Step, TriggerMode};
@@ -143,7 +143,7 @@ fn beyond<'a>(value: f64, (limit, clear): (f64, f64), unit: &'static str, steps:
     }
 }
 
-fn fence<'a>(now: NodeTime, breach: &Breach, rule: &FenceBreachRule, tracker: &Tracker) -> Reading<'a> {
+fn fence<'a>(now: NodeTime, breach: &FenceBreach, rule: &FenceBreachRule, tracker: &Tracker) -> Reading<'a> {
     let mut reaction = breach.reaction;
     if let Some(stand) = tracker.stand().filter(|s| s.reaction >= Reaction::Hold) {
         let held_s = now.seconds_since(stand.since);
