@@ -11,7 +11,7 @@ use crate::formation::FormationError;
 use crate::time_law::{bump_over_time, progress};
 use crate::{assignment, transition::detour::Ways};
 use nalgebra::Vector3;
-use skein_domain::{NodeTime, OffsetFrd, SlotMove};
+use skein_domain::{FlightLimits, NodeTime, OffsetFrd, SlotMove};
 
 /// What the vehicles can do and how close they may come, for a transition.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,6 +47,77 @@ pub struct SlotSample {
     pub velocity: Vector3<f64>,
     /// The second rate of change in metres per second squared.
     pub acceleration: Vector3<f64>,
+}
+
+/// A change of formation to be planned. Offsets of both lists are relative to the new heading.
+#[derive(Debug, Clone, Copy)]
+pub struct Change<'a> {
+    /// Where the members are. With a leader it is the first; it stays at zero offset.
+    pub from: &'a [OffsetFrd],
+    /// Where slots are; at least as many. With a leader the first is its own, at zero. The others' order does not matter.
+    pub slots: &'a [OffsetFrd],
+    /// What all of them keep to.
+    pub limits: MotionLimits,
+    /// What each can do beside that, in the order of `from`; none if all are alike.
+    pub able: &'a [FlightLimits],
+    /// How much of each one's speed the formation itself takes, in metres per second: its leader's speed and its turning.
+    pub taken_m_s: f64,
+    /// Whether the first member is a leader. Without one the anchor is no vehicle, and every member is given a slot.
+    pub led: bool,
+    /// The slot that each member has now, in the order of `from`, where the shape stays the same and only its parameters change:
+    /// then everyone keeps it, unless the move cannot be flown so, or takes much longer than with others. See [`held_slots`].
+    pub held: Option<&'a [usize]>,
+}
+
+impl<'a> Change<'a> {
+    /// Members that are all alike, behind a leader.
+    #[must_use]
+    pub fn new(from: &'a [OffsetFrd], slots: &'a [OffsetFrd], limits: &MotionLimits) -> Self {
+        Self {
+            from,
+            slots,
+            limits: *limits,
+            able: &[],
+            taken_m_s: 0.0,
+            led: true,
+            held: None,
+        }
+    }
+
+    /// Plans the way of all members into the slots.
+    ///
+    /// # Errors
+    /// [`FormationError`] for lists that do not fit, numbers that are not usable, or if no way keeps the distance.
+    pub fn plan(&self, start: NodeTime) -> Result<TransitionPlan, FormationError> {
+        plan(self.from, self.slots, &self.limits, start)
+    }
+}
+
+/// Which of the former slots each member is in or on its way to: who is where, whatever the order of the lists.
+#[must_use]
+pub fn held_slots(from: &[OffsetFrd], former: &[OffsetFrd]) -> Vec<usize> {
+    assignment::assign(from, former)
+}
+
+/// [`Change::plan`] for members with limits of their own (`able`; none if all are alike), behind a leader or (`led` is false) all of
+/// them followers of an anchor that is no vehicle.
+///
+/// # Errors
+/// As [`Change::plan`].
+pub fn plan_members(
+    from: &[OffsetFrd],
+    slots: &[OffsetFrd],
+    limits: &MotionLimits,
+    able: &[FlightLimits],
+    led: bool,
+    start: NodeTime,
+) -> Result<TransitionPlan, FormationError> {
+    let change = Change {
+        able,
+        led,
+        ..Change::new(from, slots, limits)
+    };
+    change.plan(start)
 }
 
 /// Plans the way of all members from their present offsets into the slots. Index 0 of both is the leader, which stays at zero
