@@ -52,6 +52,7 @@ fn the_commented_examples_parse_too() {
     assert_eq!(config.endpoints.len(), 1);
     assert_eq!(config.adopt.len(), 1);
     assert!(config.safety.fence.is_some() && config.swarm.origin.is_some());
+    assert_eq!(config.safety.zones.len(), 1);
 }
 
 #[test]

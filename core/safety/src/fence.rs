@@ -143,7 +143,7 @@ impl Fence {
                 limit: MAX_VERTICES,
             });
         }
-        if !(floor_m < ceiling_m) {
+        if floor_m.is_nan() || ceiling_m.is_nan() || floor_m >= ceiling_m {
             return Err(FenceError::FloorAboveCeiling { floor_m, ceiling_m });
         }
         if let Some((first, second)) = first_self_contact(&vertices) {

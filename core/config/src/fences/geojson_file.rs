@@ -26,7 +26,7 @@ const BREACH_RETURN: &str = "breach_return";
 
 /// The zones of a GeoJSON text.
 pub(super) fn parse(value: JsonValue, stem: &str) -> Result<ImportedFences, Refused> {
-    let parsed = GeoJson::from_json_value(value).map_err(|e| Refused::NotThat(e.to_string()))?;
+    let parsed: GeoJson = serde_json::from_value(value).map_err(|e| Refused::NotThat(e.to_string()))?;
     let features = match parsed {
         GeoJson::FeatureCollection(collection) => collection.features,
         GeoJson::Feature(feature) => vec![feature],
@@ -206,8 +206,10 @@ pub fn to_geojson(plan: &FencePlan, frame: Option<&SwarmFrame>) -> Result<String
                 let corners: Vec<MapPoint> = corners_m.iter().map(on_map).collect::<Result<_, _>>()?;
                 (polygon(&corners), None)
             }
-            ZoneOutline::Circle { centre, radius_m } => (position(centre).into(), Some(*radius_m)),
-            ZoneOutline::LocalCircle { centre_m, radius_m } => (position(&on_map(centre_m)?).into(), Some(*radius_m)),
+            ZoneOutline::Circle { centre, radius_m } => (GeometryValue::new_point(position(centre)), Some(*radius_m)),
+            ZoneOutline::LocalCircle { centre_m, radius_m } => {
+                (GeometryValue::new_point(position(&on_map(centre_m)?)), Some(*radius_m))
+            }
         };
         features.push(feature(geometry, properties(zone, radius_m)));
     }
@@ -215,9 +217,13 @@ pub fn to_geojson(plan: &FencePlan, frame: Option<&SwarmFrame>) -> Result<String
         let mut properties = JsonObject::new();
         properties.insert("kind".to_owned(), BREACH_RETURN.into());
         properties.insert("height_m".to_owned(), back.height_m.into());
-        features.push(feature(position(&back.place).into(), properties));
+        features.push(feature(GeometryValue::new_point(position(&back.place)), properties));
     }
-    Ok(GeoJson::from(FeatureCollection::new(features)).to_string_pretty())
+    let collection = GeoJson::from(FeatureCollection::new(features));
+    collection.to_string_pretty().map_err(|e| FenceFileError::Unparsable {
+        file: "<export>".into(),
+        message: e.to_string(),
+    })
 }
 
 fn feature(geometry: GeometryValue, properties: JsonObject) -> Feature {

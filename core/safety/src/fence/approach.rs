@@ -43,10 +43,12 @@ impl Approach {
     /// How far a vehicle goes before it stands, in metres.
     #[must_use]
     pub fn stopping_m(&self, speed_m_s: f64) -> f64 {
-        if !(self.braking_m_s2 > 0.0) {
-            return f64::INFINITY;
+        let coasted_m = speed_m_s * self.reaction_s.max(0.0);
+        if self.braking_m_s2 > 0.0 {
+            coasted_m + 0.5 * speed_m_s * speed_m_s / self.braking_m_s2
+        } else {
+            f64::INFINITY
         }
-        speed_m_s * self.reaction_s.max(0.0) + 0.5 * speed_m_s * speed_m_s / self.braking_m_s2
     }
 }
 
@@ -90,13 +92,13 @@ impl Fences {
                 entered.get(wall.zone).copied().unwrap_or(false)
             };
             if !passes {
-                limits.to_wall(wall, position);
+                limits.wall(wall, position);
             }
         }
         for (zone, entered) in self.zones.iter().zip(entered) {
             match zone.kind {
-                ZoneKind::Inclusion if outside.is_none() => self.to_lid_and_floor(zone, position, &mut limits),
-                ZoneKind::Exclusion if !entered => limits.to_top_and_bottom(zone, position),
+                ZoneKind::Inclusion if outside.is_none() => self.lid_and_floor(zone, position, &mut limits),
+                ZoneKind::Exclusion if !entered => limits.over_or_under(zone, position),
                 _ => {}
             }
         }
@@ -122,7 +124,7 @@ impl Fences {
     }
 
     /// The ceiling and the floor of an inclusion that a place is in, where no other inclusion goes on behind them.
-    fn to_lid_and_floor(&self, zone: &Zone, position: &PositionNed, limits: &mut Limits) {
+    fn lid_and_floor(&self, zone: &Zone, position: &PositionNed, limits: &mut Limits) {
         let volume = &zone.volume;
         if !volume.excess(position).is_inside() {
             return;
@@ -175,7 +177,7 @@ impl Limits<'_> {
         }
     }
 
-    fn to_wall(&mut self, wall: &Wall, position: &PositionNed) {
+    fn wall(&mut self, wall: &Wall, position: &PositionNed) {
         let nearest = nearest_on_edge(wall.ends_m, [position.north_m, position.east_m]);
         let height_m = -position.down_m;
         let up_m = height_m.clamp(wall.floor_m, wall.ceiling_m) - height_m;
@@ -229,7 +231,7 @@ impl Limits<'_> {
     }
 
     /// The upper and the lower side of an exclusion that a place is over or under.
-    fn to_top_and_bottom(&mut self, zone: &Zone, position: &PositionNed) {
+    fn over_or_under(&mut self, zone: &Zone, position: &PositionNed) {
         let (volume, height_m) = (&zone.volume, -position.down_m);
         let over_m = height_m - volume.ceiling_m;
         let under_m = volume.floor_m - height_m;
