@@ -12,9 +12,12 @@ const PARTING_PER_S: f64 = 1.0;
 const PARTING_MAX_M_S: f64 = 3.0;
 /// What the wanted velocity may be changed by other neighbours before this one has to be looked at, in metres per second.
 const ELBOW_ROOM_M_S: f64 = 2.0;
-/// Each of two that share takes this part of what is left between them, and that part of what is already missing.
+/// Each of two that share takes half of what is left between them. Of what is already missing each makes up more than all: velocities
+/// follow late, and half of a lack, asked for again and again, closes too slowly.
 const SHARE_OF_ROOM: f64 = 0.5;
-const SHARE_OF_LACK: f64 = 0.7;
+const SHARE_OF_LACK: f64 = 1.5;
+/// Who is led past passes by this much more than the keep-out distance, in metres.
+const PASSING_MARGIN_M: f64 = 0.15;
 /// Who would pass another on the left by less than this part of the keep-out distance passes it on the right instead.
 const RIGHT_HAND: f64 = 0.35;
 /// Dodging is preferred to braking when what lies between is flown in less than this, in seconds.
@@ -123,7 +126,7 @@ pub(super) fn demand(own: &Own, peer: &Carried, settings: &AvoidanceSettings) ->
         normal: sight,
         room: closing - sight.dot(&relative),
     };
-    let pass = passing(own, peer, &sight, &relative, keep_m / distance_m);
+    let pass = passing(own, peer, &sight, &relative, (keep_m + PASSING_MARGIN_M) / distance_m);
     let row = |side: &Side| side.row(own, peer.shares, squeeze, room_m, keep_m);
     let stop_row = row(&stop);
     let chosen = pass
