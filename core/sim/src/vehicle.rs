@@ -14,6 +14,7 @@ mod gnss;
 mod guidance;
 mod lift;
 mod limits;
+mod mission;
 mod mode;
 mod navigation;
 mod offboard;
@@ -41,6 +42,7 @@ use guidance::Guidance;
 use lift::{Lift, LiftInput, Stage};
 use limits::{Limits, limits_from};
 use mavlink::dialects::common::MavSeverity;
+use mission::Mission;
 use nalgebra::Vector3;
 use offboard::OffboardInput;
 use parameters::Parameters;
@@ -124,6 +126,7 @@ pub struct Vehicle {
     force: Vector3<f64>,
     payloads: Payloads,
     faults: Faults,
+    mission: Mission,
     /// Wind as the estimator has it, in metres per second.
     wind_seen: Vector3<f64>,
     rng: ChaCha8Rng,
@@ -176,6 +179,7 @@ impl Vehicle {
             force: Vector3::zeros(),
             payloads: Payloads::new(&settings.payloads, settings.seed, identity.number, &identity.position),
             faults: Faults::default(),
+            mission: Mission::default(),
             wind_seen: Vector3::zeros(),
             rng,
             body,
@@ -228,6 +232,7 @@ impl Vehicle {
         self.offboard.last_s = None;
         self.offboard.target = Target::NONE;
         self.lift = Lift::new();
+        self.mission.restart();
         self.pending.clear();
         self.notices.clear();
         self.home = None;
@@ -262,6 +267,7 @@ impl Vehicle {
         }
         self.run_commands(out);
         self.decide();
+        self.step_mission(out);
         self.steer(dt_s);
         let wind = wind_m_s + self.gusts.step(dt_s, &mut self.rng);
         let drive = self.drive();

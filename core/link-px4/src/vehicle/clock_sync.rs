@@ -17,6 +17,12 @@ const SLACK_S: f64 = 0.01;
 const REFUSALS_MAX: u32 = 5;
 /// An offset this far from the expected one is a new clock, in seconds.
 const NEW_CLOCK_S: f64 = 1.0;
+/// An offset this much further from the expected one than the round trip can explain is a step of the clock, in seconds.
+const JUMP_S: f64 = 0.05;
+/// Two measurements of the same step agree this well, in seconds; one alone may be a stamp that had waited.
+const AGREE_S: f64 = 0.02;
+/// How soon the second one is asked for, in seconds.
+const CONFIRM_S: f64 = 0.1;
 const ALPHA: f64 = 0.35;
 const BETA: f64 = 0.1;
 /// A clock drifts at most this much, in seconds per second.
@@ -24,6 +30,16 @@ const DRIFT_MAX: f64 = 0.1;
 const ROUND_TRIP_ALPHA: f64 = 0.2;
 /// An answer older than this is not one to us any more, in seconds.
 const ANSWER_MAX_S: f64 = 2.0;
+
+/// Whether a measurement of the offset tells of a step of the clock.
+enum Step {
+    /// No.
+    None,
+    /// It may; it must not be used until the next one is there.
+    Suspected,
+    /// It does.
+    Made { by_s: f64 },
+}
 
 /// Clock offset and round trip of one vehicle.
 #[derive(Debug, Default)]
@@ -38,6 +54,8 @@ pub struct ClockSync {
     at: NodeTime,
     drift: f64,
     round_trip_s: Option<f64>,
+    /// The offset that a step would have led to, if one is suspected.
+    suspected_s: Option<f64>,
 }
 
 impl ClockSync {
@@ -70,29 +88,55 @@ impl ClockSync {
         self.next_request
     }
 
-    /// Takes in an answer; anything else is passed over.
-    pub fn on_answer(&mut self, now: NodeTime, answer: &TIMESYNC_DATA) {
-        let Some(asked) = self
+    /// Takes in an answer; anything else is passed over. Gives by how much the autopilot's clock was found to have stepped, in
+    /// seconds, if it was. A step is found with the second answer after it. One that is smaller than half of the round trip cannot
+    /// be told from a line that is slower one way than the other.
+    pub fn on_answer(&mut self, now: NodeTime, answer: &TIMESYNC_DATA) -> Option<f64> {
+        let asked = self
             .asked
             .iter_mut()
-            .find(|asked| **asked == answer.ts1 && answer.tc1 > 0 && answer.ts1 > 0)
-        else {
-            return;
-        };
+            .find(|asked| **asked == answer.ts1 && answer.tc1 > 0 && answer.ts1 > 0)?;
         *asked = 0;
         let round_trip_s = (nanoseconds(now) - answer.ts1) as f64 * 1e-9;
         if !(0.0..=ANSWER_MAX_S).contains(&round_trip_s) {
-            return;
+            return None;
         }
         let usual = self.round_trip_s.unwrap_or(round_trip_s);
         if round_trip_s > usual * OUTLIER_FACTOR + SLACK_S && self.refused < REFUSALS_MAX {
             self.refused += 1;
-            return;
+            return None;
         }
         self.refused = 0;
         self.round_trip_s = Some(usual + ROUND_TRIP_ALPHA * (round_trip_s - usual));
         let middle_ns = answer.ts1 + (nanoseconds(now) - answer.ts1) / 2;
-        self.update(now, (answer.tc1 - middle_ns) as f64 * 1e-9);
+        let measured_s = (answer.tc1 - middle_ns) as f64 * 1e-9;
+        match self.look_for_step(now, measured_s, 0.5 * round_trip_s) {
+            Step::None => self.update(now, measured_s),
+            Step::Suspected => {}
+            Step::Made { by_s } => return Some(by_s),
+        }
+        None
+    }
+
+    fn look_for_step(&mut self, now: NodeTime, measured_s: f64, doubt_s: f64) -> Step {
+        if self.samples < SETTLING_SAMPLES {
+            return Step::None;
+        }
+        let by_s = measured_s - (self.offset_s + self.drift * now.seconds_since(self.at));
+        let is_far = by_s.abs() > JUMP_S + doubt_s;
+        let agrees = |suspected_s: f64| (measured_s - suspected_s).abs() <= AGREE_S + doubt_s;
+        match self.suspected_s.take() {
+            _ if !is_far => Step::None,
+            Some(suspected_s) if agrees(suspected_s) => {
+                (self.offset_s, self.at, self.drift, self.samples) = (measured_s, now, 0.0, 1);
+                Step::Made { by_s }
+            }
+            _ => {
+                self.suspected_s = Some(measured_s);
+                self.next_request = self.next_request.min(now.plus_seconds(CONFIRM_S));
+                Step::Suspected
+            }
+        }
     }
 
     fn update(&mut self, now: NodeTime, measured_s: f64) {
@@ -219,6 +263,48 @@ mod tests {
         assert!((sync.offset_s(NodeTime::from_seconds(t)).unwrap() - 5.0).abs() < 0.001);
         exchange(&mut sync, 100.0, 60.0, 5.0, 1.0, |_| 0.4);
         assert!(sync.round_trip_s().unwrap() > 0.3);
+    }
+
+    /// Exchanges one TIMESYNC at `t` with an autopilot whose clock is `offset_s` ahead; the way there takes `there_s`.
+    fn once(sync: &mut ClockSync, t: f64, offset_s: f64, there_s: f64, back_s: f64) -> Option<f64> {
+        let request = sync.poll(NodeTime::from_seconds(t), 1.0, (1, 1))?;
+        let tc1 = ((t + there_s + offset_s) * 1e9) as i64;
+        sync.on_answer(
+            NodeTime::from_seconds(t + there_s + back_s),
+            &TIMESYNC_DATA { tc1, ..request },
+        )
+    }
+
+    #[test]
+    fn a_step_is_told_once_it_was_seen_twice_and_a_single_late_stamp_is_none() {
+        let mut sync = ClockSync::default();
+        exchange(&mut sync, 10.0, 20.0, 5.0, 1.0, |_| 0.004);
+        // Sim or autopilot stood still for a moment: one stamp is behind.
+        assert_eq!(once(&mut sync, 31.0, 4.8, 0.002, 0.002), None);
+        assert_eq!(once(&mut sync, 31.2, 5.0, 0.002, 0.002), None);
+        for (t, step_s) in [(35.0, 0.08), (45.0, -0.6), (55.0, 30.0)] {
+            let offset_s = sync.offset_s(NodeTime::from_seconds(t)).unwrap() + step_s;
+            assert_eq!(once(&mut sync, t, offset_s, 0.002, 0.002), None, "not sure yet");
+            let by_s = once(&mut sync, t + 0.11, offset_s, 0.002, 0.002).expect("asked again soon, and sure");
+            assert!((by_s - step_s).abs() < 0.005, "{by_s} for {step_s}");
+            for i in 1..30 {
+                assert_eq!(
+                    once(&mut sync, t + 0.11 + 0.25 * f64::from(i), offset_s, 0.002, 0.002),
+                    None
+                );
+            }
+            let now = NodeTime::from_seconds(t + 8.0);
+            assert!((sync.offset_s(now).unwrap() - offset_s).abs() < 0.002);
+        }
+    }
+
+    #[test]
+    fn a_line_that_is_slow_one_way_is_no_step() {
+        let mut sync = ClockSync::default();
+        exchange(&mut sync, 10.0, 20.0, 5.0, 1.0, |_| 0.4);
+        for i in 0..10 {
+            assert_eq!(once(&mut sync, 31.0 + f64::from(i), 5.0, 0.01, 0.39), None);
+        }
     }
 
     #[test]

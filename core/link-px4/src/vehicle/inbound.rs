@@ -92,7 +92,10 @@ impl VehicleCore {
         if message.tc1 == 0 {
             self.rates.on_unused(rates::TIMESYNC);
         } else {
-            self.clock.on_answer(now, message);
+            // One back by more than two seconds has been taken for a restart by the stamps of the messages long before.
+            if let Some(by_s) = self.clock.on_answer(now, message) {
+                self.events.push(LinkEvent::ClockJumped { by_s });
+            }
         }
     }
 

@@ -6,6 +6,7 @@ use skein_domain::{AutopilotCommand, Clock, NodeTime, Refusal, RequestId};
 use skein_link_px4::endpoint::EndpointMessage;
 use skein_link_px4::{
     Endpoint, EndpointAddress, EndpointArguments, EndpointError, EndpointEvent, EndpointSettings, LinkTable, Px4Link,
+    ReferenceSink,
 };
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -27,6 +28,8 @@ impl Clock for WallClock {
 pub struct Net {
     pub links: Arc<LinkTable>,
     pub clock: Arc<dyn Clock>,
+    /// Where the places of others go.
+    pub references: Option<Arc<dyn ReferenceSink>>,
     sender: UnboundedSender<EndpointEvent>,
     events: UnboundedReceiver<EndpointEvent>,
     /// Events taken from the channel that nobody has asked for yet.
@@ -40,6 +43,7 @@ impl Net {
         Self {
             links: Arc::new(LinkTable::new()),
             clock,
+            references: None,
             sender,
             events,
             seen: Vec::new(),
@@ -63,7 +67,7 @@ impl Net {
             clock: Arc::clone(&self.clock),
             links: Arc::clone(&self.links),
             events: Arc::new(move |event| sender.send(event).unwrap_or_default()),
-            references: None,
+            references: self.references.clone(),
         };
         match Actor::spawn(None, Endpoint, arguments).await {
             Ok((actor, _)) => Ok(actor),

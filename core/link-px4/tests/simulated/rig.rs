@@ -2,7 +2,7 @@
 //! every time.
 
 use nalgebra::Vector3;
-use skein_domain::link::{LinkEvent, StreamState};
+use skein_domain::link::{LinkEvent, RoutePoint, StreamState};
 use skein_domain::setpoint::LocalSetpoint;
 use skein_domain::{
     AutopilotCommand, FlightMode, LinkHealth, LocalPositionNed, NodeTime, Refusal, RequestId, Telemetry, VelocityNed,
@@ -41,6 +41,8 @@ pub struct Rig {
     pub passes_down: Filter,
     pub delay_s: f64,
     pub steering: Option<Steering>,
+    /// Wind in metres per second.
+    pub wind: Vector3<f64>,
     /// Messages that payloads want.
     pub wanted: Vec<u32>,
     settings: Arc<LinkSettings>,
@@ -85,6 +87,7 @@ impl Rig {
             passes_down: Box::new(|_, _| true),
             delay_s: 0.002,
             steering: None,
+            wind: Vector3::zeros(),
             wanted: Vec::new(),
             settings: Arc::new(settings),
             up: VecDeque::new(),
@@ -143,7 +146,7 @@ impl Rig {
             let (_, bytes) = self.up.pop_front().unwrap();
             self.vehicle.receive(LinkKind::Onboard, &bytes, &mut out);
         }
-        self.vehicle.step(STEP_S, &Vector3::zeros(), &mut out);
+        self.vehicle.step(STEP_S, &self.wind.clone(), &mut out);
         for (_, frame) in out.frames() {
             self.counts.1 += 1;
             if (self.passes_down)(self.counts.1, frame) {
@@ -228,6 +231,15 @@ impl Rig {
             LinkEvent::Result { request: of, outcome } if *of == request => Some(outcome.clone()),
             _ => None,
         })
+    }
+
+    /// Uploads a route; the outcome comes as for a request.
+    pub fn upload(&mut self, route: &[RoutePoint]) -> RequestId {
+        self.next_request += 1;
+        let (now, request) = (self.now(), RequestId(self.next_request));
+        self.core().upload_route(now, request, route);
+        self.flush();
+        request
     }
 
     /// Asks and waits for the outcome.

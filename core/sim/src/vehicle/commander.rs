@@ -56,6 +56,8 @@ pub(crate) struct Commander {
     mode_after_disarm: FlightMode,
     /// The pilot's radio control is there.
     pub rc: bool,
+    /// There is a mission to fly.
+    pub has_mission: bool,
     setpoints_alive: bool,
     position_valid: bool,
     next_check_s: f64,
@@ -75,6 +77,7 @@ impl Commander {
             failsafe: false,
             mode_after_disarm: FlightMode::Hold,
             rc: false,
+            has_mission: false,
             setpoints_alive: false,
             position_valid: true,
             next_check_s: 0.0,
@@ -213,7 +216,7 @@ impl Commander {
         }
         match wanted {
             FlightMode::Offboard => self.setpoints_alive,
-            FlightMode::Mission => false,
+            FlightMode::Mission => self.ready && self.has_mission,
             m if mode::needs_pilot(m) => self.rc,
             _ => self.ready,
         }

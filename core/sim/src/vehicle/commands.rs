@@ -76,6 +76,9 @@ impl Vehicle {
                 ACCEPTED
             }
             DO_SET_HOME => self.set_home(c),
+            MISSION_START if self.mission.is_there() => {
+                self.commander.request(FlightMode::Mission, Asker::Link, self.time_s)
+            }
             MISSION_START => REJECTED,
             REBOOT => self.ask_reboot(c),
             SET_MESSAGE_INTERVAL => self.set_interval(link, c),

@@ -11,6 +11,8 @@ const FIRST_CLIMB_M_S: f64 = 0.5;
 const CLIMB_RAMP_M_S2: f64 = 0.5;
 /// On the ground and meaning to go down for this long: landed. In seconds.
 const LANDED_AFTER_S: f64 = 1.3;
+/// Disarmed for this long: landed, wherever it is. In seconds.
+const LANDED_DISARMED_S: f64 = 0.5;
 
 /// How far the take-off is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,6 +53,8 @@ pub(crate) struct Lift {
     contact_since_s: Option<f64>,
     /// Has left "landed" since it was armed.
     flew: bool,
+    /// Since when it has been disarmed, in seconds of the simulation.
+    off_since_s: Option<f64>,
 }
 
 impl Lift {
@@ -60,6 +64,7 @@ impl Lift {
             landed: true,
             contact_since_s: None,
             flew: false,
+            off_since_s: None,
         }
     }
 
@@ -86,11 +91,14 @@ impl Lift {
         let Some(armed_for_s) = commander.armed_for_s(now_s) else {
             self.stage = Stage::Off;
             self.flew = false;
-            if input.on_ground {
+            // As PX4 has it: disarmed counts as landed, also in the middle of a fall.
+            let since_s = *self.off_since_s.get_or_insert(now_s);
+            if input.on_ground || now_s - since_s >= LANDED_DISARMED_S {
                 self.landed = true;
             }
             return false;
         };
+        self.off_since_s = None;
         let mut lifted = false;
         match self.stage {
             Stage::Off => self.stage = Stage::Idle { since_s: now_s },

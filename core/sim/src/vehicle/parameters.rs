@@ -191,7 +191,7 @@ const DEFAULTS: &[(&str, ParameterValue)] = &[
     ("MPC_Z_VEL_MAX_UP", Real(3.0)),
     ("MPC_Z_V_AUTO_DN", Real(1.5)),
     ("MPC_Z_V_AUTO_UP", Real(3.0)),
-    ("NAV_ACC_RAD", Real(10.0)),
+    ("NAV_ACC_RAD", Real(2.0)),
     ("NAV_DLL_ACT", Int(0)),
     ("NAV_RCL_ACT", Int(2)),
     ("RTL_DESCEND_ALT", Real(30.0)),

@@ -6,8 +6,7 @@ use super::offboard::SetpointProblem;
 use super::{PendingCommand, Vehicle, limits_from, mode};
 use crate::wire::{self, CommandRequest, Incoming, Sender};
 use mavlink::dialects::common::{
-    MISSION_ACK_DATA, MISSION_COUNT_DATA, MavMessage, MavMissionResult, MavMissionType, MavParamType, MavSeverity,
-    PARAM_SET_DATA, PARAM_VALUE_DATA, TIMESYNC_DATA,
+    MavMessage, MavParamType, MavSeverity, PARAM_SET_DATA, PARAM_VALUE_DATA, TIMESYNC_DATA,
 };
 use mavlink::types::CharArray;
 use rand::RngExt;
@@ -41,7 +40,7 @@ impl Vehicle {
     }
 
     /// Whether something is addressed to this autopilot.
-    fn is_for_me(&self, system: u8, component: u8) -> bool {
+    pub(super) fn is_for_me(&self, system: u8, component: u8) -> bool {
         matches!(system, 0) | (system == self.identity.system_id) && matches!(component, 0 | AUTOPILOT_COMPONENT)
     }
 
@@ -112,41 +111,8 @@ impl Vehicle {
             MavMessage::PARAM_SET(m) if self.is_for_me(m.target_system, m.target_component) => {
                 self.set_parameter(link, m, out);
             }
-            MavMessage::MISSION_REQUEST_LIST(m) if self.is_for_me(m.target_system, m.target_component) => {
-                let answer = MISSION_COUNT_DATA {
-                    target_system: sender.system_id,
-                    target_component: sender.component_id,
-                    mission_type: m.mission_type,
-                    ..MISSION_COUNT_DATA::default()
-                };
-                self.on_channel(link, |_, channel| channel.send(out, &answer));
-            }
-            MavMessage::MISSION_COUNT(m) if self.is_for_me(m.target_system, m.target_component) => {
-                // An empty plan is no plan; this vehicle stores none.
-                let taken = m.count == 0;
-                self.acknowledge_mission(link, sender, m.mission_type, taken, out);
-            }
-            MavMessage::MISSION_CLEAR_ALL(m) if self.is_for_me(m.target_system, m.target_component) => {
-                self.acknowledge_mission(link, sender, m.mission_type, true, out);
-            }
-            _ => {}
+            _ => self.take_mission_message(link, sender, message, out),
         }
-    }
-
-    fn acknowledge_mission(&mut self, link: LinkKind, to: Sender, plan: MavMissionType, ok: bool, out: &mut Outbox) {
-        let result = if ok {
-            MavMissionResult::MAV_MISSION_ACCEPTED
-        } else {
-            MavMissionResult::MAV_MISSION_UNSUPPORTED
-        };
-        let answer = MISSION_ACK_DATA {
-            target_system: to.system_id,
-            target_component: to.component_id,
-            mavtype: result,
-            mission_type: plan,
-            ..MISSION_ACK_DATA::default()
-        };
-        self.on_channel(link, |_, channel| channel.send(out, &answer));
     }
 
     fn answer_parameter(&mut self, link: LinkKind, index: i16, name: &str, out: &mut Outbox) {

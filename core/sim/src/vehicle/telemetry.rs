@@ -57,13 +57,7 @@ impl Vehicle {
             0 => channel.send(out, &self.heartbeat()),
             1 => channel.send(out, &self.sys_status()),
             2 => channel.send(out, &self.system_time()),
-            42 => channel.send(
-                out,
-                &MISSION_CURRENT_DATA {
-                    mission_state: MissionState::MISSION_STATE_NO_MISSION,
-                    ..MISSION_CURRENT_DATA::default()
-                },
-            ),
+            42 => channel.send(out, &self.mission_current()),
             111 => channel.send(
                 out,
                 &TIMESYNC_DATA {

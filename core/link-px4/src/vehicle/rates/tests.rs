@@ -27,14 +27,17 @@ fn run(keeper: &mut RateKeeper, from_s: f64, seconds: f64, rates: &[(u32, f64)])
     asked
 }
 
-const AS_ASKED: [(u32, f64); 9] = [
+const AS_ASKED: [(u32, f64); 12] = [
     (32, 50.0),
     (33, 5.0),
     (0, 4.0),
     (30, 10.0),
     (245, 2.0),
     (1, 1.0),
-    (24, 1.0),
+    (24, 2.0),
+    (124, 2.0),
+    (230, 1.0),
+    (231, 0.5),
     (147, 1.0),
     (242, 0.5),
 ];
@@ -45,7 +48,7 @@ fn each_is_asked_for_once_when_it_helps_and_requests_are_spread() {
     let asked = run(&mut keeper, 10.0, 30.0, &AS_ASKED);
     let mut ids: Vec<u32> = asked.iter().map(|(_, id)| *id).collect();
     ids.sort_unstable();
-    assert_eq!(ids, [0, 1, 24, 30, 32, 33, 147, 242, 245]);
+    assert_eq!(ids, [0, 1, 24, 30, 32, 33, 124, 147, 230, 231, 242, 245]);
     assert!(asked.windows(2).all(|pair| pair[1].0 - pair[0].0 >= 0.049), "{asked:?}");
     let mut others = RateKeeper::new(MessageRates::default(), 4, at(10.0));
     let first_of_other = run(&mut others, 10.0, 2.0, &AS_ASKED)[0].0;
@@ -69,6 +72,19 @@ fn what_does_not_help_is_asked_for_again_but_not_for_ever() {
         AS_ASKED.len(),
         "again after a restart"
     );
+}
+
+#[test]
+fn what_an_autopilot_may_have_nothing_to_say_in_is_asked_for_once() {
+    let mut keeper = RateKeeper::new(MessageRates::default(), 1, at(0.0));
+    let rates: Vec<(u32, f64)> = AS_ASKED
+        .into_iter()
+        .filter(|(id, _)| !MAY_BE_MISSING.contains(id))
+        .collect();
+    let asked = run(&mut keeper, 0.0, 60.0, &rates);
+    for id in MAY_BE_MISSING {
+        assert_eq!(asked.iter().filter(|(_, asked)| *asked == id).count(), 1, "{id}");
+    }
 }
 
 #[test]
@@ -124,14 +140,14 @@ fn what_nobody_reads_is_turned_off_unless_it_is_not_to_be() {
     rates.extend([(105, 50.0), (331, 30.0), (77, 20.0), (111, 10.0)]);
     let mut keeper = RateKeeper::new(MessageRates::default(), 1, at(0.0));
     let asked = run(&mut keeper, 0.0, 6.0, &rates);
-    let off: Vec<u32> = asked.iter().skip(9).map(|(_, id)| *id).collect();
+    let off: Vec<u32> = asked.iter().skip(AS_ASKED.len()).map(|(_, id)| *id).collect();
     assert_eq!(off, [105, 331], "acknowledgements have no rate");
     let settings = MessageRates {
         turn_off_unused: false,
         ..MessageRates::default()
     };
     let mut keeper = RateKeeper::new(settings, 1, at(0.0));
-    assert_eq!(run(&mut keeper, 0.0, 6.0, &rates).len(), 9);
+    assert_eq!(run(&mut keeper, 0.0, 6.0, &rates).len(), AS_ASKED.len());
     let settings = MessageRates {
         manage: false,
         ..MessageRates::default()

@@ -230,7 +230,7 @@ fn the_clock_is_told_when_asked_for() {
 }
 
 #[test]
-fn it_has_no_plan_and_takes_none() {
+fn it_starts_without_a_plan_and_keeps_no_fence() {
     let mut rig = Rig::ready(&quiet());
     rig.send(
         Onboard,
@@ -249,6 +249,7 @@ fn it_has_no_plan_and_takes_none() {
         count: 3,
         target_system: 1,
         target_component: 1,
+        mission_type: MavMissionType::MAV_MISSION_TYPE_FENCE,
         ..Default::default()
     };
     rig.send(Onboard, &offer);
