@@ -2,7 +2,7 @@
 //! allowed. What is allowed is the safety gate's to say, not ours.
 
 use crate::error::ApiError;
-use crate::protocol::{CommandBody, RouteBody};
+use crate::protocol::{CommandBody, EmergencyStopBody, RouteBody};
 use axum::Json;
 use axum::body::Bytes;
 use axum::extract::rejection::JsonRejection;
@@ -14,8 +14,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use skein_config::PayloadRule;
 use skein_domain::payload::{Target, Track};
-use skein_domain::{FormationRequest, HeadingRequest, PositionNed, Route, VehicleCommand, VehicleId};
-use skein_runtime::{Fault, Targets};
+use skein_domain::{
+    FormationAnchor, FormationRequest, HeadingRequest, OffsetFrd, PositionNed, Route, VehicleCommand, VehicleId,
+};
+use skein_runtime::{Fault, ReferenceReport, Targets};
 use std::time::Duration;
 use tokio::time::timeout;
 
@@ -36,6 +38,10 @@ const MAX_HEIGHT_M: f64 = 10_000.0;
 const MAX_SPEED_M_S: f64 = 200.0;
 /// Angles may be given over several turns, but not as a number without meaning.
 const MAX_ANGLE_RAD: f64 = 1000.0;
+/// The same in degrees.
+const MAX_ANGLE_DEG: f64 = 57_296.0;
+/// No formation is made larger than so many times itself.
+const MAX_SCALE: f64 = 1000.0;
 
 /// A body that was read, is of the published shape, and makes sense.
 #[derive(Debug, Clone, Copy)]
@@ -178,6 +184,17 @@ impl<'a> Place<'a> {
             .number(position.down_m, -MAX_DISTANCE_M, MAX_DISTANCE_M)
     }
 
+    fn offset(&self, offset: &OffsetFrd) -> Result<(), ApiError> {
+        for (axis, value) in [
+            ("forward_m", offset.forward_m),
+            ("right_m", offset.right_m),
+            ("down_m", offset.down_m),
+        ] {
+            self.field(axis).number(value, -MAX_DISTANCE_M, MAX_DISTANCE_M)?;
+        }
+        Ok(())
+    }
+
     fn vehicles(&self, vehicles: &[VehicleId]) -> Result<(), ApiError> {
         self.length(vehicles.len(), MAX_VEHICLES)?;
         let mut seen = std::collections::BTreeSet::new();
@@ -277,15 +294,79 @@ impl MakesSense for FormationRequest {
             .field("altitude_step_m")
             .number(self.altitude_step_m, -MAX_HEIGHT_M, MAX_HEIGHT_M)?;
         if let HeadingRequest::Fixed { heading_deg } = self.heading {
-            let most_deg = MAX_ANGLE_RAD.to_degrees().round();
             place
                 .field("heading")
                 .field("heading_deg")
-                .number(heading_deg, -most_deg, most_deg)?;
+                .number(heading_deg, -MAX_ANGLE_DEG, MAX_ANGLE_DEG)?;
         }
+        place
+            .field("rotation_deg")
+            .number(self.rotation_deg, -MAX_ANGLE_DEG, MAX_ANGLE_DEG)?;
+        place.field("scale").positive(self.scale, MAX_SCALE)?;
+        if let Some(arc_deg) = self.arc_deg {
+            place.field("arc_deg").positive(arc_deg, 360.0)?;
+        }
+        if let Some(layers) = self.layers {
+            place.field("layers").positive(f64::from(layers), f64::from(u16::MAX))?;
+        }
+        if let Some(pitch_m) = self.pitch_m {
+            place.field("pitch_m").positive(pitch_m, MAX_HEIGHT_M)?;
+        }
+        if let Some(offsets) = &self.offsets {
+            let place = place.field("offsets");
+            place.length(offsets.len(), MAX_VEHICLES)?;
+            for (index, offset) in offsets.iter().enumerate() {
+                place.item(index).offset(offset)?;
+            }
+        }
+        self.anchor.check(&place.field("anchor"))?;
         self.members
             .as_ref()
             .map_or(Ok(()), |members| place.field("members").vehicles(members))
+    }
+}
+
+impl MakesSense for FormationAnchor {
+    fn check(&self, place: &Place<'_>) -> Result<(), ApiError> {
+        match self {
+            Self::Leader | Self::Reference { .. } => Ok(()),
+            Self::Path { route } => route.check(&place.field("route")),
+            Self::Place { position, heading_deg } => {
+                if let Some(heading_deg) = heading_deg {
+                    place
+                        .field("heading_deg")
+                        .number(*heading_deg, -MAX_ANGLE_DEG, MAX_ANGLE_DEG)?;
+                }
+                place.field("position").position(position)
+            }
+        }
+    }
+}
+
+impl MakesSense for ReferenceReport {
+    fn check(&self, place: &Place<'_>) -> Result<(), ApiError> {
+        place.field("position").position(&self.position)?;
+        if let Some(heading_rad) = self.heading_rad {
+            place
+                .field("heading_rad")
+                .number(heading_rad, -MAX_ANGLE_RAD, MAX_ANGLE_RAD)?;
+        }
+        let Some(velocity) = self.velocity else { return Ok(()) };
+        let place = place.field("velocity");
+        for (axis, value) in [
+            ("north_m_s", velocity.north_m_s),
+            ("east_m_s", velocity.east_m_s),
+            ("down_m_s", velocity.down_m_s),
+        ] {
+            place.field(axis).number(value, -MAX_SPEED_M_S, MAX_SPEED_M_S)?;
+        }
+        Ok(())
+    }
+}
+
+impl MakesSense for EmergencyStopBody {
+    fn check(&self, place: &Place<'_>) -> Result<(), ApiError> {
+        self.targets.check(&place.field("targets"))
     }
 }
 

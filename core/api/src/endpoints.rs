@@ -2,11 +2,11 @@
 //! the same table, so that neither can have a route that the other lacks.
 
 mod carried;
+mod formations;
+mod safety;
 
 use crate::app::App;
-use crate::protocol::{
-    Accepted, CommandBody, CommandReceipts, EventList, FormationAnswer, Health, RouteBody, VehicleList, VersionInfo,
-};
+use crate::protocol::{Accepted, CommandBody, CommandReceipts, EventList, Health, VehicleList, VersionInfo};
 use crate::routes::{self, EventQuery};
 use crate::stream::{self, StreamQuery};
 use axum::extract::DefaultBodyLimit;
@@ -14,8 +14,8 @@ use axum::handler::Handler;
 use axum::http::StatusCode;
 use axum::routing::{MethodRouter, delete, get, post, put};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
-use skein_domain::{FormationRequest, VehicleId};
-use skein_runtime::{Fault, FleetSnapshot, FormationReceipt, VehicleSnapshot};
+use skein_domain::VehicleId;
+use skein_runtime::{Fault, FleetSnapshot, VehicleSnapshot};
 use utoipa::openapi::HttpMethod;
 
 /// Makes the schema of a type in a document.
@@ -140,7 +140,8 @@ impl Endpoint {
 pub(crate) fn all() -> Vec<Endpoint> {
     let mut all = node();
     all.extend(fleet());
-    all.extend(formation());
+    all.extend(formations::formations());
+    all.extend(safety::safety());
     all.extend(carried::plugins());
     all.extend(carried::payloads());
     all.extend(carried::instances());
@@ -205,27 +206,5 @@ fn fleet() -> Vec<Endpoint> {
             .takes::<CommandBody>()
             .json::<CommandReceipts>(StatusCode::OK, "One receipt per vehicle; some or all may be refusals.")
             .fails(&[404, 409]),
-    ]
-}
-
-fn formation() -> Vec<Endpoint> {
-    vec![
-        Endpoint::get("/api/v1/formation", "getFormation", routes::formation)
-            .about("formation", "The formation that is flown.")
-            .json::<FormationAnswer>(StatusCode::OK, "The formation, or null."),
-        Endpoint::put("/api/v1/formation", "setFormation", routes::set_formation)
-            .about("formation", "Flies a formation, from wherever the vehicles are now.")
-            .takes::<FormationRequest>()
-            .json::<FormationReceipt>(StatusCode::OK, "It has begun; how it will look.")
-            .fails(&[404, 409, 503]),
-        Endpoint::delete("/api/v1/formation", "dissolveFormation", routes::dissolve_formation)
-            .about("formation", "Ends the formation; its members hold.")
-            .answer(StatusCode::NO_CONTENT, "It has ended.", None)
-            .fails(&[409, 503]),
-        Endpoint::put("/api/v1/formation/route", "setRoute", routes::set_route)
-            .about("formation", "Has the leader fly a route, with the formation behind it.")
-            .takes::<RouteBody>()
-            .json::<Accepted>(StatusCode::ACCEPTED, "It has begun.")
-            .fails(&[409, 503]),
     ]
 }

@@ -192,9 +192,10 @@ impl IntoResponse for ApiError {
 /// Which status a refusal is: a conflict with the state of things, unless it is something else.
 fn refusal_status(refusal: &Refusal) -> StatusCode {
     match refusal {
-        Refusal::UnknownVehicle { .. } | Refusal::UnknownPayload { .. } | Refusal::UnknownTrack { .. } => {
-            StatusCode::NOT_FOUND
-        }
+        Refusal::UnknownVehicle { .. }
+        | Refusal::UnknownPayload { .. }
+        | Refusal::UnknownTrack { .. }
+        | Refusal::UnknownReference { .. } => StatusCode::NOT_FOUND,
         Refusal::NotPermitted { .. } => StatusCode::FORBIDDEN,
         Refusal::NotRunning { .. } => StatusCode::SERVICE_UNAVAILABLE,
         Refusal::InvalidValue { .. } => StatusCode::UNPROCESSABLE_ENTITY,

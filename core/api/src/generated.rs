@@ -6,15 +6,16 @@
 pub(crate) mod golden;
 
 use crate::protocol::{
-    Accepted, ClientMessage, CommandBody, CommandReceipts, ErrorBody, EventList, FormationAnswer, Health, PayloadList,
-    PluginList, RestartList, RouteBody, ServerMessage, VehicleList, VersionInfo,
+    Accepted, ClientMessage, CommandBody, CommandReceipts, EmergencyStopBody, ErrorBody, EventList, FormationAnswer,
+    FormationPreview, Health, PayloadList, PluginList, ReferenceList, RestartList, RouteBody, ServerMessage,
+    VehicleList, VersionInfo,
 };
 use crate::wire::{self, Field, Header, Record, flag};
 use skein_config::PayloadRule;
 use skein_domain::payload::{CameraCommand, CameraState, GimbalCommand, GimbalState, RadioCommand, RadioState};
 use skein_domain::{FlightMode, FlightState, FormationRequest, GnssFix, LandedState};
 use skein_runtime::snapshot::FleetSnapshot;
-use skein_runtime::{Fault, FormationReceipt, UpgradeReceipt};
+use skein_runtime::{EmergencyKey, Fault, FormationReceipt, ReferenceReport, UpgradeReceipt};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use ts_rs::{Config, TS, TypeVisitor};
@@ -70,6 +71,11 @@ fn types() -> String {
     found.visit::<FormationRequest>();
     found.visit::<FormationReceipt>();
     found.visit::<FormationAnswer>();
+    found.visit::<FormationPreview>();
+    found.visit::<ReferenceList>();
+    found.visit::<ReferenceReport>();
+    found.visit::<EmergencyKey>();
+    found.visit::<EmergencyStopBody>();
     found.visit::<RouteBody>();
     found.visit::<Accepted>();
     found.visit::<Fault>();

@@ -7,6 +7,7 @@
 mod app;
 mod assets;
 mod body;
+mod emergency;
 mod endpoints;
 mod error;
 pub mod generated;
@@ -16,6 +17,7 @@ pub mod openapi;
 mod payloads;
 mod picture;
 pub mod protocol;
+mod references;
 mod routes;
 mod server;
 mod settings;

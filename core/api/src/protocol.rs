@@ -6,9 +6,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use skein_config::Isolation;
 use skein_domain::payload::PayloadKind;
-use skein_domain::{Geodetic, NodeTime, Route, SwarmFrame, SystemId, VehicleCommand, VehicleId};
+use skein_domain::{Geodetic, NodeTime, OffsetFrd, Route, SwarmFrame, SystemId, VehicleCommand, VehicleId};
 use skein_runtime::snapshot::{ActorHealth, EventRecord, FormationSnapshot, UnadoptedVehicle, VehicleSnapshot};
-use skein_runtime::{CommandReceipt, PayloadSnapshot, PluginInfo, RestartRecord, Targets};
+use skein_runtime::{CommandReceipt, PayloadSnapshot, PluginInfo, ReferenceSnapshot, RestartRecord, Targets};
 use ts_rs::TS;
 
 /// Version of the stream's messages and of the binary frame.
@@ -118,6 +118,32 @@ pub struct FormationAnswer {
 pub struct RouteBody {
     /// The route.
     pub route: Route,
+}
+
+/// Where the places of a formation would be.
+#[derive(Debug, Clone, PartialEq, Serialize, TS, JsonSchema)]
+pub struct FormationPreview {
+    /// The places relative to the anchor, the leader's first if a vehicle leads.
+    pub slots: Vec<OffsetFrd>,
+    /// Smallest distance between two of them in metres; null for one alone.
+    pub smallest_distance_m: Option<f64>,
+}
+
+/// Things that formations may be anchored to.
+#[derive(Debug, Clone, PartialEq, Serialize, TS, JsonSchema)]
+pub struct ReferenceList {
+    /// The references by name.
+    pub references: Vec<ReferenceSnapshot>,
+}
+
+/// The second step of the emergency stop.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, TS, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EmergencyStopBody {
+    /// The key of the first step.
+    pub key: String,
+    /// Whose motors are stopped.
+    pub targets: Targets,
 }
 
 /// It was taken up; how it goes on comes as events.

@@ -136,8 +136,8 @@ pub(crate) async fn dissolve_formation(State(app): State<App>) -> Result<StatusC
 }
 
 pub(crate) async fn set_route(State(app): State<App>, Body(body): Body<RouteBody>) -> Result<Response, ApiError> {
-    app.node.set_route(body.route).await?;
-    Ok(accepted())
+    let flown = app.node.set_route(body.route).await?;
+    Ok((StatusCode::ACCEPTED, Json(flown)).into_response())
 }
 
 pub(crate) async fn inject_fault(State(app): State<App>, Body(fault): Body<Fault>) -> Result<Response, ApiError> {

@@ -1,6 +1,7 @@
 //! What crosses the plugin boundary, as CBOR with numbered fields: events in, effects out. Numbers are never reused; a reader
 //! skips numbers it does not know, so that an older plugin works with a newer host and the other way round.
 
+use crate::preflight::PreflightItem;
 use crate::payload::{CoordinatorCapability, FrameHeader, MavlinkMessage, PayloadKind, Track};
 use crate::telemetry::VehicleKinematics;
 use crate::{
@@ -370,6 +371,10 @@ pub enum Effect {
     /// What the vehicle can do; latest wins.
     #[n(16)]
     Limits(#[n(0)] FlightLimits),
+    /// What the plugin has to say before the vehicle is armed; replaces what it said before. The ids of its items begin with its name and
+    /// a slash.
+    #[n(17)]
+    Preflight(#[n(0)] Vec<PreflightItem>),
 }
 
 /// How a command goes on.

@@ -11,10 +11,53 @@ use std::collections::BTreeMap;
 pub struct Intent {
     /// Grows with every change.
     pub version: u64,
-    /// Who leads the formation, if one is flown.
+    /// Who leads the formation, if one is flown and a vehicle leads it.
     pub leader: Option<VehicleId>,
+    /// What the slots are relative to, if that is no vehicle. Every node works out the same from it.
+    #[serde(default)]
+    pub anchor: Option<AnchorPlan>,
     /// Per vehicle, its task with the version at which it was last changed.
     pub tasks: BTreeMap<VehicleId, VehicleTask>,
+}
+
+/// An anchor that is no vehicle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum AnchorPlan {
+    /// A virtual leader on a route.
+    Path {
+        /// The route.
+        route: Route,
+        /// Where it starts.
+        from: PositionNed,
+        /// Heading of the formation at the start in radians.
+        heading_rad: f64,
+        /// How the heading is chosen on the way.
+        heading: FormationHeading,
+        /// Largest acceleration in metres per second squared.
+        acceleration_m_s2: f64,
+        /// Largest climb rate in metres per second.
+        climb_m_s: f64,
+        /// Largest descent rate in metres per second.
+        descent_m_s: f64,
+        /// When it starts; before that it stands.
+        start: NodeTime,
+    },
+    /// A reference that moves.
+    Reference {
+        /// Its name.
+        name: String,
+        /// How the heading is chosen.
+        heading: FormationHeading,
+    },
+    /// A place.
+    Place {
+        /// Where.
+        position: PositionNed,
+        /// How the heading is chosen: fixed, or towards it with this rate.
+        heading_rad: f64,
+        /// Largest turning rate on the way to that heading in radians per second.
+        max_rate_rad_s: f64,
+    },
 }
 
 /// A vehicle's task and the intent version that last changed it. An operator's command outranks it until a newer version comes.
@@ -106,6 +149,10 @@ pub struct NeighbourPlace {
     /// Down in metres.
     #[n(3)]
     pub down_m: f64,
+    /// How many steps from neighbour to neighbour it is from the leader, 0 for the leader itself; absent if there is none. The
+    /// formation's velocity is learnt from those nearer to the leader.
+    #[n(4)]
+    pub hops: Option<u16>,
 }
 
 /// A planned way over time: polynomials, piece after piece, that begin at one time for all who fly together.

@@ -111,6 +111,8 @@ effect_kinds!(
     15 Capability "capability" Effect::Capability(_),
     /// Says what the vehicle can do.
     16 Limits "limits" Effect::Limits(_),
+    /// Adds to the preflight report.
+    17 Preflight "preflight" Effect::Preflight(_),
 );
 
 impl EffectKind {

@@ -215,6 +215,14 @@ pub enum Refusal {
         #[n(0)]
         items: Vec<String>,
     },
+    /// Nothing of that name is known as a reference for a formation.
+    #[error("there is no reference \"{name}\"")]
+    #[n(23)]
+    UnknownReference {
+        /// The name asked for.
+        #[n(0)]
+        name: String,
+    },
 }
 
 impl Refusal {
@@ -244,6 +252,7 @@ impl Refusal {
             Self::NotSupported { .. } => "not_supported",
             Self::UnknownPayload { .. } => "unknown_payload",
             Self::UnknownTrack { .. } => "unknown_track",
+            Self::UnknownReference { .. } => "unknown_reference",
             Self::Preflight { .. } => "preflight",
         }
     }

@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 pub mod assignment;
+pub mod consensus;
 pub mod follow;
 pub mod formation;
 pub mod goto;
@@ -20,6 +21,7 @@ mod time_law;
 pub mod trajectory;
 pub mod transition;
 pub mod virtual_leader;
+pub mod way_around;
 
 pub use formation::FormationError;
 pub use goto::GoTo;
@@ -28,3 +30,4 @@ pub use reference::{ReferenceError, ReferenceLimits, ReferenceTracker};
 pub use route::{PathLimits, RouteError, RouteSample, RouteTrajectory};
 pub use transition::{Change, MotionLimits, SlotSample, TransitionPlan};
 pub use virtual_leader::{VirtualLeader, VirtualLeaderError};
+pub use way_around::{NoWay, WayAround, way_around};

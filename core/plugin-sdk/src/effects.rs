@@ -3,6 +3,7 @@
 use crate::frames::FrameMut;
 use serde::Serialize;
 use skein_domain::exchange::{CommandProgress, Effect, EffectBatch, Severity};
+use skein_domain::preflight::PreflightItem;
 use skein_domain::payload::{CoordinatorCapability, FrameHeader, MavlinkMessage};
 use skein_domain::{
     AnchorReference, AutopilotCommand, CommandId, FlightLimits, FlightState, Refusal, RequestId, Setpoint,
@@ -153,6 +154,12 @@ impl Effects {
     /// Says what the vehicle can do.
     pub fn limits(&mut self, limits: FlightLimits) {
         self.push(Effect::Limits(limits));
+    }
+
+    /// Says what has to be looked at before the vehicle is armed; replaces what was said before. Ids begin with the plugin's name and a
+    /// slash.
+    pub fn preflight(&mut self, items: Vec<PreflightItem>) {
+        self.push(Effect::Preflight(items));
     }
 
     /// What was collected so far.

@@ -3,25 +3,31 @@
 //!
 //! Must never do: wait, or hold a lock across an await.
 
+use crate::anchor::AnchorKeeper;
 use crate::coordination::Coordination;
+use crate::emergency::EmergencyUnlock;
 use crate::events::EventLog;
 use crate::payload::PayloadCell;
 use crate::plugin_life::LifeRecord;
-use crate::snapshot::{ActorHealth, FleetSnapshot, RestartRecord, UnadoptedVehicle};
-use crate::vehicle::VehicleMessage;
+use crate::references::References;
+use crate::snapshot::{ActorHealth, Avoidance, FleetSnapshot, RestartRecord, UnadoptedVehicle};
+use crate::vehicle::{Itinerary, VehicleMessage};
 use arc_swap::{ArcSwap, ArcSwapOption};
 use parking_lot::{Mutex, RwLock};
 use ractor::ActorRef;
 use skein_config::NodeConfig;
 use skein_domain::link::VehicleLink;
 use skein_domain::payload::{CoordinatorCapability, Track};
+use skein_domain::preflight::PreflightItem;
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{
     AnchorReference, Clock, FlightLimits, FlightState, Geodetic, Intent, LandedState, LinkHealth, NodeTime,
     PositionNed, Setpoint, SwarmFrame, SystemId, Telemetry, VehicleId,
 };
+use skein_link_px4::Sightings;
 use skein_plugin_host::{Catalog, Runners};
-use skein_safety::{Gate, Peer};
+use skein_safety::Gate;
+use skein_safety::avoidance::Surroundings;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -33,8 +39,8 @@ pub struct Board {
     pub config: NodeConfig,
     /// The node's clock.
     pub clock: Arc<dyn Clock>,
-    /// The safety gate.
-    pub gate: Gate,
+    /// The safety gate; replaced as a whole when the fences change.
+    gate: ArcSwap<Gate>,
     /// Events.
     pub events: EventLog,
     /// Plugins found.
@@ -64,6 +70,16 @@ pub struct Board {
     pub restarts: Mutex<VecDeque<RestartRecord>>,
     /// Held while the instances of a plugin are exchanged for another version.
     pub exchanging: tokio::sync::Mutex<()>,
+    /// Aircraft and movers that were sighted over MAVLink.
+    pub sightings: Sightings,
+    /// Things that formations may be anchored to.
+    pub references: References,
+    /// Works out the anchor of a formation that follows no vehicle.
+    pub anchor: Mutex<AnchorKeeper>,
+    /// The emergency stop, while it is unlocked.
+    pub emergency: Mutex<Option<EmergencyUnlock>>,
+    /// A drill: the coordinator is not started again as long as this is set.
+    pub coordinator_away: AtomicBool,
     /// What is tracked; replaced as a whole.
     pub tracks: ArcSwap<Vec<Track>>,
     /// The picture for screens.
@@ -81,10 +97,11 @@ impl Board {
         };
         let frame = config.swarm.origin.map(|origin| Arc::new(SwarmFrame::new(origin)));
         let (runners, payload_runners) = (runners(), runners());
+        let max_speed_m_s = config.safety.max_speed_m_s;
         Self {
             config,
             clock,
-            gate,
+            gate: ArcSwap::from_pointee(gate),
             events: EventLog::default(),
             catalog,
             runners,
@@ -99,10 +116,21 @@ impl Board {
             actors: Mutex::default(),
             restarts: Mutex::default(),
             exchanging: tokio::sync::Mutex::default(),
+            sightings: Sightings::new(),
+            references: References::new(max_speed_m_s),
+            anchor: Mutex::default(),
+            emergency: Mutex::default(),
+            coordinator_away: AtomicBool::new(false),
             tracks: ArcSwap::default(),
             picture: ArcSwap::default(),
             next_command: AtomicU64::new(1),
         }
+    }
+
+    /// The safety gate.
+    #[must_use]
+    pub fn gate(&self) -> Arc<Gate> {
+        self.gate.load_full()
     }
 
     /// Now.
@@ -169,9 +197,48 @@ pub struct VehicleCell {
     pub tick_waiting: AtomicBool,
     /// What the actor last published.
     pub state: Mutex<PublishedState>,
+    /// A command in several legs that is being carried out.
+    pub itinerary: Mutex<Option<Itinerary>>,
+    /// Its motors were stopped in an emergency: nothing flies it until an operator arms it again.
+    stopped: AtomicBool,
 }
 
 impl VehicleCell {
+    /// A vehicle that has just been adopted.
+    #[must_use]
+    pub fn new(
+        id: VehicleId,
+        name: String,
+        system_id: SystemId,
+        model: Arc<LifeRecord>,
+        link: Arc<dyn VehicleLink>,
+    ) -> Self {
+        Self {
+            id,
+            name,
+            system_id,
+            model,
+            payloads: RwLock::default(),
+            link: ArcSwap::from_pointee(LinkSlot(link)),
+            actor: ArcSwapOption::default(),
+            tick_waiting: AtomicBool::new(false),
+            state: Mutex::default(),
+            itinerary: Mutex::default(),
+            stopped: AtomicBool::new(false),
+        }
+    }
+
+    /// Whether its motors were stopped in an emergency.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        self.stopped.load(Ordering::Acquire)
+    }
+
+    /// Marks it as stopped in an emergency, or as free again.
+    pub fn set_stopped(&self, stopped: bool) {
+        self.stopped.store(stopped, Ordering::Release);
+    }
+
     /// What it carries, by name.
     #[must_use]
     pub fn payloads(&self) -> Vec<Arc<PayloadCell>> {
@@ -215,6 +282,10 @@ pub struct PublishedState {
     pub capability: Option<CoordinatorCapability>,
     /// What it can do, if its model says.
     pub limits: Option<FlightLimits>,
+    /// What its model has to say before it is armed.
+    pub preflight: Vec<PreflightItem>,
+    /// What is changed of its setpoints at this moment, to keep it off others or inside of a fence.
+    pub avoiding: Option<Avoidance>,
 }
 
 /// All vehicles at one control period.
@@ -222,8 +293,10 @@ pub struct PublishedState {
 pub struct PeerSnapshot {
     /// By ascending id.
     pub entries: Vec<PeerEntry>,
-    /// The same as the gate wants them: those with a position, by ascending id.
-    pub peers: Vec<Peer>,
+    /// Everything in the air as the separation filter wants it, ours and not ours.
+    pub surroundings: Surroundings,
+    /// The formation's anchor, if it is no vehicle.
+    pub anchor: Option<AnchorReference>,
 }
 
 /// One vehicle in a [`PeerSnapshot`].
@@ -245,6 +318,8 @@ pub struct PeerEntry {
     pub anchor: Option<AnchorReference>,
     /// Launch place in the swarm frame.
     pub home: Option<PositionNed>,
+    /// What it can do, if its model says.
+    pub limits: Option<FlightLimits>,
 }
 
 impl PeerSnapshot {

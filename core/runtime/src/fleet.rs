@@ -7,12 +7,11 @@ mod payloads;
 
 pub use payloads::{payload_cell, payload_kind};
 
-use crate::board::{Board, LinkSlot, PublishedState, VehicleCell};
+use crate::board::{Board, LinkSlot, VehicleCell};
 use crate::plugin_life::{LifeIdentity, LifeRecord};
 use crate::restart::{Decision, RestartHistory, VEHICLE_LIMITS};
 use crate::snapshot::{ActorStatus, EventKind, UnadoptedVehicle};
 use crate::vehicle::{Vehicle, VehicleArguments};
-use arc_swap::{ArcSwap, ArcSwapOption};
 use payloads::{PayloadKey, PayloadRecord};
 use ractor::{Actor, ActorId, ActorProcessingErr, ActorRef, RpcReplyPort, SupervisionEvent};
 use skein_config::{AdoptionRule, PayloadRule};
@@ -22,7 +21,6 @@ use skein_domain::{AutopilotCommand, FlightMode, FlightState, Incarnation, Refus
 use skein_plugin_host::{Plugin, PluginKind};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 /// The actor.
@@ -248,22 +246,8 @@ impl FleetState {
             payload: None,
             system_id,
         };
-        let cell = Arc::new(VehicleCell {
-            id,
-            name,
-            system_id,
-            model: Arc::new(LifeRecord::new(
-                identity,
-                plugin,
-                rule.model_config_json(),
-                rule.model_isolation,
-            )),
-            payloads: parking_lot::RwLock::default(),
-            link: ArcSwap::from_pointee(LinkSlot(link)),
-            actor: ArcSwapOption::empty(),
-            tick_waiting: AtomicBool::new(false),
-            state: parking_lot::Mutex::new(PublishedState::default()),
-        });
+        let life = LifeRecord::new(identity, plugin, rule.model_config_json(), rule.model_isolation);
+        let cell = Arc::new(VehicleCell::new(id, name, system_id, Arc::new(life), link));
         for payload in &rule.payloads {
             let payload = payload_cell(&self.board, &cell, payload).map_err(|refusal| refusal.to_string())?;
             cell.payloads.write().insert(payload.name.clone(), Arc::new(payload));

@@ -4,6 +4,8 @@ use crate::board::Board;
 use crate::coordinator::CoordinatorMessage;
 use crate::node::Parts;
 use crate::plugins::PluginOrder;
+use crate::references::{ReferenceReport, ReferenceSnapshot};
+use crate::returns;
 use crate::snapshot::{EventKind, EventRecord, FleetSnapshot};
 use crate::vehicle::VehicleMessage;
 use ractor::RpcReplyPort;
@@ -15,9 +17,10 @@ use skein_domain::{
     AnchorReference, CommandId, FormationRequest, NodeTime, Refusal, Route, SlotMove, VehicleCommand, VehicleId,
 };
 use skein_link_px4::EndpointMetrics;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::net::SocketAddr;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 use tokio::sync::broadcast;
 
@@ -45,14 +48,16 @@ pub struct CommandReceipt {
 /// What a change of formation will look like.
 #[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct FormationReceipt {
-    /// Who leads.
-    pub leader: VehicleId,
+    /// Who leads; nobody if it is anchored to something else than a vehicle.
+    pub leader: Option<VehicleId>,
     /// Who takes part, leader first.
     pub members: Vec<VehicleId>,
     /// How long the change takes in seconds.
     pub duration_s: f64,
     /// Smallest distance between any two vehicles on the way, in metres.
     pub planned_min_distance_m: f64,
+    /// How fast it can go as a whole, in metres per second.
+    pub max_speed_m_s: f64,
 }
 
 /// A fault to inject, where the configuration permits it. A plugin is the vehicle's UAV model, or with a name its payload.
@@ -90,6 +95,11 @@ pub enum Fault {
     },
     /// The coordinator actor is killed.
     Coordinator,
+    /// The coordinator actor is killed and stays away until it is told to come back.
+    CoordinatorAway {
+        /// It is away; false lets it come back.
+        away: bool,
+    },
 }
 
 /// A running node, for everyone outside of it. Cheap to clone.
@@ -170,7 +180,11 @@ impl NodeHandle {
     #[must_use]
     pub fn slots(&self) -> Option<FormationSlots> {
         let formation = self.board.coordination.lock().formation.clone()?;
-        let anchor = self.board.peers.load().entry(formation.leader).and_then(|e| e.anchor)?;
+        let peers = self.board.peers.load_full();
+        let anchor = match formation.leader {
+            Some(leader) => peers.entry(leader).and_then(|e| e.anchor),
+            None => peers.anchor,
+        }?;
         let slots = formation.slots.into_iter().collect();
         Some(FormationSlots {
             leader: formation.leader,
@@ -192,14 +206,19 @@ impl NodeHandle {
         };
         self.withdraw(&ids, &command);
         let now = self.board.now();
+        let mut legs = match command {
+            VehicleCommand::Return if ids.len() > 1 => returns::legs(&self.board, &ids),
+            _ => BTreeMap::new(),
+        };
         let asked: Vec<_> = ids
             .iter()
             .enumerate()
             .map(|(i, id)| {
                 let (handle, id) = (self.clone(), *id);
                 let not_before = now.plus_seconds(stagger_s * i as f64);
+                let legs = legs.remove(&id).unwrap_or_default();
                 // All at once: a slow answer of one must not delay the stop of another.
-                tokio::spawn(async move { handle.command_one(id, command, not_before).await })
+                tokio::spawn(async move { handle.command_one(id, command, legs, not_before).await })
             })
             .collect();
         let mut receipts = Vec::with_capacity(asked.len());
@@ -240,7 +259,13 @@ impl NodeHandle {
         }
     }
 
-    async fn command_one(&self, vehicle: VehicleId, command: VehicleCommand, not_before: NodeTime) -> CommandReceipt {
+    async fn command_one(
+        &self,
+        vehicle: VehicleId,
+        command: VehicleCommand,
+        legs: VecDeque<VehicleCommand>,
+        not_before: NodeTime,
+    ) -> CommandReceipt {
         let id = self.board.next_command_id();
         let refused = |refusal| CommandReceipt {
             vehicle,
@@ -259,6 +284,7 @@ impl NodeHandle {
         let message = |reply| VehicleMessage::Command {
             id,
             command,
+            legs,
             not_before,
             reply: Some(reply),
         };
@@ -277,7 +303,7 @@ impl NodeHandle {
     /// # Errors
     /// When too few vehicles are available or no safe way into the slots is found.
     pub async fn set_formation(&self, request: FormationRequest) -> Result<FormationReceipt, Refusal> {
-        self.coordinate(|reply| CoordinatorMessage::SetFormation(request, reply))
+        self.coordinate(|reply| CoordinatorMessage::SetFormation(Box::new(request), reply))
             .await
     }
 
@@ -289,13 +315,38 @@ impl NodeHandle {
         self.coordinate(CoordinatorMessage::Dissolve).await
     }
 
-    /// Has the leader fly a route.
+    /// Has the leader fly a route, as fast and as wide as the formation can; gives it as it is flown.
     ///
     /// # Errors
-    /// When no formation is flown, or the route is refused by the safety gate.
-    pub async fn set_route(&self, route: Route) -> Result<(), Refusal> {
+    /// When no formation is flown behind a leader, or the route is refused by the safety gate.
+    pub async fn set_route(&self, route: Route) -> Result<Route, Refusal> {
         self.coordinate(|reply| CoordinatorMessage::SetRoute(route, reply))
             .await
+    }
+
+    /// Tells where a reference is that formations may be anchored to.
+    ///
+    /// # Errors
+    /// For a name or a number that is of no use.
+    pub fn tell_reference(&self, name: &str, report: ReferenceReport) -> Result<(), Refusal> {
+        self.board.references.tell(name, report, self.now())
+    }
+
+    /// Forgets a reference.
+    ///
+    /// # Errors
+    /// If none of that name is known.
+    pub fn forget_reference(&self, name: &str) -> Result<(), Refusal> {
+        let known = self.board.references.forget(name);
+        known
+            .then_some(())
+            .ok_or_else(|| Refusal::UnknownReference { name: name.to_owned() })
+    }
+
+    /// All references.
+    #[must_use]
+    pub fn references(&self) -> Vec<ReferenceSnapshot> {
+        self.board.references.list(self.now())
     }
 
     async fn coordinate<T: Send + 'static>(
@@ -357,6 +408,13 @@ impl NodeHandle {
                     .kill();
                 Ok(())
             }
+            Fault::CoordinatorAway { away } => {
+                self.board.coordinator_away.store(away, Ordering::Release);
+                if let Some(coordinator) = self.parts.coordinator.load_full().filter(|_| away) {
+                    coordinator.kill();
+                }
+                Ok(())
+            }
         }
     }
 }
@@ -364,9 +422,9 @@ impl NodeHandle {
 /// The formation as its members fly it at one moment.
 #[derive(Debug, Clone)]
 pub struct FormationSlots {
-    /// Who leads.
-    pub leader: VehicleId,
-    /// The leader's anchor.
+    /// Who leads, if a vehicle does.
+    pub leader: Option<VehicleId>,
+    /// The anchor.
     pub anchor: AnchorReference,
     /// Each follower's slot.
     pub slots: Vec<(VehicleId, SlotMove)>,

@@ -4,29 +4,37 @@
 //! Must never do: speak MAVLink, HTTP or the plugin ABI by itself.
 #![forbid(unsafe_code)]
 
+mod anchor;
 mod board;
 mod clock;
 mod coordination;
 mod coordinator;
+mod emergency;
 mod events;
 mod fleet;
 mod handle;
 mod listening;
+mod neighbours;
 mod node;
 mod observer;
 mod payload;
 mod plugin_life;
 mod plugins;
+mod preflight;
 mod pulse;
+mod references;
 pub mod restart;
+mod returns;
 pub mod snapshot;
 mod vehicle;
 mod wiring;
 
 pub use clock::TokioClock;
+pub use emergency::EmergencyKey;
 pub use handle::{CommandReceipt, Fault, FormationReceipt, FormationSlots, NodeHandle, Targets};
 pub use node::{Adapter, AdapterStart, Node, NodeError};
 pub use plugins::{InstanceUpgrade, PluginInfo, PluginRefusal, UpgradeReceipt};
+pub use references::{ReferenceReport, ReferenceSnapshot};
 pub use skein_plugin_host::Frame;
 pub use snapshot::{
     EventKind, EventRecord, FleetSnapshot, PayloadSnapshot, PluginHealth, RestartRecord, Restored, VehicleSnapshot,

@@ -3,16 +3,40 @@
 use crate::board::Board;
 use crate::fleet::{Discovery, FleetMessage};
 use crate::node::Parts;
+use crate::references::ReferenceReport;
 use crate::snapshot::{EventKind, UnadoptedVehicle};
 use skein_domain::SystemId;
 use skein_domain::exchange::Severity;
-use skein_link_px4::{EndpointEvent, EventSink};
+use skein_link_px4::{EndpointEvent, EventSink, ReferenceSink, Sighting};
 use std::sync::Arc;
 
 /// Where an endpoint's events go.
 pub fn sink(board: &Arc<Board>, parts: &Arc<Parts>) -> EventSink {
     let (board, parts) = (board.clone(), parts.clone());
     Arc::new(move |event| noticed(&board, &parts, event))
+}
+
+/// Where an endpoint's sightings of others go: kept away from, and known as references under the name of their source.
+pub fn sightings(board: &Arc<Board>) -> Arc<dyn ReferenceSink> {
+    Arc::new(Sighted(board.clone()))
+}
+
+struct Sighted(Arc<Board>);
+
+impl ReferenceSink for Sighted {
+    fn sighted(&self, sighting: Sighting) {
+        let board = &self.0;
+        if let Some(frame) = board.frame() {
+            let report = ReferenceReport {
+                position: frame.position(&sighting.place),
+                velocity: sighting.velocity,
+                heading_rad: sighting.heading_rad,
+            };
+            // One that is out of order says nothing new.
+            let _ = board.references.tell(&sighting.source, report, sighting.time);
+        }
+        board.sightings.sighted(sighting);
+    }
 }
 
 fn noticed(board: &Board, parts: &Parts, event: EndpointEvent) {

@@ -23,6 +23,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::net::SocketAddr;
 use std::pin::Pin;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 use thiserror::Error;
 use tokio::task::JoinHandle;
@@ -152,6 +153,9 @@ struct NodeArguments {
     adapters: Vec<Adapter>,
 }
 
+/// How often it is looked whether a coordinator that a drill keeps away may come back.
+const AWAY_LOOK: Duration = Duration::from_millis(100);
+
 struct NodeState {
     arguments: NodeArguments,
     children: HashMap<ActorId, Part>,
@@ -184,6 +188,9 @@ impl Actor for NodeActor {
         match message {
             NodeMessage::Start(reply) => {
                 let _ = reply.send(state.start_all(&myself).await);
+            }
+            NodeMessage::Restart(Part::Coordinator) if state.coordinator_is_away() => {
+                myself.send_after(AWAY_LOOK, || NodeMessage::Restart(Part::Coordinator));
             }
             NodeMessage::Restart(part) => {
                 if let Err(error) = state.start(&myself, part).await {
@@ -243,6 +250,11 @@ impl NodeState {
         }
     }
 
+    /// A drill keeps it from being started.
+    fn coordinator_is_away(&self) -> bool {
+        self.arguments.handle.board().coordinator_away.load(Ordering::Acquire)
+    }
+
     /// Starts a part and puts it on record.
     async fn start(&mut self, myself: &ActorRef<NodeMessage>, part: Part) -> Result<(), NodeError> {
         let name = self.name(part);
@@ -290,7 +302,7 @@ impl NodeState {
                     clock: board.clock.clone(),
                     links: parts.links.clone(),
                     events: listening::sink(&board, parts),
-                    references: None,
+                    references: Some(listening::sightings(&board)),
                 };
                 Ok(spawned(Endpoint::spawn_linked(None, Endpoint, arguments, parent).await)?.get_id())
             }

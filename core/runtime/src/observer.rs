@@ -71,7 +71,7 @@ fn picture(board: &Board, sequence: u64) -> FleetSnapshot {
     let peers = board.peers.load_full();
     let coordination = board.coordination.lock().clone();
     let intent_version = board.intent.load().version;
-    let leader = coordination.formation.as_ref().map(|f| f.leader);
+    let leader = coordination.formation.as_ref().and_then(|f| f.leader);
     let actors: Vec<ActorHealth> = board.actors.lock().values().cloned().collect();
     FleetSnapshot {
         time: now,
@@ -83,7 +83,7 @@ fn picture(board: &Board, sequence: u64) -> FleetSnapshot {
             .filter_map(|cell| vehicle(cell, &peers, leader, now))
             .collect(),
         unadopted: board.unadopted.lock().clone(),
-        formation: formation(&coordination, intent_version),
+        formation: formation(&coordination, &peers, intent_version, now),
         actors,
         tracks: board.tracks.load().as_ref().clone(),
     }
@@ -132,6 +132,7 @@ fn vehicle(
         degraded: degraded(&model, &payloads),
         model,
         model_state: state.model_state,
+        avoiding: state.avoiding,
         capability: state.capability,
         payloads,
     })
@@ -167,11 +168,23 @@ fn degraded(model: &PluginHealth, payloads: &[PayloadSnapshot]) -> Vec<String> {
     why
 }
 
-fn formation(coordination: &Coordination, intent_version: u64) -> Option<FormationSnapshot> {
+fn formation(
+    coordination: &Coordination,
+    peers: &PeerSnapshot,
+    intent_version: u64,
+    now: NodeTime,
+) -> Option<FormationSnapshot> {
     let formation = coordination.formation.as_ref()?;
     Some(FormationSnapshot {
         request: formation.request.clone(),
         leader: formation.leader,
+        anchor: match formation.leader {
+            Some(leader) => peers.entry(leader).and_then(|e| e.anchor),
+            None => peers.anchor,
+        }
+        .map(|anchor| anchor.position),
+        keeps_itself: formation.keeps_itself(now),
+        max_speed_m_s: formation.max_speed_m_s,
         members: formation.members.clone(),
         route: coordination.route.as_ref().map(|r| r.route.clone()),
         route_finished: coordination.route.as_ref().is_some_and(|r| r.finished),

@@ -24,9 +24,10 @@ use ractor::{Actor, ActorProcessingErr, ActorRef, RpcReplyPort};
 use skein_config::{Escalation, PayloadRule};
 use skein_domain::exchange::{CommandProgress, Event, FaultDrill, Severity};
 use skein_domain::payload::PayloadKind;
+use skein_domain::preflight::PreflightItem;
 use skein_domain::{CommandId, Incarnation, NodeTime, Refusal, RequestId, VehicleCommand};
 use skein_plugin_host::{Frame, Plugin};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use tap::Tap;
@@ -73,6 +74,8 @@ pub struct PayloadPublished {
     pub report: Option<Report>,
     /// Grows with every change of the report.
     pub revision: u64,
+    /// What it has to say before its vehicle is armed.
+    pub preflight: Vec<PreflightItem>,
     /// Why its transport does not work; empty if it does or has none.
     pub transport_fault: String,
 }
@@ -369,6 +372,7 @@ pub fn escalate(board: &Board, vehicle: &VehicleCell, cell: &PayloadCell, why: &
         let message = VehicleMessage::Command {
             id: board.next_command_id(),
             command,
+            legs: VecDeque::new(),
             not_before: now,
             reply: None,
         };

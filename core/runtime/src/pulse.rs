@@ -5,13 +5,13 @@
 //! Must never do: wait for a vehicle.
 
 use crate::board::{Board, PeerEntry, PeerSnapshot, airborne, kinematics};
+use crate::neighbours;
 use crate::payload::{PayloadCell, PayloadMessage};
 use crate::snapshot::EventKind;
 use crate::vehicle::VehicleMessage;
 use ractor::{Actor, ActorProcessingErr, ActorRef};
 use skein_domain::NodeTime;
 use skein_domain::exchange::Severity;
-use skein_safety::Peer;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -83,9 +83,9 @@ fn beat(board: &Board) {
                 .record(now, Some(cell.id), Severity::Info, EventKind::Notice, text);
         }
         let frame = board.frame();
-        let (flight_state, anchor) = {
+        let (flight_state, anchor, limits) = {
             let published = cell.state.lock();
-            (published.flight_state, published.anchor)
+            (published.flight_state, published.anchor, published.limits)
         };
         entries.push(PeerEntry {
             id: cell.id,
@@ -96,9 +96,10 @@ fn beat(board: &Board) {
             link,
             flight_state,
             anchor,
+            limits,
         });
     }
-    publish(board, entries);
+    publish(board, entries, now);
     for cell in &cells {
         let Some(actor) = cell.actor.load_full() else { continue };
         if !cell.tick_waiting.swap(true, Ordering::AcqRel) && actor.cast(VehicleMessage::Tick).is_err() {
@@ -130,16 +131,19 @@ fn wake(payload: &PayloadCell, now: NodeTime) {
     }
 }
 
-fn publish(board: &Board, entries: Vec<PeerEntry>) {
-    let peers = entries
-        .iter()
-        .filter_map(|e| {
-            e.kinematics.map(|kinematics| Peer {
-                id: e.id,
-                kinematics,
-                airborne: e.airborne,
-            })
-        })
-        .collect();
-    board.peers.store(Arc::new(PeerSnapshot { entries, peers }));
+fn publish(board: &Board, entries: Vec<PeerEntry>, now: NodeTime) {
+    let surroundings = neighbours::surroundings(board, &entries, now);
+    let anchor = {
+        let plan = board.intent.load().anchor.clone();
+        let led = entries.iter().find_map(|e| e.anchor);
+        board
+            .anchor
+            .lock()
+            .at(plan.as_ref(), led.as_ref(), &board.references, now)
+    };
+    board.peers.store(Arc::new(PeerSnapshot {
+        entries,
+        surroundings,
+        anchor,
+    }));
 }

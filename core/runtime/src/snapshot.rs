@@ -87,6 +87,8 @@ pub struct VehicleSnapshot {
     /// What the model reports of itself, as its state schema has it.
     #[ts(type = "unknown")]
     pub model_state: Option<serde_json::Value>,
+    /// What is changed of its setpoints at this moment; absent if nothing.
+    pub avoiding: Option<Avoidance>,
     /// Whether it can host the coordinator; absent if its model does not say.
     pub capability: Option<CoordinatorCapability>,
     /// What it carries, by name.
@@ -238,13 +240,34 @@ pub struct UnadoptedVehicle {
     pub why: String,
 }
 
+/// What is changed of a vehicle's setpoints at a moment, to keep it off others or inside of a fence.
+#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
+pub struct Avoidance {
+    /// How far the flown velocity is from the wanted one, in metres per second.
+    pub by_m_s: f64,
+    /// Because of whom, in words; absent if because of a fence.
+    pub because: Option<String>,
+    /// How far that is away now, in metres.
+    pub distance_m: Option<f64>,
+    /// How near the wanted velocity would have come, in metres.
+    pub predicted_m: Option<f64>,
+    /// Whether the distance can be kept. If not, the vehicle is kept as far away as it can be.
+    pub feasible: bool,
+}
+
 /// The formation being flown.
 #[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct FormationSnapshot {
     /// What was asked for, with the defaults filled in.
     pub request: FormationRequest,
-    /// Who leads.
-    pub leader: VehicleId,
+    /// Who leads; nobody if it is anchored to something else than a vehicle.
+    pub leader: Option<VehicleId>,
+    /// The anchor at this moment.
+    pub anchor: Option<PositionNed>,
+    /// Its members keep their places by their neighbours now.
+    pub keeps_itself: bool,
+    /// How fast it can go as a whole, in metres per second.
+    pub max_speed_m_s: f64,
     /// Who takes part, leader first.
     pub members: Vec<VehicleId>,
     /// The leader's route, if one is being flown.
@@ -309,6 +332,10 @@ pub enum EventKind {
         /// Why.
         refusal: Refusal,
     },
+    /// A setpoint is changed to keep a vehicle off others or inside of a fence.
+    Avoidance,
+    /// The emergency stop was unlocked or used.
+    EmergencyStop,
     /// The formation was changed, or its leader.
     Formation,
     /// An actor or plugin ended and what its supervisor does about it.

@@ -5,9 +5,11 @@
 //! are few and never dropped. Must never do: wait for another actor, or for the vehicle.
 
 mod effects;
+mod itinerary;
 mod model;
 mod period;
 
+pub use itinerary::Itinerary;
 pub use period::own_state;
 
 use crate::board::{Board, VehicleCell};
@@ -21,7 +23,7 @@ use ractor::{Actor, ActorProcessingErr, ActorRef, RpcReplyPort};
 use skein_domain::exchange::{CommandProgress, Event, FaultDrill, Severity};
 use skein_domain::{CommandId, Incarnation, NodeTime, PositionNed, Refusal, RequestId, VehicleCommand};
 use skein_plugin_host::Plugin;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -35,6 +37,8 @@ pub enum VehicleMessage {
         id: CommandId,
         /// The command.
         command: VehicleCommand,
+        /// How it is flown, if it takes more than one flight; empty if the model flies it by itself.
+        legs: VecDeque<VehicleCommand>,
         /// Not to be begun before.
         not_before: NodeTime,
         /// Where the receipt goes; none if the node itself commands.
@@ -84,6 +88,8 @@ pub struct VehicleState {
     refused_at: Option<PositionNed>,
     /// The refusal last told, and when.
     told_refusal: Option<(&'static str, NodeTime)>,
+    /// Whom it was last told that the vehicle gives way to, whether it can, and when.
+    told_change: Option<((String, bool), NodeTime)>,
 }
 
 impl Actor for Vehicle {
@@ -124,6 +130,7 @@ impl Actor for Vehicle {
             pilot: false,
             refused_at: None,
             told_refusal: None,
+            told_change: None,
         })
     }
 
@@ -141,10 +148,11 @@ impl Actor for Vehicle {
             VehicleMessage::Command {
                 id,
                 command,
+                legs,
                 not_before,
                 reply,
             } => {
-                let refusal = state.command(id, command, not_before).await.err();
+                let refusal = state.command(id, command, legs, not_before).await.err();
                 // The asker may have given up waiting; the event log has the outcome all the same.
                 let _ = reply.map(|reply| {
                     reply.send(CommandReceipt {
@@ -184,32 +192,51 @@ impl Actor for Vehicle {
 }
 
 impl VehicleState {
-    /// Checks a command and hands it to the plugin at once; `Ok` once the plugin has taken it up.
-    async fn command(&mut self, id: CommandId, command: VehicleCommand, not_before: NodeTime) -> Result<(), Refusal> {
-        if let Err(refusal) = self.admit(&command) {
+    /// Checks a command and hands it, or its first leg, to the plugin at once; `Ok` once the plugin has taken it up.
+    async fn command(
+        &mut self,
+        id: CommandId,
+        command: VehicleCommand,
+        mut legs: VecDeque<VehicleCommand>,
+        not_before: NodeTime,
+    ) -> Result<(), Refusal> {
+        let admitted = legs.iter().chain([&command]).try_for_each(|part| self.admit(part));
+        if let Err(refusal) = admitted {
             let progress = CommandProgress::Refused {
                 refusal: refusal.clone(),
             };
             self.record_progress(id, command.name(), &progress);
             return Err(refusal);
         }
-        self.commands.insert(id, command.name());
+        if matches!(command, VehicleCommand::Arm | VehicleCommand::TakeOff { .. }) {
+            self.cell.set_stopped(false);
+        }
+        let (flown, flown_id) = match legs.pop_front() {
+            Some(leg) => (leg, self.board.next_command_id()),
+            None => (command, id),
+        };
+        self.commands.insert(flown_id, flown.name());
         let was_pilot = std::mem::replace(&mut self.pilot, false);
         let peers = self.board.peers.load_full();
         let mut events = self.gather(&peers);
         events.push(Event::Command {
-            id,
-            command,
+            id: flown_id,
+            command: flown,
             not_before,
         });
         self.call_model(events).await;
-        match self.model.take_refusal(id) {
-            Some(refusal) => {
-                self.pilot = was_pilot;
-                Err(refusal)
-            }
-            None => Ok(()),
+        if let Some(refusal) = self.model.take_refusal(flown_id) {
+            self.pilot = was_pilot;
+            return Err(refusal);
         }
+        // Most of the time the model has said of the former leg that it is replaced; between two legs it had nothing to say.
+        self.abandon_itinerary();
+        if flown_id != id {
+            let returns = matches!(command, VehicleCommand::Return);
+            self.record_progress(id, command.name(), &CommandProgress::Executing);
+            self.begin_itinerary(id, command.name(), legs, flown_id, returns);
+        }
+        Ok(())
     }
 
     /// What can be said of a command before the model sees it.
@@ -219,7 +246,9 @@ impl VehicleState {
         if !entry.is_some_and(|e| e.link.connected) {
             return Err(Refusal::LinkLost { vehicle: self.cell.id });
         }
-        self.board.gate.command(command, entry.and_then(|e| e.home.as_ref()))?;
+        self.board
+            .gate()
+            .command(command, entry.and_then(|e| e.home.as_ref()))?;
         if !self.model.life.is_running() {
             return Err(Refusal::NotRunning {
                 what: format!("model of vehicle {}", self.cell.id),

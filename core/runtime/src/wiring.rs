@@ -7,7 +7,7 @@ use skein_config::NodeConfig;
 use skein_domain::Clock;
 use skein_link_px4::{EndpointAddress, EndpointSettings, LinkSettings, MessageRates};
 use skein_plugin_host::{Catalog, Plugin, PluginKind, Trust};
-use skein_safety::{Fence, Gate, Limits};
+use skein_safety::{Gate, Limits};
 use std::path::PathBuf;
 use std::sync::Arc;
 use thiserror::Error;
@@ -23,10 +23,10 @@ pub enum WiringError {
         /// What is wrong with it.
         reason: String,
     },
-    /// The fence cannot be one.
-    #[error("safety.fence: {reason}")]
+    /// The fences cannot be any.
+    #[error("safety: {reason}")]
     Fence {
-        /// What is wrong with it.
+        /// What is wrong with which.
         reason: String,
     },
     /// A plugin that a rule names was not found.
@@ -103,13 +103,9 @@ pub fn endpoints(config: &NodeConfig) -> Result<Vec<EndpointSettings>, WiringErr
 /// When the fence cannot be one.
 pub fn gate(config: &NodeConfig) -> Result<Gate, WiringError> {
     let safety = &config.safety;
-    let fence = match &safety.fence {
-        None => None,
-        Some(fence) => Some(
-            Fence::new(fence.polygon_m.clone(), fence.floor_m, fence.ceiling_m)
-                .map_err(|e| WiringError::Fence { reason: e.to_string() })?,
-        ),
-    };
+    let fences = config
+        .fences()
+        .map_err(|e| WiringError::Fence { reason: e.to_string() })?;
     let limits = Limits {
         max_speed_m_s: safety.max_speed_m_s,
         max_climb_m_s: safety.max_climb_m_s,
@@ -117,7 +113,7 @@ pub fn gate(config: &NodeConfig) -> Result<Gate, WiringError> {
         min_separation_m: safety.min_separation_m,
         separation_horizon_s: safety.separation_horizon_s,
     };
-    Ok(Gate::new(limits, fence))
+    Ok(Gate::new(limits, fences))
 }
 
 /// The plugins of a configuration, with what it trusts.

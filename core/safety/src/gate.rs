@@ -2,6 +2,10 @@
 
 mod inside;
 
+mod steer;
+
+pub use steer::Steered;
+
 use crate::fence::Fences;
 use crate::separation::{Motion, Peer};
 use skein_domain::payload::Target;

@@ -9,15 +9,15 @@ pub mod energy;
 mod fence;
 mod gate;
 pub mod gnss;
-pub mod ladder;
 mod half_space;
+pub mod ladder;
 mod payload;
 pub mod preflight;
 mod separation;
 pub mod wind;
 
 pub use fence::{Approach, Breach, Clearance, Excess, Fence, FenceError, FencePlanError, Fences, Wall, Zone};
-pub use gate::{Gate, Limits, LimitsError};
+pub use gate::{Gate, Limits, LimitsError, Steered};
 pub use half_space::HalfSpace;
 pub use ladder::Ladder;
 pub use separation::Peer;

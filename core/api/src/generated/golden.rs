@@ -88,6 +88,7 @@ pub(crate) fn unknown_vehicle(id: u16) -> VehicleSnapshot {
         actor: ActorHealth::default(),
         model: PluginHealth::default(),
         model_state: None,
+        avoiding: None,
         capability: None,
         payloads: Vec::new(),
         degraded: Vec::new(),

@@ -32,7 +32,7 @@ async fn exactly_the_documented_routes_are_served() {
                 assert_eq!(code(&body), "method_not_allowed");
             } else if status == 404 {
                 assert!(
-                    matches!(code(&body), "unknown_vehicle" | "unknown_plugin"),
+                    matches!(code(&body), "unknown_vehicle" | "unknown_plugin" | "unknown_reference"),
                     "{method} {path}: {body}"
                 );
             }

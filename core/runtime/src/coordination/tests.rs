@@ -3,7 +3,10 @@
 use super::*;
 use crate::board::PeerEntry;
 use skein_domain::telemetry::VehicleKinematics;
-use skein_domain::{FlightState, LinkHealth, Shape, Telemetry};
+use skein_domain::{FlightState, Intent, LinkHealth, OffsetFrd, Refusal, Shape, Task, Telemetry};
+use skein_safety::{Gate, Limits};
+use std::collections::BTreeSet;
+use std::sync::Arc;
 
 fn peers(count: u16) -> PeerSnapshot {
     let entry = |i: u16| PeerEntry {
@@ -21,15 +24,31 @@ fn peers(count: u16) -> PeerSnapshot {
         flight_state: FlightState::Holding,
         anchor: None,
         home: None,
+        limits: None,
     };
     PeerSnapshot {
         entries: (0..count).map(entry).collect(),
-        peers: Vec::new(),
+        ..PeerSnapshot::default()
     }
 }
 
 fn request() -> FormationRequest {
     FormationRequest::new(Shape::Wedge, 5.0)
+}
+
+fn gate() -> Gate {
+    let limits = Limits {
+        max_speed_m_s: 12.0,
+        max_climb_m_s: 4.0,
+        max_descent_m_s: 3.0,
+        min_separation_m: 2.0,
+        separation_horizon_s: 0.8,
+    };
+    Gate::new(limits, None)
+}
+
+fn now() -> NodeTime {
+    NodeTime::from_seconds(1.0)
 }
 
 fn input(request: FormationRequest, before: Option<Formation>) -> PlanInput {
@@ -38,7 +57,9 @@ fn input(request: FormationRequest, before: Option<Formation>) -> PlanInput {
         request,
         before,
         route_speed_m_s: None,
+        reference: None,
         limits: PlanLimits::new(&settings, 12.0),
+        gate: Arc::new(gate()),
         start: NodeTime::from_seconds(1.0),
     }
 }
@@ -48,7 +69,7 @@ fn the_lowest_id_leads_unless_asked_otherwise() {
     let peers = peers(5);
     assert_eq!(
         plan(&input(request(), None), &peers).expect("plans").leader,
-        VehicleId(1)
+        Some(VehicleId(1))
     );
     let asked = FormationRequest {
         leader: Some(VehicleId(4)),
@@ -120,7 +141,7 @@ fn tasks_that_do_not_change_keep_their_version() {
         formation: Some(first.clone()),
         ..Coordination::default()
     };
-    let before = intent(&Intent::default(), &coordination, &nobody);
+    let before = intent(&Intent::default(), &coordination, &nobody, now());
     assert_eq!(before.version, 1);
     let later = PlanInput {
         start: first.settled_at,
@@ -133,7 +154,7 @@ fn tasks_that_do_not_change_keep_their_version() {
         )
     };
     coordination.formation = Some(plan(&later, &peers).expect("plans"));
-    let after = intent(&before, &coordination, &nobody);
+    let after = intent(&before, &coordination, &nobody, now());
     assert_eq!(after.version, 2);
     // A wider wedge may turn slower, so that the leader's task may change too; the followers' must.
     assert!(
@@ -144,7 +165,7 @@ fn tasks_that_do_not_change_keep_their_version() {
             .all(|(_, task)| task.version == 2)
     );
     coordination.formation = None;
-    let ended = intent(&after, &coordination, &nobody);
+    let ended = intent(&after, &coordination, &nobody, now());
     assert!(
         ended
             .tasks
@@ -152,7 +173,7 @@ fn tasks_that_do_not_change_keep_their_version() {
             .all(|task| task.task == Task::Hold && task.version == 3)
     );
     assert!(
-        intent(&ended, &coordination, &nobody).tasks.is_empty(),
+        intent(&ended, &coordination, &nobody, now()).tasks.is_empty(),
         "told to hold once"
     );
 }
@@ -165,13 +186,13 @@ fn no_task_outranks_the_command_of_an_operator() {
         formation: Some(formation),
         ..Coordination::default()
     };
-    let before = intent(&Intent::default(), &coordination, &BTreeSet::new());
+    let before = intent(&Intent::default(), &coordination, &BTreeSet::new(), now());
     let withdrawn = BTreeSet::from([VehicleId(2), VehicleId(3)]);
-    let regrouped = intent(&before, &coordination, &withdrawn);
+    let regrouped = intent(&before, &coordination, &withdrawn, now());
     assert!(withdrawn.iter().all(|id| !regrouped.tasks.contains_key(id)));
     assert!(regrouped.tasks.contains_key(&VehicleId(4)));
     coordination.formation = None;
-    let ended = intent(&before, &coordination, &withdrawn);
+    let ended = intent(&before, &coordination, &withdrawn, now());
     assert_eq!(
         ended.tasks.keys().copied().collect::<Vec<_>>(),
         [VehicleId(1), VehicleId(4)]
@@ -198,4 +219,150 @@ fn a_successor_flies_what_is_left_of_the_route() {
     assert_eq!(active.remaining().expect("is left").waypoints.len(), 2);
     active.finished = true;
     assert!(active.remaining().is_none());
+}
+
+#[test]
+fn the_configured_order_leads_then_health_then_the_lowest_id() {
+    let mut peers = peers(4);
+    let ids = [VehicleId(1), VehicleId(2), VehicleId(3), VehicleId(4)];
+    peers.entries[0].telemetry.battery.remaining = Some(0.3);
+    peers.entries[1].telemetry.battery.remaining = Some(0.9);
+    peers.entries[2].telemetry.battery.remaining = Some(0.92);
+    peers.entries[3].telemetry.battery.remaining = Some(0.4);
+    let order = |configured: &[VehicleId]| by_fitness(&ids, configured, &peers);
+    // A difference of two percent is none.
+    assert_eq!(order(&[]), [VehicleId(2), VehicleId(3), VehicleId(4), VehicleId(1)]);
+    assert_eq!(
+        order(&[VehicleId(1), VehicleId(4)]),
+        [VehicleId(1), VehicleId(4), VehicleId(2), VehicleId(3)]
+    );
+}
+
+#[test]
+fn when_the_leader_is_lost_another_leads_and_nobody_moves() {
+    let mut peers = peers(5);
+    let formation = plan(&input(request(), None), &peers).expect("plans");
+    let later = formation.settled_at.plus_seconds(0.5);
+    let place = |formation: &Formation, id: VehicleId| {
+        formation
+            .slots
+            .get(&id)
+            .map_or_else(nalgebra::Vector3::zeros, |slot| slot.to.vector())
+    };
+    peers.entries[0].link.connected = false;
+    let next = succeed(&formation, VehicleId(1), later, &[VehicleId(4)], &peers).expect("has heirs");
+    assert_eq!(next.leader, Some(VehicleId(4)));
+    assert_eq!(next.members[0], VehicleId(4));
+    assert!(!next.members.contains(&VehicleId(1)));
+    for id in [2, 3, 5].map(VehicleId) {
+        let before = place(&formation, id) - place(&formation, VehicleId(4));
+        let slot = next.slots[&id];
+        assert!((slot.to.vector() - before).norm() < 1e-9, "{id}");
+        assert_eq!(slot.from, slot.to);
+    }
+    // Who does not lead is not succeeded.
+    assert!(succeed(&formation, VehicleId(2), later, &[], &peers).is_none());
+}
+
+#[test]
+fn a_formation_about_a_place_has_no_leader_and_everyone_a_slot() {
+    let peers = peers(6);
+    let asked = FormationRequest {
+        anchor: skein_domain::FormationAnchor::Place {
+            position: PositionNed::new(40.0, 10.0, -8.0),
+            heading_deg: Some(90.0),
+        },
+        ..FormationRequest::new(Shape::Circle, 5.0)
+    };
+    let formation = plan(&input(asked, None), &peers).expect("plans");
+    assert_eq!((formation.leader, formation.slots.len()), (None, 6));
+    assert!(matches!(formation.anchor, Some(AnchorPlan::Place { .. })));
+    let sum = formation
+        .slots
+        .values()
+        .fold(nalgebra::Vector3::zeros(), |s, m| s + m.to.vector());
+    assert!(sum.norm() < 1e-6, "centred: {sum:?}");
+    let coordination = Coordination {
+        formation: Some(formation),
+        ..Coordination::default()
+    };
+    let intent = intent(&Intent::default(), &coordination, &BTreeSet::new(), now());
+    assert!(intent.anchor.is_some() && intent.leader.is_none());
+    assert!(
+        intent
+            .tasks
+            .values()
+            .all(|t| matches!(t.task, Task::Follow { leader: None, .. }))
+    );
+}
+
+#[test]
+fn places_closer_than_the_smallest_separation_are_refused() {
+    let offsets = vec![
+        OffsetFrd::default(),
+        OffsetFrd::new(-5.0, 0.0, 0.0),
+        OffsetFrd::new(-5.0, 1.0, 0.0),
+    ];
+    let asked = FormationRequest {
+        offsets: Some(offsets),
+        ..FormationRequest::new(Shape::Free, 5.0)
+    };
+    let refused = plan(&input(asked, None), &peers(3)).expect_err("too close");
+    assert!(matches!(refused, Refusal::InvalidValue { .. }), "{refused}");
+    let shrunk = FormationRequest {
+        scale: 0.3,
+        ..request()
+    };
+    assert!(plan(&input(shrunk, None), &peers(3)).is_err());
+}
+
+#[test]
+fn the_slowest_member_decides_how_fast_the_formation_goes() {
+    let mut peers = peers(4);
+    let slow = skein_domain::FlightLimits {
+        max_speed_m_s: 5.0,
+        max_climb_m_s: 1.0,
+        max_descent_m_s: 1.0,
+        max_acceleration_m_s2: 1.0,
+        min_turn_radius_m: 12.0,
+        endurance_s: None,
+        keeps_view: false,
+    };
+    peers.entries[2].limits = Some(slow);
+    let formation = plan(&input(request(), None), &peers).expect("plans");
+    assert!(formation.max_speed_m_s <= 5.0);
+    let settings = skein_config::CoordinatorSettings::default();
+    let route = Route {
+        waypoints: vec![PositionNed::new(100.0, 0.0, -6.0)],
+        speed_m_s: 8.0,
+        corner_radius_m: 5.0,
+    };
+    let fitted = fitted(route, &formation, &peers, &PlanLimits::new(&settings, 12.0));
+    assert!(fitted.speed_m_s <= 5.0 && fitted.corner_radius_m >= 12.0, "{fitted:?}");
+}
+
+#[test]
+fn members_keep_their_places_by_neighbours_only_once_they_are_formed() {
+    let peers = peers(6);
+    let asked = FormationRequest {
+        control: FormationControl::Distances,
+        ..request()
+    };
+    let formation = plan(&input(asked, None), &peers).expect("plans");
+    assert_eq!(formation.keeping.len(), 5, "everyone but the leader");
+    let settled = formation.settled_at;
+    let coordination = Coordination {
+        formation: Some(formation),
+        ..Coordination::default()
+    };
+    let kept = |at: NodeTime| {
+        let intent = intent(&Intent::default(), &coordination, &BTreeSet::new(), at);
+        intent
+            .tasks
+            .values()
+            .filter(|t| matches!(t.task, Task::Keep(_)))
+            .count()
+    };
+    assert_eq!(kept(settled.plus_seconds(-0.1)), 0);
+    assert_eq!(kept(settled.plus_seconds(0.1)), 5);
 }

@@ -2,6 +2,7 @@
 //! link.
 
 use super::{PayloadState, Report};
+use crate::preflight::own_items;
 use crate::snapshot::EventKind;
 use skein_domain::exchange::{CommandProgress, Effect, Severity};
 use skein_domain::payload::MavlinkMessage;
@@ -42,6 +43,9 @@ impl PayloadState {
                 | Effect::Frame(_)
                 | Effect::Capability(_)
                 | Effect::Limits(_) => {}
+                Effect::Preflight(items) => {
+                    self.cell.state.lock().preflight = own_items(&self.cell.life.plugin.load().manifest().name, items);
+                }
             }
         }
         if let Some(frame) = frames.into_iter().next_back() {
@@ -53,7 +57,7 @@ impl PayloadState {
         let now = self.board.now();
         let sent = self
             .board
-            .gate
+            .gate()
             .payload_message(self.cell.kind, self.vehicle.system_id, message)
             .and_then(|()| self.vehicle.link.load().0.send_payload(now, message));
         let Err(refusal) = sent else { return };

@@ -2,7 +2,7 @@
 
 use super::PayloadState;
 use super::tap::Tap;
-use crate::board::PeerSnapshot;
+use crate::board::{PeerEntry, PeerSnapshot};
 use crate::vehicle::own_state;
 use skein_domain::exchange::{Event, PayloadReport, PeerState};
 use skein_domain::link::MessageTap;
@@ -110,14 +110,13 @@ impl PayloadState {
 
 /// All vehicles with a position but one, as plugins see them.
 pub fn others(peers: &PeerSnapshot, own: skein_domain::VehicleId) -> Vec<PeerState> {
-    peers
-        .peers
-        .iter()
-        .filter(|peer| peer.id != own)
-        .map(|peer| PeerState {
-            id: peer.id,
-            kinematics: peer.kinematics,
-            airborne: peer.airborne,
+    let known = |entry: &PeerEntry| {
+        Some(PeerState {
+            id: entry.id,
+            kinematics: entry.kinematics?,
+            airborne: entry.airborne,
         })
-        .collect()
+    };
+    let others = peers.entries.iter().filter(|entry| entry.id != own);
+    others.filter_map(known).collect()
 }

@@ -1,14 +1,30 @@
 //! Carries out what a UAV model wants. The only place from which setpoints and requests reach a link, and each passes the gate.
 
 use super::VehicleState;
+use crate::emergency;
 use crate::payload::{Asker, PayloadMessage};
-use crate::snapshot::EventKind;
+use crate::preflight::own_items;
+use crate::snapshot::{Avoidance, EventKind};
 use skein_domain::exchange::{CommandProgress, Effect, Event, Severity};
 use skein_domain::setpoint::LocalSetpoint;
 use skein_domain::{AutopilotCommand, FlightLimits, FlightState, NodeTime, Refusal, RequestId, Setpoint};
+use skein_safety::avoidance::{Change, NeighbourId};
 
 /// A refusal of the same kind is told again after so long, in seconds: at 50 setpoints a second the log would hold nothing else.
 const REFUSAL_REPEAT_S: f64 = 2.0;
+
+/// A change of the wanted velocity below this is not worth telling, in metres per second.
+const WORTH_TELLING_M_S: f64 = 0.3;
+/// Giving way to the same one is told again after so long, in seconds.
+const CHANGE_REPEAT_S: f64 = 10.0;
+
+/// Whom a vehicle gives way to, in words.
+fn who(id: NeighbourId) -> String {
+    match id {
+        NeighbourId::Vehicle(vehicle) => format!("vehicle {vehicle}"),
+        NeighbourId::Foreign(_) => "something that is not ours".to_owned(),
+    }
+}
 
 impl VehicleState {
     /// Carries out the effects in order.
@@ -25,6 +41,7 @@ impl VehicleState {
                 Effect::CommandProgress { id, progress } => self.progress(id, progress),
                 Effect::State { state, detail } => {
                     let now = self.board.now();
+                    let state = self.shown_state(state);
                     {
                         let mut published = self.cell.state.lock();
                         published.flight_state = state;
@@ -68,6 +85,9 @@ impl VehicleState {
                     command_json,
                 } => self.payload_command(request, &payload, command_json),
                 Effect::Capability(capability) => self.cell.state.lock().capability = Some(capability),
+                Effect::Preflight(items) => {
+                    self.cell.state.lock().preflight = own_items(&self.cell.model.plugin.load().manifest().name, items)
+                }
                 Effect::Limits(limits) => self.cell.state.lock().limits = Some(limits).filter(FlightLimits::is_usable),
                 // No manifest of a UAV model that names one of these is taken.
                 Effect::Mavlink(_) | Effect::Transmit { .. } | Effect::Frame(_) => {}
@@ -76,6 +96,9 @@ impl VehicleState {
     }
 
     pub(super) fn progress(&mut self, id: skein_domain::CommandId, progress: CommandProgress) {
+        if self.leg_progress(id, &progress) {
+            return;
+        }
         let name = match progress {
             CommandProgress::Executing => self.commands.get(&id).copied(),
             CommandProgress::Done | CommandProgress::Refused { .. } => self.commands.remove(&id),
@@ -134,8 +157,10 @@ impl VehicleState {
             .is_some_and(|entry| entry.airborne);
         let checked = if self.pilot && command == AutopilotCommand::EnterOffboard {
             Err(Refusal::PilotInControl)
+        } else if self.cell.is_stopped() && command != AutopilotCommand::Disarm {
+            Err(emergency::stopped())
         } else {
-            self.board.gate.autopilot(&command, airborne)
+            self.board.gate().autopilot(&command, airborne)
         };
         match checked {
             Ok(()) => link.0.request(now, request, command),
@@ -156,7 +181,7 @@ impl VehicleState {
             // Too fast is mended by flying slower on the same way; stopping in the midst of others would be worse.
             let refusal = refusal.clone();
             self.tell_refusal(now, &refusal);
-            checked = self.checked(&self.board.gate.slowed(setpoint), now);
+            checked = self.checked(&self.board.gate().slowed(setpoint), now);
         }
         match checked {
             Ok((local, passed)) => {
@@ -170,9 +195,12 @@ impl VehicleState {
     }
 
     /// The setpoint as the gate lets it pass, in the vehicle's own frame and in the swarm's.
-    fn checked(&self, setpoint: &Setpoint, now: NodeTime) -> Result<(LocalSetpoint, Setpoint), Refusal> {
+    fn checked(&mut self, setpoint: &Setpoint, now: NodeTime) -> Result<(LocalSetpoint, Setpoint), Refusal> {
         if self.pilot {
             return Err(Refusal::PilotInControl);
+        }
+        if self.cell.is_stopped() {
+            return Err(emergency::stopped());
         }
         let peers = self.board.peers.load();
         let entry = peers.entry(self.cell.id).ok_or(Refusal::NoPosition)?;
@@ -180,11 +208,45 @@ impl VehicleState {
             return Err(Refusal::LinkLost { vehicle: self.cell.id });
         }
         let own = entry.kinematics.as_ref().ok_or(Refusal::NoPosition)?;
-        let passed = self
+        let steered = self
             .board
-            .gate
-            .setpoint(self.cell.id, own, entry.airborne, setpoint, &peers.peers, now)?;
+            .gate()
+            .steer(self.cell.id, own, entry.airborne, setpoint, &peers.surroundings, now)?;
+        let passed = steered.setpoint;
+        self.tell_change(steered.change.as_ref(), now);
         Ok((self.to_local(&passed)?, passed))
+    }
+
+    /// Says that the separation filter or a fence changes what the vehicle wants: at its beginning, and when it cannot be kept apart.
+    fn tell_change(&mut self, change: Option<&Change>, now: NodeTime) {
+        let noted = change.filter(|c| c.by_m_s > WORTH_TELLING_M_S || !c.feasible);
+        self.cell.state.lock().avoiding = noted.map(|c| Avoidance {
+            by_m_s: c.by_m_s,
+            because: c.because.map(who),
+            distance_m: Some(c.distance_m).filter(|d| d.is_finite()),
+            predicted_m: Some(c.predicted_m).filter(|d| d.is_finite()),
+            feasible: c.feasible,
+        });
+        let Some(change) = noted else { return };
+        let because = change.because.map_or_else(|| "a fence".to_owned(), who);
+        let told = (because.clone(), change.feasible);
+        let repeated = self
+            .told_change
+            .as_ref()
+            .is_some_and(|(what, at)| *what == told && now.seconds_since(*at) < CHANGE_REPEAT_S);
+        if repeated {
+            return;
+        }
+        self.told_change = Some((told, now));
+        let (severity, how) = if change.feasible {
+            (Severity::Info, "gives way to")
+        } else {
+            (Severity::Warning, "cannot keep its distance from")
+        };
+        let near = Some(change.distance_m).filter(|d| d.is_finite());
+        let at = near.map_or_else(String::new, |d| format!(", {d:.1} m away"));
+        let text = format!("{}: {how} {because}{at}", self.cell.name);
+        self.record(severity, EventKind::Avoidance, text);
     }
 
     fn to_local(&self, setpoint: &Setpoint) -> Result<LocalSetpoint, Refusal> {
@@ -209,7 +271,11 @@ impl VehicleState {
         self.tell_refusal(now, &refusal);
         let steerable = !matches!(
             refusal,
-            Refusal::PilotInControl | Refusal::LinkLost { .. } | Refusal::NoPosition | Refusal::NoSwarmFrame
+            Refusal::PilotInControl
+                | Refusal::NotPermitted { .. }
+                | Refusal::LinkLost { .. }
+                | Refusal::NoPosition
+                | Refusal::NoSwarmFrame
         );
         let own = self.board.peers.load().entry(self.cell.id).and_then(|e| e.kinematics);
         if steerable && let Some(own) = own {

@@ -15,6 +15,7 @@ impl VehicleState {
         if !self.ensure_model().await {
             return;
         }
+        self.next_leg();
         let peers = self.board.peers.load_full();
         let mut events = self.gather(&peers);
         events.push(Event::Tick);
@@ -47,12 +48,12 @@ impl VehicleState {
                 self.task_version = task.version;
                 events.push(Event::Task(task.clone()));
             }
-            if let Task::Follow {
-                leader: Some(leader), ..
-            } = &task.task
-                && let Some(anchor) = peers.entry(*leader).and_then(|e| e.anchor)
-            {
-                events.push(Event::Anchor(anchor));
+            if let Task::Follow { leader, .. } = &task.task {
+                let anchor = match leader {
+                    Some(leader) => peers.entry(*leader).and_then(|e| e.anchor),
+                    None => peers.anchor,
+                };
+                events.extend(anchor.map(Event::Anchor));
             }
         }
         events
@@ -66,10 +67,11 @@ impl VehicleState {
             self.model.tracks = tracks;
         }
         let payloads = self.cell.payloads();
-        if payloads.is_empty() {
-            return;
+        let task = self.board.intent.load().tasks.get(&self.cell.id).cloned();
+        let keeps = task.is_some_and(|task| matches!(task.task, Task::Keep(_)));
+        if keeps || !payloads.is_empty() {
+            events.push(Event::Peers(others(peers, self.cell.id)));
         }
-        events.push(Event::Peers(others(peers, self.cell.id)));
         for payload in payloads {
             let (revision, report) = {
                 let published = payload.state.lock();

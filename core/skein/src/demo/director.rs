@@ -129,8 +129,10 @@ impl<'a> Director<'a> {
         let request = FormationRequest::new(shape, layout::SPACING_M);
         let receipt = self.retried(|| self.node.set_formation(request.clone())).await?;
         self.say(&format!(
-            "{shape:?} behind vehicle {}: {:.1} s, at least {:.1} m apart on the way",
-            receipt.leader, receipt.duration_s, receipt.planned_min_distance_m
+            "{shape:?} {}: {:.1} s, at least {:.1} m apart on the way",
+            behind(receipt.leader),
+            receipt.duration_s,
+            receipt.planned_min_distance_m
         ));
         tokio::time::sleep(Duration::from_secs_f64(receipt.duration_s + layout::SETTLE_S)).await;
         let worst_m = self.referee.slots_reached(&format!("{shape:?}"));
@@ -151,7 +153,7 @@ impl<'a> Director<'a> {
             "the leader flies {what} at {:.0} m/s, the others follow",
             route.speed_m_s
         ));
-        self.retried(|| self.node.set_route(route.clone())).await?;
+        let route = self.retried(|| self.node.set_route(route.clone())).await?;
         let limit_s = length_m / layout::SPEED_M_S + 40.0;
         self.until(limit_s, "the leader at the end of its route", |fleet| {
             fleet
@@ -201,7 +203,7 @@ impl<'a> Director<'a> {
                 place: frame.geodetic(&spot),
             }
         };
-        let mut spots = vec![spot(slots.leader, slots.anchor.position)];
+        let mut spots: Vec<Landing> = slots.leader.map(|leader| spot(leader, slots.anchor.position)).into_iter().collect();
         for (vehicle, slot) in &slots.slots {
             spots.push(spot(*vehicle, slots.anchor.position.moved(slot.to.rotated(heading))));
         }
@@ -279,4 +281,9 @@ fn states(fleet: &FleetSnapshot) -> String {
     } else {
         states.join("; ")
     }
+}
+
+/// Behind whom a formation flies, in words.
+fn behind(leader: Option<VehicleId>) -> String {
+    leader.map_or_else(|| "about its anchor".to_owned(), |id| format!("behind vehicle {id}"))
 }

@@ -3,6 +3,7 @@
 
 mod pointing;
 
+use nalgebra::Vector3;
 use parking_lot::Mutex;
 use skein_domain::frames::wrap_angle_rad;
 use skein_domain::{Geodetic, LandedState, PositionNed, SwarmFrame, VehicleId};
@@ -166,13 +167,12 @@ fn look(figures: &mut Figures, truth: &TruthFrame, node: &NodeHandle) {
         figures.steady_since_s = None;
         return;
     };
-    let Some(leader) = vehicle(truth, slots.leader) else {
+    let Some((velocity, acceleration)) = anchor_motion(truth, &slots) else {
         return;
     };
-    let speed_m_s = leader.velocity.vector().xy().norm();
+    let speed_m_s = velocity.xy().norm();
     let at_speed = (speed_m_s - super::layout::SPEED_M_S).abs() < AT_SPEED_M_S;
-    let course_rad = leader.velocity.east_m_s.atan2(leader.velocity.north_m_s);
-    let turning = slots.anchor.heading_rate_rad_s.abs() > STRAIGHT_RAD_S || leader_turns(leader, course_rad, speed_m_s);
+    let turning = slots.anchor.heading_rate_rad_s.abs() > STRAIGHT_RAD_S || turns(&velocity, &acceleration);
     let errors = slot_errors(truth, &slots, now);
     if turning && speed_m_s > UNDER_WAY_M_S {
         figures.steady_since_s = None;
@@ -187,10 +187,18 @@ fn look(figures: &mut Figures, truth: &TruthFrame, node: &NodeHandle) {
     }
 }
 
-/// Whether the leader's own course changes, from its lateral acceleration: a fixed heading turns with its route all the same.
-fn leader_turns(leader: &VehicleTruth, course_rad: f64, speed_m_s: f64) -> bool {
-    let lateral_m_s2 =
-        leader.acceleration.east_m_s2 * course_rad.cos() - leader.acceleration.north_m_s2 * course_rad.sin();
+/// How the anchor really moves: the true leader, or what has no truth but itself.
+fn anchor_motion(truth: &TruthFrame, slots: &FormationSlots) -> Option<(Vector3<f64>, Vector3<f64>)> {
+    match slots.leader {
+        Some(leader) => vehicle(truth, leader).map(|v| (v.velocity.vector(), v.acceleration.vector())),
+        None => Some((slots.anchor.velocity.vector(), slots.anchor.acceleration.vector())),
+    }
+}
+
+/// Whether the anchor's own course changes, from its lateral acceleration: a fixed heading turns with its route all the same.
+fn turns(velocity: &Vector3<f64>, acceleration: &Vector3<f64>) -> bool {
+    let speed_m_s = velocity.xy().norm();
+    let lateral_m_s2 = velocity.xy().perp(&acceleration.xy()) / speed_m_s.max(UNDER_WAY_M_S);
     speed_m_s > UNDER_WAY_M_S && (lateral_m_s2 / speed_m_s).abs() > 0.15
 }
 
@@ -212,12 +220,15 @@ fn watch_distances(figures: &mut Figures, truth: &TruthFrame) {
     }
 }
 
-/// Each follower's true distance from its slot behind the true leader, in metres.
+/// Each follower's true distance from its slot behind the true leader, or about the anchor, in metres.
 fn slot_errors(truth: &TruthFrame, slots: &FormationSlots, now: skein_domain::NodeTime) -> Vec<f64> {
-    let Some(leader) = vehicle(truth, slots.leader) else {
-        return Vec::new();
-    };
     let age_s = now.seconds_since(slots.anchor.time);
+    let carried_on = || slots.anchor.position.after(&slots.anchor.velocity, age_s);
+    let base = match slots.leader {
+        Some(leader) => vehicle(truth, leader).map(|v| v.position),
+        None => Some(carried_on()),
+    };
+    let Some(base) = base else { return Vec::new() };
     let heading_rad = wrap_angle_rad(slots.anchor.heading_rad + slots.anchor.heading_rate_rad_s * age_s);
     slots
         .slots
@@ -228,7 +239,7 @@ fn slot_errors(truth: &TruthFrame, slots: &FormationSlots, now: skein_domain::No
             Some(
                 follower
                     .position
-                    .distance_m(&leader.position.moved(offset.rotated(heading_rad))),
+                    .distance_m(&base.moved(offset.rotated(heading_rad))),
             )
         })
         .collect()

@@ -40,6 +40,31 @@ since: NodeTime, };
 export type ActorStatus = "running" | "restarting" | "given_up";
 
 /**
+ * What is changed of a vehicle's setpoints at a moment, to keep it off others or inside of a fence.
+ */
+export type Avoidance = { 
+/**
+ * How far the flown velocity is from the wanted one, in metres per second.
+ */
+by_m_s: number, 
+/**
+ * Because of whom, in words; absent if because of a fence.
+ */
+because: string | null, 
+/**
+ * How far that is away now, in metres.
+ */
+distance_m: number | null, 
+/**
+ * How near the wanted velocity would have come, in metres.
+ */
+predicted_m: number | null, 
+/**
+ * Whether the distance can be kept. If not, the vehicle is kept as far away as it can be.
+ */
+feasible: boolean, };
+
+/**
  * Battery, as reported.
  */
 export type Battery = { 
@@ -297,6 +322,32 @@ capable: boolean,
 priority: number, };
 
 /**
+ * The key of the second step.
+ */
+export type EmergencyKey = { 
+/**
+ * To be given with the stop itself. Good for any number of vehicles until its time is over.
+ */
+key: string, 
+/**
+ * For how long it is good, in seconds.
+ */
+valid_s: number, };
+
+/**
+ * The second step of the emergency stop.
+ */
+export type EmergencyStopBody = { 
+/**
+ * The key of the first step.
+ */
+key: string, 
+/**
+ * Whose motors are stopped.
+ */
+targets: Targets, };
+
+/**
  * Every answer that is not a success.
  */
 export type ErrorBody = { 
@@ -350,7 +401,7 @@ progress: CommandProgress, } | { "kind": "refused",
 /**
  * Why.
  */
-refusal: Refusal, } | { "kind": "formation" } | { "kind": "supervision", 
+refusal: Refusal, } | { "kind": "avoidance" } | { "kind": "emergency_stop" } | { "kind": "formation" } | { "kind": "supervision", 
 /**
  * Name in the supervision tree.
  */
@@ -449,7 +500,11 @@ payload: string | null, } | { "fault": "vehicle_actor",
 /**
  * The vehicle.
  */
-vehicle: VehicleId, } | { "fault": "coordinator" };
+vehicle: VehicleId, } | { "fault": "coordinator" } | { "fault": "coordinator_away", 
+/**
+ * It is away; false lets it come back.
+ */
+away: boolean, };
 
 /**
  * The fence, for display. The gate in the node keeps it, not the browser.
@@ -584,13 +639,26 @@ formation: FormationSnapshot | null, };
 export type FormationControl = "slots" | "distances" | "bearings";
 
 /**
+ * Where the places of a formation would be.
+ */
+export type FormationPreview = { 
+/**
+ * The places relative to the anchor, the leader's first if a vehicle leads.
+ */
+slots: Array<OffsetFrd>, 
+/**
+ * Smallest distance between two of them in metres; null for one alone.
+ */
+smallest_distance_m: number | null, };
+
+/**
  * What a change of formation will look like.
  */
 export type FormationReceipt = { 
 /**
- * Who leads.
+ * Who leads; nobody if it is anchored to something else than a vehicle.
  */
-leader: VehicleId, 
+leader: VehicleId | null, 
 /**
  * Who takes part, leader first.
  */
@@ -602,7 +670,11 @@ duration_s: number,
 /**
  * Smallest distance between any two vehicles on the way, in metres.
  */
-planned_min_distance_m: number, };
+planned_min_distance_m: number, 
+/**
+ * How fast it can go as a whole, in metres per second.
+ */
+max_speed_m_s: number, };
 
 /**
  * A formation as an operator asks for it.
@@ -674,9 +746,21 @@ export type FormationSnapshot = {
  */
 request: FormationRequest, 
 /**
- * Who leads.
+ * Who leads; nobody if it is anchored to something else than a vehicle.
  */
-leader: VehicleId, 
+leader: VehicleId | null, 
+/**
+ * The anchor at this moment.
+ */
+anchor: PositionNed | null, 
+/**
+ * Its members keep their places by their neighbours now.
+ */
+keeps_itself: boolean, 
+/**
+ * How fast it can go as a whole, in metres per second.
+ */
+max_speed_m_s: number, 
 /**
  * Who takes part, leader first.
  */
@@ -1382,6 +1466,53 @@ warning: boolean,
 fault: string, };
 
 /**
+ * Things that formations may be anchored to.
+ */
+export type ReferenceList = { 
+/**
+ * The references by name.
+ */
+references: Array<ReferenceSnapshot>, };
+
+/**
+ * Where a reference is, as it is told.
+ */
+export type ReferenceReport = { 
+/**
+ * Its position in the swarm frame.
+ */
+position: PositionNed, 
+/**
+ * Its velocity, if it is known; else it is worked out from the positions.
+ */
+velocity: VelocityNed | null, 
+/**
+ * Where it points in radians clockwise from north, if it is known.
+ */
+heading_rad: number | null, };
+
+/**
+ * A reference as screens see it.
+ */
+export type ReferenceSnapshot = { 
+/**
+ * Its name.
+ */
+name: string, 
+/**
+ * As last told.
+ */
+report: ReferenceReport, 
+/**
+ * How long ago, in seconds.
+ */
+age_s: number, 
+/**
+ * Told too long ago to be followed.
+ */
+stale: boolean, };
+
+/**
  * A typed refusal. Its display text is the sentence an operator reads.
  */
 export type Refusal = { "reason": "unknown_vehicle", 
@@ -1492,7 +1623,15 @@ payload: string, } | { "reason": "unknown_track",
 /**
  * The number asked for.
  */
-track: number, };
+track: number, } | { "reason": "preflight", 
+/**
+ * Ids of the items.
+ */
+items: Array<string>, } | { "reason": "unknown_reference", 
+/**
+ * The name asked for.
+ */
+name: string, };
 
 /**
  * Restarts of plugin instances.
@@ -1942,6 +2081,10 @@ model: PluginHealth,
  * What the model reports of itself, as its state schema has it.
  */
 model_state: unknown, 
+/**
+ * What is changed of its setpoints at this moment; absent if nothing.
+ */
+avoiding: Avoidance | null, 
 /**
  * Whether it can host the coordinator; absent if its model does not say.
  */

@@ -1,0 +1,52 @@
+//! Routes about references that formations may be anchored to, and about how a formation would look.
+
+use crate::app::App;
+use crate::body::Body;
+use crate::error::ApiError;
+use crate::protocol::{FormationPreview, ReferenceList};
+use axum::Json;
+use axum::extract::rejection::PathRejection;
+use axum::extract::{Path, State};
+use axum::http::StatusCode;
+use skein_domain::{FormationRequest, Refusal};
+use skein_flight::formation;
+use skein_runtime::ReferenceReport;
+
+type Name = Result<Path<String>, PathRejection>;
+
+pub(crate) async fn list(State(app): State<App>) -> Json<ReferenceList> {
+    Json(ReferenceList {
+        references: app.node.references(),
+    })
+}
+
+pub(crate) async fn tell(
+    State(app): State<App>,
+    name: Name,
+    Body(report): Body<ReferenceReport>,
+) -> Result<StatusCode, ApiError> {
+    let Path(name) = name?;
+    app.node.tell_reference(&name, report)?;
+    Ok(StatusCode::NO_CONTENT)
+}
+
+pub(crate) async fn forget(State(app): State<App>, name: Name) -> Result<StatusCode, ApiError> {
+    let Path(name) = name?;
+    app.node.forget_reference(&name)?;
+    Ok(StatusCode::NO_CONTENT)
+}
+
+/// Where the places of a formation would be, without flying it.
+pub(crate) async fn preview(
+    State(app): State<App>,
+    Body(request): Body<FormationRequest>,
+) -> Result<Json<FormationPreview>, ApiError> {
+    let available = app.node.snapshot().vehicles.len();
+    let count = request.members.as_ref().map_or(available, Vec::len).max(1);
+    let slots =
+        formation::anchored_slots(&request, count).map_err(|e| Refusal::InvalidValue { detail: e.to_string() })?;
+    Ok(Json(FormationPreview {
+        smallest_distance_m: Some(formation::smallest_distance_m(&slots)).filter(|d| d.is_finite()),
+        slots,
+    }))
+}

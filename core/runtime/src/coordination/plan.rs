@@ -1,0 +1,490 @@
+//! The plan of a formation: who takes part, who leads, what it is anchored to, who takes which slot on which way.
+//!
+//! Must never do: read the board. With many vehicles planning takes longer than a control period: it is called off the actors.
+
+use super::{Formation, available, by_fitness};
+use crate::board::PeerSnapshot;
+use skein_config::CoordinatorSettings;
+use skein_domain::{
+    AnchorPlan, AnchorReference, FlightLimits, FormationAnchor, FormationControl, FormationHeading, FormationRequest,
+    HeadingRequest, Keeping, KeepingLaw, NodeTime, OffsetFrd, PositionNed, Refusal, Route, VehicleId,
+};
+use skein_flight::transition::{self, Change, MotionLimits};
+use skein_flight::{consensus, formation, limits};
+use skein_safety::Gate;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Below this turning rate a formation does not follow its leader's course: a quarter turn would take longer than ten seconds.
+const SLOWEST_USEFUL_TURN_RAD_S: f64 = 0.15;
+/// Leader's speed assumed when a formation's turning rate is chosen, in metres per second, until a route says otherwise.
+const NOMINAL_SPEED_M_S: f64 = 5.0;
+/// A change of shape is flown at this speed at least, in metres per second; the gate slows whoever becomes too fast by it.
+const SLOWEST_CHANGE_M_S: f64 = 1.5;
+/// Acceleration of the outermost vehicle in a turn of the formation, in metres per second squared: beyond it tracking suffers.
+const TURN_ACCELERATION_M_S2: f64 = 3.0;
+/// A virtual leader speeds up and turns no harder than this, so that followers have something to spare, in metres per second squared.
+const ANCHOR_ACCELERATION_M_S2: f64 = 2.0;
+/// A formation at a place turns towards its heading no faster than this, in radians per second.
+const PLACE_TURN_RAD_S: f64 = 0.2;
+
+/// Limits a plan is made under.
+#[derive(Debug, Clone)]
+pub struct PlanLimits {
+    /// Motion within the formation.
+    pub transition: MotionLimits,
+    /// The gate's horizontal speed limit in metres per second.
+    pub max_speed_m_s: f64,
+    /// Who leads before others, by configuration.
+    pub leader_order: Vec<VehicleId>,
+}
+
+impl PlanLimits {
+    /// From the configuration.
+    #[must_use]
+    pub fn new(settings: &CoordinatorSettings, max_speed_m_s: f64) -> Self {
+        Self {
+            transition: MotionLimits {
+                speed_m_s: settings.transition_speed_m_s,
+                acceleration_m_s2: settings.transition_acceleration_m_s2,
+                climb_m_s: settings.transition_climb_m_s,
+                min_distance_m: settings.transition_min_distance_m,
+            },
+            max_speed_m_s,
+            leader_order: settings.leader_order.iter().copied().map(VehicleId).collect(),
+        }
+    }
+}
+
+/// Everything a plan is made from.
+#[derive(Debug, Clone)]
+pub struct PlanInput {
+    /// What is asked for.
+    pub request: FormationRequest,
+    /// The formation flown until now, if any.
+    pub before: Option<Formation>,
+    /// Speed of the leader's route in metres per second, while one is flown.
+    pub route_speed_m_s: Option<f64>,
+    /// Where the reference is that the formation is to be anchored to, if it is.
+    pub reference: Option<AnchorReference>,
+    /// Limits.
+    pub limits: PlanLimits,
+    /// What the formation's places have to pass.
+    pub gate: Arc<Gate>,
+    /// When the change is to begin.
+    pub start: NodeTime,
+}
+
+/// Makes the plan of a formation change for those members that are available.
+///
+/// # Errors
+/// When a named member or leader is not available, too few are, the anchor is not known, or no safe way into the slots is found.
+pub fn plan(input: &PlanInput, peers: &PeerSnapshot) -> Result<Formation, Refusal> {
+    let mut members = members(&input.request, peers)?;
+    let led = input.request.anchor == FormationAnchor::Leader;
+    let leader = if led {
+        Some(choose_leader(input, &members, peers)?)
+    } else if members.is_empty() {
+        return Err(Refusal::NotEnoughVehicles { have: 0, need: 1 });
+    } else {
+        None
+    };
+    if let Some(leader) = leader {
+        members.retain(|id| *id != leader);
+        members.insert(0, leader);
+    }
+    let able = capabilities(&members, peers, &input.limits);
+    let invalid = |e: formation::FormationError| Refusal::InvalidValue { detail: e.to_string() };
+    let slots = formation::anchored_slots(&input.request, members.len()).map_err(invalid)?;
+    input.gate.formation(formation::smallest_distance_m(&slots))?;
+    let basis = Basis::now(input, leader, peers)?;
+    let together = slowest(&able);
+    let heading = choose_heading(input, &slots, basis.heading_rad, &together);
+    let from = present_offsets(input, &members, leader, &basis, peers)?;
+    let taken_m_s = taken_m_s(input, &from, &slots, &heading, basis.turning_rad_s);
+    let held = held_slots(input, &members, &from, &slots);
+    let change = Change {
+        able: &able,
+        taken_m_s,
+        led: leader.is_some(),
+        held: held.as_deref(),
+        ..Change::new(&from, &slots, &motion_limits(&input.limits, taken_m_s, &together))
+    };
+    let planned = change.plan(input.start).map_err(invalid)?;
+    stays_inside(input, &slots, &basis, &heading)?;
+    let anchor = anchor_plan(input, &basis, heading, &together, planned.duration_s);
+    let ends: Vec<OffsetFrd> = planned.moves.iter().map(|m| m.to).collect();
+    let skipped = usize::from(leader.is_some());
+    Ok(Formation {
+        request: FormationRequest {
+            leader: leader.or(input.request.leader),
+            ..input.request.clone()
+        },
+        leader,
+        anchor,
+        keeping: keeping(input, &members, leader, &ends, basis.heading_rad, planned.duration_s),
+        slots: members.iter().copied().zip(planned.moves).skip(skipped).collect(),
+        members,
+        heading,
+        decided: input.start,
+        settled_at: input.start.plus_seconds(planned.duration_s),
+        min_distance_m: planned.min_distance_m,
+        max_speed_m_s: together.max_speed_m_s * limits::TURN_SPEED_SHARE,
+    })
+}
+
+/// Whether everyone's place is one that may be flown to, as far as is known now: about the anchor as it stands. Where it goes later is
+/// looked at when it gets a route, and in flight.
+fn stays_inside(
+    input: &PlanInput,
+    slots: &[OffsetFrd],
+    basis: &Basis,
+    heading: &FormationHeading,
+) -> Result<(), Refusal> {
+    let heading_rad = match heading {
+        FormationHeading::Fixed { heading_rad } => *heading_rad,
+        FormationHeading::Course { .. } => basis.heading_rad,
+    };
+    let places = slots.iter().map(|slot| basis.position.moved(slot.rotated(heading_rad)));
+    places.into_iter().try_for_each(|place| input.gate.goal(&place))
+}
+
+/// A route as a formation can fly it: no faster than its slowest member, no corner tighter than the widest turn that one needs.
+#[must_use]
+pub fn fitted(route: Route, formation: &Formation, peers: &PeerSnapshot, limits: &PlanLimits) -> Route {
+    let together = slowest(&capabilities(&formation.members, peers, limits));
+    Route {
+        speed_m_s: route.speed_m_s.min(formation.max_speed_m_s),
+        corner_radius_m: route.corner_radius_m.max(together.min_turn_radius_m),
+        ..route
+    }
+}
+
+/// Who takes part, by ascending id.
+fn members(request: &FormationRequest, peers: &PeerSnapshot) -> Result<Vec<VehicleId>, Refusal> {
+    let available = available(peers);
+    let mut members = match &request.members {
+        Some(named) => {
+            for id in named {
+                if !available.contains(id) {
+                    return Err(peers
+                        .entry(*id)
+                        .map_or(Refusal::UnknownVehicle { vehicle: *id }, |entry| Refusal::WrongState {
+                            state: entry.flight_state,
+                            command: format!("take vehicle {id} into the formation"),
+                        }));
+                }
+            }
+            named.clone()
+        }
+        None => available,
+    };
+    members.sort_unstable();
+    members.dedup();
+    Ok(members)
+}
+
+fn choose_leader(input: &PlanInput, members: &[VehicleId], peers: &PeerSnapshot) -> Result<VehicleId, Refusal> {
+    let asked = input.request.leader.filter(|id| members.contains(id));
+    let present = input
+        .before
+        .as_ref()
+        .and_then(|f| f.leader)
+        .filter(|id| members.contains(id));
+    asked
+        .or(present)
+        .or_else(|| by_fitness(members, &input.limits.leader_order, peers).first().copied())
+        .ok_or(Refusal::NotEnoughVehicles { have: 0, need: 1 })
+}
+
+/// What each member can do: as its model says, or else as the configuration has it for all.
+fn capabilities(members: &[VehicleId], peers: &PeerSnapshot, limits: &PlanLimits) -> Vec<FlightLimits> {
+    let assumed = FlightLimits {
+        max_speed_m_s: limits.max_speed_m_s,
+        max_climb_m_s: limits.transition.climb_m_s,
+        max_descent_m_s: limits.transition.climb_m_s,
+        max_acceleration_m_s2: limits.transition.acceleration_m_s2,
+        min_turn_radius_m: 0.0,
+        endurance_s: None,
+        keeps_view: false,
+    };
+    let of = |id: &VehicleId| {
+        let said = peers.entry(*id).and_then(|e| e.limits);
+        said.map_or(assumed, |said| FlightLimits {
+            max_speed_m_s: said.max_speed_m_s.min(limits.max_speed_m_s),
+            ..said
+        })
+    };
+    members.iter().map(of).collect()
+}
+
+/// What all of them can do together.
+fn slowest(able: &[FlightLimits]) -> FlightLimits {
+    let all = able.iter().copied().reduce(|a, b| a.with(&b));
+    all.unwrap_or(FlightLimits {
+        max_speed_m_s: 0.0,
+        max_climb_m_s: 0.0,
+        max_descent_m_s: 0.0,
+        max_acceleration_m_s2: 0.0,
+        min_turn_radius_m: 0.0,
+        endurance_s: None,
+        keeps_view: false,
+    })
+}
+
+/// Where the formation's axes are when the change begins.
+struct Basis {
+    /// The anchor's place.
+    position: PositionNed,
+    /// The anchor's heading in radians.
+    heading_rad: f64,
+    /// How fast it turns, in radians per second.
+    turning_rad_s: f64,
+}
+
+impl Basis {
+    fn now(input: &PlanInput, leader: Option<VehicleId>, peers: &PeerSnapshot) -> Result<Self, Refusal> {
+        if let Some(leader) = leader {
+            return Self::of_leader(input, leader, peers);
+        }
+        // What the formation is anchored to now, be it a vehicle or not.
+        let before = input.before.as_ref();
+        let present = before.and_then(|f| match f.leader {
+            Some(leader) => peers.entry(leader).and_then(|e| e.anchor),
+            None => peers.anchor,
+        });
+        let heading_rad = match (present, input.request.heading) {
+            (Some(anchor), _) => anchor.heading_rad,
+            (None, HeadingRequest::Fixed { heading_deg }) => heading_deg.to_radians(),
+            (None, HeadingRequest::Auto | HeadingRequest::Course) => 0.0,
+        };
+        let at = |position: PositionNed, turning_rad_s: f64| Self {
+            position,
+            heading_rad,
+            turning_rad_s,
+        };
+        let same_as_before = before.is_some_and(|f| f.anchor.is_some() && f.request.anchor == input.request.anchor);
+        match (&input.request.anchor, present) {
+            (FormationAnchor::Path { .. }, Some(anchor)) => Ok(at(anchor.position, anchor.heading_rate_rad_s)),
+            (_, Some(anchor)) if same_as_before => Ok(at(anchor.position, anchor.heading_rate_rad_s)),
+            (FormationAnchor::Path { route }, None) => {
+                route
+                    .waypoints
+                    .first()
+                    .map(|first| at(*first, 0.0))
+                    .ok_or_else(|| Refusal::InvalidValue {
+                        detail: "a route needs at least one waypoint".into(),
+                    })
+            }
+            (FormationAnchor::Place { position, .. }, _) => Ok(at(*position, 0.0)),
+            (FormationAnchor::Reference { name }, _) => {
+                let reference = input
+                    .reference
+                    .ok_or_else(|| Refusal::UnknownReference { name: name.clone() })?;
+                Ok(at(reference.position, 0.0))
+            }
+            (FormationAnchor::Leader, _) => Err(Refusal::NoPosition),
+        }
+    }
+
+    /// The leader's anchor if it leads already, else its place and yaw, which is what the leader's model starts from.
+    fn of_leader(input: &PlanInput, leader: VehicleId, peers: &PeerSnapshot) -> Result<Self, Refusal> {
+        let entry = peers.entry(leader).ok_or(Refusal::NoPosition)?;
+        let kinematics = entry.kinematics.ok_or(Refusal::NoPosition)?;
+        let heading_rad = match (entry.anchor, input.request.heading) {
+            (Some(anchor), _) => anchor.heading_rad,
+            (None, HeadingRequest::Fixed { heading_deg }) => heading_deg.to_radians(),
+            (None, HeadingRequest::Auto | HeadingRequest::Course) => kinematics.yaw_rad,
+        };
+        Ok(Self {
+            position: kinematics.position,
+            heading_rad,
+            turning_rad_s: entry.anchor.map_or(0.0, |a| a.heading_rate_rad_s),
+        })
+    }
+}
+
+/// The anchor, if it is no vehicle. One that goes on as before stays the same, so that nothing starts anew.
+fn anchor_plan(
+    input: &PlanInput,
+    basis: &Basis,
+    heading: FormationHeading,
+    together: &FlightLimits,
+    forming_s: f64,
+) -> Option<AnchorPlan> {
+    let before = input.before.as_ref();
+    let same = |f: &&Formation| f.request.anchor == input.request.anchor && f.request.heading == input.request.heading;
+    if let Some(kept) = before.filter(same).and_then(|f| f.anchor.clone()) {
+        return Some(kept);
+    }
+    match &input.request.anchor {
+        FormationAnchor::Leader => None,
+        FormationAnchor::Path { route } => Some(AnchorPlan::Path {
+            route: Route {
+                speed_m_s: route.speed_m_s.min(together.max_speed_m_s * limits::TURN_SPEED_SHARE),
+                corner_radius_m: route.corner_radius_m.max(together.min_turn_radius_m),
+                ..route.clone()
+            },
+            from: basis.position,
+            heading_rad: basis.heading_rad,
+            heading,
+            acceleration_m_s2: together.max_acceleration_m_s2.min(ANCHOR_ACCELERATION_M_S2),
+            climb_m_s: together.max_climb_m_s,
+            descent_m_s: together.max_descent_m_s,
+            // It waits until they are in their slots.
+            start: input.start.plus_seconds(forming_s),
+        }),
+        FormationAnchor::Reference { name } => Some(AnchorPlan::Reference {
+            name: name.clone(),
+            heading,
+        }),
+        FormationAnchor::Place { position, heading_deg } => {
+            let asked = match input.request.heading {
+                HeadingRequest::Fixed { heading_deg } => Some(heading_deg),
+                HeadingRequest::Auto | HeadingRequest::Course => *heading_deg,
+            };
+            Some(AnchorPlan::Place {
+                position: *position,
+                heading_rad: asked.map_or(basis.heading_rad, f64::to_radians),
+                max_rate_rad_s: PLACE_TURN_RAD_S,
+            })
+        }
+    }
+}
+
+/// For control by neighbours: whom each follower keeps its place by, in the axes the formation has when it is formed.
+fn keeping(
+    input: &PlanInput,
+    members: &[VehicleId],
+    leader: Option<VehicleId>,
+    slots: &[OffsetFrd],
+    heading_rad: f64,
+    forming_s: f64,
+) -> BTreeMap<VehicleId, Keeping> {
+    let law = match input.request.control {
+        FormationControl::Slots => return BTreeMap::new(),
+        FormationControl::Distances => KeepingLaw::Distances,
+        FormationControl::Bearings => KeepingLaw::Bearings,
+    };
+    let placed: Vec<(VehicleId, OffsetFrd)> = members.iter().copied().zip(slots.iter().copied()).collect();
+    let start = input.start.plus_seconds(forming_s);
+    consensus::keepings(&placed, leader, heading_rad, law, start)
+        .into_iter()
+        .collect()
+}
+
+fn choose_heading(
+    input: &PlanInput,
+    slots: &[OffsetFrd],
+    heading_now: f64,
+    together: &FlightLimits,
+) -> FormationHeading {
+    let speed_m_s = input
+        .route_speed_m_s
+        .unwrap_or(NOMINAL_SPEED_M_S)
+        .min(together.max_speed_m_s * limits::TURN_SPEED_SHARE);
+    let acceleration_m_s2 = TURN_ACCELERATION_M_S2.min(together.max_acceleration_m_s2);
+    let max_rate_rad_s =
+        limits::max_turn_rate_within_rad_s(slots, speed_m_s, together.max_speed_m_s, acceleration_m_s2);
+    match input.request.heading {
+        HeadingRequest::Fixed { heading_deg } => FormationHeading::Fixed {
+            heading_rad: heading_deg.to_radians(),
+        },
+        // Directions are kept in north and east: such a formation does not turn.
+        _ if input.request.control == FormationControl::Bearings => FormationHeading::Fixed {
+            heading_rad: heading_now,
+        },
+        HeadingRequest::Auto if max_rate_rad_s < SLOWEST_USEFUL_TURN_RAD_S => FormationHeading::Fixed {
+            heading_rad: heading_now,
+        },
+        HeadingRequest::Auto | HeadingRequest::Course => FormationHeading::Course { max_rate_rad_s },
+    }
+}
+
+/// How much of each member's speed the formation as a whole takes: its anchor's speed and its turning.
+fn taken_m_s(
+    input: &PlanInput,
+    from: &[OffsetFrd],
+    slots: &[OffsetFrd],
+    heading: &FormationHeading,
+    turning_rad_s: f64,
+) -> f64 {
+    let turns = turning_rad_s.abs() > 1e-3;
+    let rate_rad_s = match heading {
+        FormationHeading::Course { max_rate_rad_s } if input.route_speed_m_s.is_some() || turns => *max_rate_rad_s,
+        _ => turning_rad_s.abs(),
+    };
+    let farthest_m = from
+        .iter()
+        .chain(slots)
+        .map(|o| o.forward_m.hypot(o.right_m))
+        .fold(0.0, f64::max);
+    input.route_speed_m_s.unwrap_or(0.0) + rate_rad_s * farthest_m
+}
+
+/// The limits within the formation, beside what it takes as a whole.
+fn motion_limits(limits: &PlanLimits, taken_m_s: f64, together: &FlightLimits) -> MotionLimits {
+    let spare_m_s = together.max_speed_m_s * limits::TURN_SPEED_SHARE - taken_m_s;
+    MotionLimits {
+        speed_m_s: limits.transition.speed_m_s.min(spare_m_s.max(SLOWEST_CHANGE_M_S)),
+        ..limits.transition
+    }
+}
+
+/// Who has which of the slots, where the same members fly the same shape and only its parameters change: such a change is a morph.
+fn held_slots(input: &PlanInput, members: &[VehicleId], from: &[OffsetFrd], slots: &[OffsetFrd]) -> Option<Vec<usize>> {
+    let before = input.before.as_ref()?;
+    let same = before.request.shape == input.request.shape
+        && before.members.len() == members.len()
+        && members.iter().all(|id| before.members.contains(id))
+        && before.leader.is_some() == (input.request.anchor == FormationAnchor::Leader);
+    let former = formation::anchored_slots(&before.request, members.len());
+    let former = former.ok().filter(|former| same && former.len() == slots.len())?;
+    Some(transition::held_slots(from, &former))
+}
+
+/// Where each member is relative to the anchor when the change begins. A member of the formation flown until now is taken at its slot,
+/// not where it was measured, so that its setpoint does not jump.
+fn present_offsets(
+    input: &PlanInput,
+    members: &[VehicleId],
+    leader: Option<VehicleId>,
+    basis: &Basis,
+    peers: &PeerSnapshot,
+) -> Result<Vec<OffsetFrd>, Refusal> {
+    let place = |id: &VehicleId| {
+        peers
+            .entry(*id)
+            .and_then(|e| e.kinematics)
+            .map(|k| k.position)
+            .ok_or(Refusal::NoPosition)
+    };
+    let before = input.before.as_ref();
+    let slot_offset = |id: &VehicleId| {
+        let before = before?;
+        if Some(*id) == before.leader {
+            return Some(OffsetFrd::default());
+        }
+        before
+            .slots
+            .get(id)
+            .map(|slot| transition::sample(slot, input.start).offset)
+    };
+    // Offsets of the former slots are relative to the former anchor: re-based on the new leader where both have a slot, kept where
+    // the anchor goes on as it was.
+    let same_anchor = before.is_some_and(|f| f.anchor.is_some() && f.request.anchor == input.request.anchor);
+    let base = match leader {
+        Some(leader) => slot_offset(&leader),
+        None => same_anchor.then(OffsetFrd::default),
+    };
+    members
+        .iter()
+        .map(|id| match (slot_offset(id), base) {
+            (Some(offset), Some(base)) => Ok(OffsetFrd::from(offset.vector() - base.vector())),
+            _ => Ok(OffsetFrd::from_ned(
+                place(id)?.vector() - basis.position.vector(),
+                basis.heading_rad,
+            )),
+        })
+        .collect()
+}

@@ -1,0 +1,215 @@
+//! Planning beside the actor: with many vehicles a plan takes longer than a control period, and a leader that is lost meanwhile must be
+//! replaced at once. What was planned for a formation that has changed since is planned again, or dropped.
+
+use super::{CoordinatorMessage, CoordinatorState, LEAD_TIME_S, list};
+use crate::coordination::{self, Formation, PlanInput, PlanLimits};
+use crate::handle::FormationReceipt;
+use ractor::{ActorRef, RpcReplyPort};
+use skein_domain::exchange::Severity;
+use skein_domain::{AnchorPlan, FormationAnchor, FormationRequest, NodeTime, Refusal, VehicleId};
+
+/// How often a request is planned anew because the formation changed meanwhile.
+const ATTEMPTS: u8 = 5;
+
+/// After a plan to regroup that failed the next is made so much later, in seconds.
+const RETRY_S: f64 = 1.0;
+
+/// What a plan is for.
+pub enum Purpose {
+    /// Somebody asked.
+    Asked(RpcReplyPort<Result<FormationReceipt, Refusal>>),
+    /// Members left or joined.
+    Regroup {
+        /// What happened.
+        text: String,
+        /// The members were named by whoever asked for the formation.
+        named: bool,
+    },
+}
+
+/// A plan that was made.
+pub struct Planned {
+    request: FormationRequest,
+    purpose: Purpose,
+    /// The state of the formation it was made for.
+    generation: u64,
+    attempts: u8,
+    outcome: Result<Formation, Refusal>,
+}
+
+impl CoordinatorState {
+    /// Begins to plan; the result comes back as a message.
+    pub(super) fn begin_plan(
+        &mut self,
+        myself: &ActorRef<CoordinatorMessage>,
+        request: FormationRequest,
+        purpose: Purpose,
+        attempts: u8,
+    ) {
+        if matches!(purpose, Purpose::Regroup { .. }) {
+            self.regrouping = true;
+        }
+        let (generation, input) = (self.generation, self.plan_input(request.clone()));
+        let peers = self.board.peers.load_full();
+        let myself = myself.clone();
+        tokio::spawn(async move {
+            let planned = tokio::task::spawn_blocking(move || coordination::plan(&input, &peers)).await;
+            let outcome = planned.unwrap_or_else(|_| {
+                Err(Refusal::NotRunning {
+                    what: "the formation planner".into(),
+                })
+            });
+            // A coordinator that has ended has told the asker by dropping the reply.
+            let _ = myself.cast(CoordinatorMessage::Planned(Box::new(Planned {
+                request,
+                purpose,
+                generation,
+                attempts,
+                outcome,
+            })));
+        });
+    }
+
+    fn plan_input(&self, request: FormationRequest) -> PlanInput {
+        let coordination = self.board.coordination.lock().clone();
+        let now = self.board.now();
+        let reference = match &request.anchor {
+            FormationAnchor::Reference { name } => self.board.references.anchor(name, now),
+            _ => None,
+        };
+        let path_speed_m_s = match &request.anchor {
+            FormationAnchor::Path { route } => Some(route.speed_m_s),
+            _ => None,
+        };
+        let route = coordination.route.as_ref().filter(|r| !r.finished);
+        PlanInput {
+            request,
+            route_speed_m_s: path_speed_m_s.or(route.map(|r| r.route.speed_m_s)),
+            reference,
+            before: coordination.formation,
+            limits: self.plan_limits(),
+            gate: self.board.gate(),
+            start: now.plus_seconds(LEAD_TIME_S),
+        }
+    }
+
+    pub(super) fn plan_limits(&self) -> PlanLimits {
+        let config = &self.board.config;
+        PlanLimits::new(&config.coordinator, config.safety.max_speed_m_s)
+    }
+
+    /// A plan is there: it is flown if it still fits.
+    pub(super) fn take_plan(&mut self, myself: &ActorRef<CoordinatorMessage>, planned: Planned) {
+        let Planned {
+            request,
+            purpose,
+            generation,
+            attempts,
+            outcome,
+        } = planned;
+        if matches!(purpose, Purpose::Regroup { .. }) {
+            self.regrouping = false;
+        }
+        if generation != self.generation {
+            match purpose {
+                Purpose::Asked(_) if attempts < ATTEMPTS => self.begin_plan(myself, request, purpose, attempts + 1),
+                // Nobody waits for these: the asker is told; a regrouping is looked at again by the next review.
+                Purpose::Asked(reply) => drop(reply.send(Err(Refusal::Superseded))),
+                Purpose::Regroup { .. } => self.reshape = true,
+            }
+            return;
+        }
+        let outcome = outcome.map(|mut formation| {
+            shift_start(&mut formation, self.board.now().plus_seconds(LEAD_TIME_S));
+            formation
+        });
+        match purpose {
+            Purpose::Asked(reply) => drop(reply.send(outcome.map(|formation| self.fly_asked(formation)))),
+            Purpose::Regroup { text, named } => self.fly_regrouped(outcome, &text, named),
+        }
+    }
+
+    fn fly_asked(&mut self, formation: Formation) -> FormationReceipt {
+        // The operator calls them back.
+        self.board.withdrawn.lock().retain(|id| !formation.members.contains(id));
+        let receipt = FormationReceipt {
+            leader: formation.leader,
+            members: formation.members.clone(),
+            duration_s: formation.settled_at.seconds_since(formation.decided),
+            planned_min_distance_m: formation.min_distance_m,
+            max_speed_m_s: formation.max_speed_m_s,
+        };
+        let behind = formation
+            .leader
+            .map_or_else(|| "about its anchor".to_owned(), |id| format!("behind vehicle {id}"));
+        let text = format!(
+            "formation {:?} of {} {behind}: {:.1} s, {:.1} m apart at least",
+            formation.request.shape,
+            formation.members.len(),
+            receipt.duration_s,
+            receipt.planned_min_distance_m
+        );
+        self.fly(formation, Severity::Info, text);
+        receipt
+    }
+
+    fn fly_regrouped(&mut self, outcome: Result<Formation, Refusal>, text: &str, named: bool) {
+        match outcome {
+            Ok(mut formation) => {
+                if !named {
+                    formation.request.members = None;
+                }
+                self.reshape = false;
+                self.joins.retain(|id| !formation.members.contains(id));
+                self.fly(formation, Severity::Advisory, text.to_owned());
+            }
+            Err(refusal) => {
+                self.joins.clear();
+                self.not_before = self.board.now().plus_seconds(RETRY_S);
+                self.record(Severity::Warning, format!("{text}; but it cannot: {refusal}"));
+            }
+        }
+    }
+
+    /// Plans the formation anew for these members.
+    pub(super) fn regroup(
+        &mut self,
+        myself: &ActorRef<CoordinatorMessage>,
+        formation: &Formation,
+        members: Vec<VehicleId>,
+        gone: &[VehicleId],
+        joins: &[VehicleId],
+    ) {
+        if members.is_empty() {
+            self.dissolve();
+            return;
+        }
+        let named = formation.request.members.is_some();
+        let request = FormationRequest {
+            members: Some(members),
+            ..formation.request.clone()
+        };
+        let text = format!("formation regroups: left {}, joined {}", list(gone), list(joins));
+        self.begin_plan(myself, request, Purpose::Regroup { text, named }, 0);
+    }
+}
+
+/// Planning took time: the motion starts from now on, not from when planning began.
+fn shift_start(formation: &mut Formation, start: NodeTime) {
+    let late_s = start.seconds_since(formation.decided);
+    for slot in formation.slots.values_mut() {
+        slot.start = slot.start.plus_seconds(late_s);
+    }
+    for keeping in formation.keeping.values_mut() {
+        keeping.start = keeping.start.plus_seconds(late_s);
+    }
+    let settled_at = formation.settled_at;
+    // A virtual leader that sets off when they are formed; one that is under way already keeps its time.
+    if let Some(AnchorPlan::Path { start, .. }) = &mut formation.anchor
+        && *start == settled_at
+    {
+        *start = start.plus_seconds(late_s);
+    }
+    formation.settled_at = settled_at.plus_seconds(late_s);
+    formation.decided = start;
+}

@@ -1,0 +1,102 @@
+//! The emergency stop: motors off at once, in flight too. It is guarded by two steps, and goes around actors and plugins straight to the
+//! links: what must work when nothing else does waits for nobody.
+//!
+//! Must never do: happen by one call. Must never be asked for by a plugin.
+
+use crate::handle::{CommandReceipt, NodeHandle, Targets};
+use crate::snapshot::EventKind;
+use serde::{Deserialize, Serialize};
+use skein_domain::exchange::Severity;
+use skein_domain::{AutopilotCommand, NodeTime, Refusal, RequestId, VehicleId};
+
+/// How long the stop stays unlocked, in seconds.
+const UNLOCKED_S: f64 = 10.0;
+/// Request id of the stop itself, beyond what models and actors use.
+pub const EMERGENCY_REQUEST: RequestId = RequestId(u32::MAX - 1);
+
+/// The stop, unlocked.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct EmergencyUnlock {
+    key: String,
+    until: NodeTime,
+}
+
+/// The key of the second step.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
+pub struct EmergencyKey {
+    /// To be given with the stop itself. Good for any number of vehicles until its time is over.
+    pub key: String,
+    /// For how long it is good, in seconds.
+    pub valid_s: f64,
+}
+
+/// Why nothing is done with a vehicle whose motors were stopped.
+pub fn stopped() -> Refusal {
+    Refusal::NotPermitted {
+        detail: "its motors were stopped in an emergency; an operator has to arm it again".into(),
+    }
+}
+
+impl NodeHandle {
+    /// The first step: unlocks the stop for some seconds.
+    pub fn unlock_emergency_stop(&self) -> EmergencyKey {
+        let now = self.now();
+        // No secret: it only shows that somebody took the first step just now.
+        let key = format!("{:08x}", now.0.wrapping_mul(0x9E37_79B9) & 0xFFFF_FFFF);
+        *self.board().emergency.lock() = Some(EmergencyUnlock {
+            key: key.clone(),
+            until: now.plus_seconds(UNLOCKED_S),
+        });
+        let text = format!("emergency stop unlocked for {UNLOCKED_S:.0} s");
+        self.board()
+            .events
+            .record(now, None, Severity::Warning, EventKind::EmergencyStop, text);
+        EmergencyKey {
+            key,
+            valid_s: UNLOCKED_S,
+        }
+    }
+
+    /// The second step: stops the motors of these vehicles now. They fall.
+    ///
+    /// # Errors
+    /// Without the key of a first step that is not too long ago. Each vehicle answers for itself otherwise.
+    pub fn emergency_stop(&self, key: &str, targets: &Targets) -> Result<Vec<CommandReceipt>, Refusal> {
+        let now = self.now();
+        let unlocked = self.board().emergency.lock().clone();
+        if !unlocked.is_some_and(|u| u.key == key && now <= u.until) {
+            return Err(Refusal::NotPermitted {
+                detail: format!("emergency stop without the key of an unlocking in the last {UNLOCKED_S:.0} s"),
+            });
+        }
+        let ids = match targets {
+            Targets::All => self.board().cells().iter().map(|cell| cell.id).collect(),
+            Targets::Vehicles(ids) => ids.clone(),
+        };
+        Ok(ids.into_iter().map(|id| self.stop_motors(id, now)).collect())
+    }
+
+    fn stop_motors(&self, vehicle: VehicleId, now: NodeTime) -> CommandReceipt {
+        let id = self.board().next_command_id();
+        let Some(cell) = self.board().cell(vehicle) else {
+            let refusal = Some(Refusal::UnknownVehicle { vehicle });
+            return CommandReceipt { vehicle, id, refusal };
+        };
+        cell.set_stopped(true);
+        // Also to a vehicle that is not heard: it may hear.
+        cell.link
+            .load()
+            .0
+            .request(now, EMERGENCY_REQUEST, AutopilotCommand::EmergencyStop);
+        self.board().withdrawn.lock().insert(vehicle);
+        let text = format!("{}: EMERGENCY STOP, motors off", cell.name);
+        self.board()
+            .events
+            .record(now, Some(vehicle), Severity::Critical, EventKind::EmergencyStop, text);
+        CommandReceipt {
+            vehicle,
+            id,
+            refusal: None,
+        }
+    }
+}

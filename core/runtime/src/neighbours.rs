@@ -1,0 +1,98 @@
+//! Everything in the air as the separation filter wants it: our vehicles, with whether they do their part, tracks, and aircraft that
+//! were sighted.
+//!
+//! Must never do: leave out one whose position is known. Who is in doubt is taken for one that does not give way.
+
+use crate::board::{Board, PeerEntry};
+use skein_domain::{FlightState, NodeTime, PositionNed};
+use skein_safety::avoidance::{Cooperation, Neighbour, NeighbourId, Surroundings};
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+/// How far a vehicle's position may be wrong, in metres: three standard deviations of an ordinary satellite estimate relative to another
+/// one of the same swarm.
+const VEHICLE_UNCERTAINTY_M: f64 = 0.3;
+/// A track this near to one of our vehicles is that vehicle, in metres.
+const OWN_TRACK_M: f64 = 5.0;
+/// The same for what is seen in a picture.
+const TRACK_UNCERTAINTY_M: f64 = 2.0;
+/// The same for an aircraft that reports itself, with half its size.
+const AIRCRAFT_UNCERTAINTY_M: f64 = 30.0;
+/// A vehicle whose state is older than this does not do its part, in seconds.
+const FRESH_S: f64 = 0.5;
+/// A sighting older than this is not looked at any more, in seconds.
+const SIGHTING_KEPT_S: f64 = 15.0;
+
+/// All of them at this moment.
+pub fn surroundings(board: &Board, entries: &[PeerEntry], now: NodeTime) -> Surroundings {
+    let settings = board.gate().avoidance();
+    let mut all: Vec<Neighbour> = entries.iter().filter_map(|entry| vehicle(entry, now)).collect();
+    all.extend(tracks(board, entries));
+    all.extend(sighted(board, now));
+    Surroundings::new(&all, &settings, now)
+}
+
+/// What is tracked, but for tracks of our own vehicles: nobody must flee from itself.
+fn tracks(board: &Board, entries: &[PeerEntry]) -> Vec<Neighbour> {
+    let ours = |place: &PositionNed| {
+        let mut places = entries.iter().filter_map(|e| e.kinematics);
+        places.any(|k| k.position.distance_m(place) < OWN_TRACK_M)
+    };
+    board
+        .tracks
+        .load()
+        .iter()
+        .filter(|track| !ours(&track.position))
+        .map(|track| Neighbour {
+            id: NeighbourId::Foreign(track.track),
+            position: track.position,
+            velocity: track.velocity,
+            measured: track.time,
+            uncertainty_m: TRACK_UNCERTAINTY_M,
+            cooperation: Cooperation::DoesNot,
+            airborne: true,
+        })
+        .collect()
+}
+
+fn vehicle(entry: &PeerEntry, now: NodeTime) -> Option<Neighbour> {
+    let kinematics = entry.kinematics?;
+    let fresh = now.seconds_since(kinematics.measured) <= FRESH_S;
+    let lost = matches!(entry.flight_state, FlightState::PilotControl | FlightState::Faulted);
+    let in_our_hands = entry.link.connected && !lost && entry.link.setpoint_rate_hz > 0.0;
+    Some(Neighbour {
+        id: NeighbourId::Vehicle(entry.id),
+        position: kinematics.position,
+        velocity: kinematics.velocity,
+        measured: kinematics.measured,
+        uncertainty_m: VEHICLE_UNCERTAINTY_M,
+        cooperation: if fresh && in_our_hands {
+            Cooperation::Shares
+        } else {
+            Cooperation::DoesNot
+        },
+        airborne: entry.airborne,
+    })
+}
+
+/// Aircraft and movers that were sighted. Those on the ground cannot be told from those in the air: all are kept away from.
+fn sighted(board: &Board, now: NodeTime) -> Vec<Neighbour> {
+    let Some(frame) = board.frame() else { return Vec::new() };
+    board
+        .sightings
+        .since(now.plus_seconds(-SIGHTING_KEPT_S))
+        .into_iter()
+        .map(|sighting| {
+            let mut hasher = DefaultHasher::new();
+            sighting.source.hash(&mut hasher);
+            Neighbour {
+                id: NeighbourId::Foreign(hasher.finish()),
+                position: frame.position(&sighting.place),
+                velocity: sighting.velocity.unwrap_or_default(),
+                measured: sighting.time,
+                uncertainty_m: AIRCRAFT_UNCERTAINTY_M,
+                cooperation: Cooperation::DoesNot,
+                airborne: true,
+            }
+        })
+        .collect()
+}
