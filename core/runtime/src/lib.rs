@@ -7,7 +7,7 @@
 mod anchor;
 mod board;
 mod clock;
-mod coordination;
+pub mod coordination;
 mod coordinator;
 mod emergency;
 mod events;
@@ -29,6 +29,7 @@ pub mod snapshot;
 mod vehicle;
 mod wiring;
 
+pub use board::{PeerEntry, PeerSnapshot};
 pub use clock::TokioClock;
 pub use emergency::EmergencyKey;
 pub use handle::{CommandReceipt, Fault, FormationReceipt, FormationSlots, NodeHandle, Targets};
