@@ -18,6 +18,13 @@ const SHARE_OF_ROOM: f64 = 0.5;
 const SHARE_OF_LACK: f64 = 1.5;
 /// Who is led past passes by this much more than the keep-out distance, in metres.
 const PASSING_MARGIN_M: f64 = 0.15;
+/// Until the closest approach, but no longer than this in seconds, the other may turn towards one with this acceleration.
+const PASSING_MAX_S: f64 = 1.2;
+const SURPRISE_SHARING: f64 = 0.0;
+const SURPRISE_OTHER: f64 = 1.5;
+/// Rows yield by the time until contact: what is near yields last, and what does not share yields half as readily.
+const CONTACT_YIELDS_PER_S: f64 = 0.5;
+const YIELDS_LEAST: f64 = 0.1;
 /// Who would pass another on the left by less than this part of the keep-out distance passes it on the right instead.
 const RIGHT_HAND: f64 = 0.35;
 /// Dodging is preferred to braking when what lies between is flown in less than this, in seconds.
@@ -126,8 +133,11 @@ pub(super) fn demand(own: &Own, peer: &Carried, settings: &AvoidanceSettings) ->
         normal: sight,
         room: closing - sight.dot(&relative),
     };
-    let pass = passing(own, peer, &sight, &relative, (keep_m + PASSING_MARGIN_M) / distance_m);
-    let row = |side: &Side| side.row(own, peer.shares, squeeze, room_m, keep_m);
+    let margin_m = passing_margin_m(peer.shares, &there, &relative);
+    let pass = passing(own, peer, &sight, &relative, (keep_m + margin_m) / distance_m);
+    let contact_s = room_m.max(0.0) / sight.dot(&relative).max(0.1);
+    let yields = (CONTACT_YIELDS_PER_S * contact_s).clamp(YIELDS_LEAST, 1.0) * if peer.shares { 2.0 } else { 1.0 };
+    let row = |side: &Side| side.row(own, peer.shares, squeeze, yields);
     let stop_row = row(&stop);
     let chosen = pass
         .filter(|pass| stop_row.excess(&own.wanted) > 0.0 && prefers(&stop, pass, &relative, room_m, closing))
@@ -140,6 +150,18 @@ pub(super) fn demand(own: &Own, peer: &Carried, settings: &AvoidanceSettings) ->
         apart,
         velocity: peer.velocity,
     })
+}
+
+/// How much further than it must one passes: what the other could still do until then, in part.
+fn passing_margin_m(shares: bool, there: &Vector3<f64>, relative: &Vector3<f64>) -> f64 {
+    let square = relative.norm_squared();
+    let left_s = if square > 0.0 {
+        (there.dot(relative) / square).max(0.0).min(PASSING_MAX_S)
+    } else {
+        0.0
+    };
+    let surprise = if shares { SURPRISE_SHARING } else { SURPRISE_OTHER };
+    PASSING_MARGIN_M + 0.5 * surprise * left_s * left_s
 }
 
 /// Whether leading past costs less than stopping. Both vehicles judge by what both know, so that they come to the same answer.
@@ -157,7 +179,7 @@ struct Side {
 
 impl Side {
     /// The own part of it as a condition on the own velocity, in real coordinates.
-    fn row(&self, own: &Own, shares: bool, squeeze: f64, room_m: f64, keep_m: f64) -> Row {
+    fn row(&self, own: &Own, shares: bool, squeeze: f64, yields: f64) -> Row {
         let part = match (shares, self.room > 0.0) {
             (false, _) => self.room,
             (true, true) => SHARE_OF_ROOM * self.room,
@@ -168,8 +190,7 @@ impl Side {
         Row {
             normal: normal / length,
             bound: (normal.dot(&own.velocity) + part) / length,
-            // Who is near yields last.
-            yields: (room_m / keep_m + 0.5).clamp(0.1, 2.0),
+            yields,
         }
     }
 }
