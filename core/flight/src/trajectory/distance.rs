@@ -8,6 +8,9 @@ use skein_domain::{NodeTime, Trajectory};
 /// The bound is at most this much below the true distance, in metres.
 const TOLERANCE_M: f64 = 1e-3;
 
+/// What rounding may hide, in metres: taken off every bound.
+const ROUNDING_M: f64 = 1e-4;
+
 /// A stretch of time with one polynomial per axis; standing before the start and after the end.
 #[derive(Debug, Clone, Copy)]
 struct Stretch {
@@ -138,5 +141,5 @@ pub(super) fn nearest(trajectories: &[Trajectory]) -> (f64, Option<(usize, usize
             }
         }
     }
-    (bound2.max(0.0).sqrt(), pair)
+    ((bound2.max(0.0).sqrt() - ROUNDING_M).max(0.0), pair)
 }

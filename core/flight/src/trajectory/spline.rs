@@ -136,11 +136,10 @@ pub(super) fn through(
     places: &[Vector3<f64>],
     durations_s: &[f64],
 ) -> Option<Vec<TrajectoryPiece>> {
-    // The cost does not depend on where zero is; numbers near it lose least.
     let zero = Vector3::zeros();
-    let start = derivatives(&zero, &begin.velocity, &begin.acceleration);
+    let start = derivatives(&begin.position, &begin.velocity, &begin.acceleration);
     let all: Vec<Derivatives> = std::iter::once(start)
-        .chain(places.iter().map(|p| derivatives(&(p - begin.position), &zero, &zero)))
+        .chain(places.iter().map(|place| derivatives(place, &zero, &zero)))
         .collect();
     let free = inner_derivatives(basis, &all, durations_s)?;
     let nodes: Vec<Derivatives> = all
@@ -154,14 +153,22 @@ pub(super) fn through(
             node
         })
         .collect();
-    let pieces = nodes
-        .windows(2)
-        .zip(durations_s)
-        .filter_map(|(ends, duration_s)| match ends {
-            [from, to] => Some(moved(basis.piece(from, to, *duration_s), &begin.position)),
-            _ => None,
-        });
+    let pieces = nodes.windows(2).zip(durations_s).filter_map(|(ends, duration_s)| match ends {
+        [from, to] => {
+            let place = from.row(0).transpose();
+            let piece = basis.piece(&placed(from, &zero), &placed(to, &(to.row(0).transpose() - place)), *duration_s);
+            Some(moved(piece, &place))
+        }
+        _ => None,
+    });
     Some(pieces.collect())
+}
+
+/// The same derivatives at another place.
+fn placed(node: &Derivatives, place: &Vector3<f64>) -> Derivatives {
+    let mut node = *node;
+    node.set_row(0, &place.transpose());
+    node
 }
 
 fn moved(mut piece: TrajectoryPiece, by_m: &Vector3<f64>) -> TrajectoryPiece {
@@ -234,15 +241,19 @@ fn row(basis: &Basis, around: [&Derivatives; 3], costs: [&Form; 2], at_ends: (bo
     let (own_after, to_after) = (block(after, 0, 0), block(after, 0, 4));
     let own = own_before + own_after;
     let free = |m: &Matrix4<f64>| m.fixed_view::<3, 3>(1, 1).into_owned();
-    // What is given goes to the right-hand side: all places, and everything at the two ends.
-    let known = |node: &Derivatives, whole: bool| {
-        let mut known = *node;
+    // What is given goes to the right-hand side: the ways of both pieces, and everything at the two ends. The cost does not depend on
+    // where a piece begins; with ways instead of places, a short piece beside a long one does not lose all digits.
+    let known = |node: &Derivatives, way: Vector3<f64>, whole: bool| {
+        let mut known = placed(node, &way);
         if !whole {
             known.fixed_view_mut::<3, 3>(1, 0).fill(0.0);
         }
         known
     };
-    let sum = to_before * known(from, at_ends.0) + own * known(here, false) + to_after * known(to, at_ends.1);
+    let way = |from: &Derivatives, to: &Derivatives| (to.row(0) - from.row(0)).transpose();
+    let sum = to_before * known(from, Vector3::zeros(), at_ends.0)
+        + own_before * known(here, way(from, here), false)
+        + to_after * known(to, way(here, to), at_ends.1);
     let mut row = Row {
         before: free(&to_before),
         own: free(&own),

@@ -11,11 +11,16 @@ use skein_domain::{FlightLimits, TrajectoryPiece};
 /// No leg is shorter, in seconds.
 const SHORTEST_LEG_S: f64 = 0.1;
 /// How often the legs' durations are adapted to what they need.
-const ROUNDS: u32 = 8;
+const ROUNDS: u32 = 30;
+/// So many rounds in a row without getting better by half a percent are enough.
+const PATIENCE: u32 = 3;
 /// How often the whole is made slower until it is within the limits. From rest once is enough.
 const SLOWER_ROUNDS: u32 = 40;
-/// A vehicle slower than this starts at rest as far as swinging out goes, in metres per second.
-const SLOW_M_S: f64 = 0.3;
+/// A leg swings out when it is farther from the straight way than this share of its length and so many metres.
+const SWING_SHARE: f64 = 0.35;
+const SWING_M: f64 = 2.0;
+/// How often places are looked for at which stopping is better than passing.
+const STOP_ROUNDS: u32 = 4;
 /// So much above the start's own motion is allowed while it lasts: what a bound may be above the true peak.
 const START_ALLOWANCE: f64 = 1.0011;
 /// Times a first guess of the time to brake, tried in this order.
@@ -38,9 +43,14 @@ struct Vehicle {
     allowed: Peaks,
     /// It brakes first, on this piece.
     braking: Option<TrajectoryPiece>,
+    /// Per place, whether it stops there; at the last it does anyhow.
+    stops: Vec<bool>,
 }
 
-/// Plans for all.
+/// Plans for all: passing the places where that goes well, stopping where not.
+///
+/// The smoothest way through places at given times may swing out far on a long leg beside a short one, for its smoothness is bought with
+/// the time there is. Such places are stopped at. Stopping everywhere always works and is taken if it is quicker.
 pub(super) fn together(journeys: &[Journey], smoothness: Smoothness) -> Result<Planned, TrajectoryError> {
     let mut vehicles = journeys
         .iter()
@@ -49,35 +59,63 @@ pub(super) fn together(journeys: &[Journey], smoothness: Smoothness) -> Result<P
         .collect::<Result<Vec<_>, _>>()?;
     let unsolvable = TrajectoryError::TooLong { limit_s: LONGEST_S };
     let basis = Basis::new(smoothness).ok_or(unsolvable)?;
-    let mut planned = settle(&vehicles, &basis)?;
-    let mut brakes = false;
-    for (index, vehicle) in vehicles.iter_mut().enumerate() {
-        let swings = planned
-            .pieces
-            .get(index)
-            .is_none_or(|pieces| vehicle.swings_out(pieces));
-        if planned.too_fast.contains(&index) || swings {
-            vehicle.brake(smoothness, index)?;
-            brakes = true;
+    let mut passing = None;
+    for _ in 0..STOP_ROUNDS {
+        let settled = settle(&vehicles, &basis)?;
+        if !mend(&mut vehicles, &settled, smoothness)? {
+            passing = Some(settled);
+            break;
         }
     }
-    if brakes {
-        planned = settle(&vehicles, &basis)?;
+    let passes_somewhere = |v: &Vehicle| v.stops.iter().rev().skip(1).any(|stop| !stop);
+    if passing.is_none() || vehicles.iter().any(passes_somewhere) {
+        for vehicle in &mut vehicles {
+            vehicle.stops.fill(true);
+            if vehicle.sets_out_moving() {
+                vehicle.brake(smoothness, 0).ok();
+            }
+        }
+        let stopping = settle(&vehicles, &basis)?;
+        if stopping.too_fast.is_empty() && passing.as_ref().is_none_or(|p| stopping.total_s() < 0.95 * p.total_s()) {
+            passing = Some(stopping);
+        }
     }
-    match planned.too_fast.first() {
-        Some(index) => Err(TrajectoryError::StartBeyondLimits { index: *index }),
-        None => Ok(Planned {
-            pieces: planned.pieces,
-            passes_s: planned
-                .durations_s
-                .iter()
-                .scan(0.0, |at_s, duration_s| {
-                    *at_s += duration_s;
-                    Some(*at_s)
-                })
-                .collect(),
-        }),
+    let found = passing.ok_or(TrajectoryError::TooLong { limit_s: LONGEST_S })?;
+    let passed_at = |at_s: &mut f64, duration_s: &f64| {
+        *at_s += duration_s;
+        Some(*at_s)
+    };
+    Ok(Planned {
+        passes_s: found.durations_s.iter().scan(0.0, passed_at).collect(),
+        pieces: found.pieces,
+    })
+}
+
+/// Lets vehicles brake or stop where their way is not good yet; whether anything changed.
+fn mend(vehicles: &mut [Vehicle], settled: &Settled, smoothness: Smoothness) -> Result<bool, TrajectoryError> {
+    let mut mended = false;
+    for (index, vehicle) in vehicles.iter_mut().enumerate() {
+        let swinging = settled
+            .pieces
+            .get(index)
+            .map_or_else(Vec::new, |pieces| vehicle.swinging(pieces));
+        let too_fast = settled.too_fast.contains(&index);
+        if vehicle.sets_out_moving() && (too_fast || swinging.first() == Some(&0)) {
+            vehicle.brake(smoothness, index)?;
+            mended = true;
+            continue;
+        }
+        for leg in swinging {
+            mended |= vehicle.stop_beside(leg, &settled.durations_s);
+        }
+        if too_fast {
+            for place in 0..vehicle.places.len() {
+                vehicle.stop_at(place);
+            }
+            mended = true;
+        }
     }
+    Ok(mended)
 }
 
 impl Vehicle {
@@ -107,6 +145,7 @@ impl Vehicle {
         }
         let state = Peaks::of_state(start);
         Ok(Self {
+            stops: vec![false; places.len()],
             limits: *limits,
             begin: Begin {
                 position: start.position.vector(),
@@ -143,26 +182,40 @@ impl Vehicle {
             .collect()
     }
 
+    /// Whether its trajectory begins with a motion that it has to take over.
+    fn sets_out_moving(&self) -> bool {
+        self.braking.is_none() && (self.begin.velocity.norm() > 0.0 || self.begin.acceleration.norm() > 0.0)
+    }
+
     fn braking_s(&self) -> f64 {
         self.braking.as_ref().map_or(0.0, |piece| piece.duration_s)
     }
 
-    /// Its pieces for these durations of the legs.
+    /// Its pieces for these durations of the legs: one spline from stop to stop.
     fn pieces(&self, basis: &Basis, durations_s: &[f64]) -> Option<Vec<TrajectoryPiece>> {
-        let Some(braking) = &self.braking else {
-            return through(basis, &self.begin, &self.places, durations_s);
-        };
-        let stopped = Begin {
-            position: piece_at(braking, braking.duration_s)[0],
+        let at_rest = |position: Vector3<f64>| Begin {
+            position,
             velocity: Vector3::zeros(),
             acceleration: Vector3::zeros(),
         };
-        let mut left_s: Vec<f64> = durations_s.to_vec();
-        if let Some(first_s) = left_s.first_mut() {
-            *first_s = (*first_s - braking.duration_s).max(SHORTEST_LEG_S);
+        let mut pieces: Vec<TrajectoryPiece> = self.braking.iter().cloned().collect();
+        let mut begin = match &self.braking {
+            Some(braking) => at_rest(piece_at(braking, braking.duration_s)[0]),
+            None => self.begin,
+        };
+        let (mut places, mut times_s) = (Vec::new(), Vec::new());
+        for (i, (place, duration_s)) in self.places.iter().zip(durations_s).enumerate() {
+            let braked_s = if i == 0 { self.braking_s() } else { 0.0 };
+            places.push(*place);
+            times_s.push((duration_s - braked_s).max(SHORTEST_LEG_S));
+            if self.stops.get(i) == Some(&true) || i + 1 == self.places.len() {
+                pieces.extend(through(basis, &begin, &places, &times_s)?);
+                begin = at_rest(*place);
+                places.clear();
+                times_s.clear();
+            }
         }
-        let rest = through(basis, &stopped, &self.places, &left_s)?;
-        Some(std::iter::once(braking.clone()).chain(rest).collect())
+        Some(pieces)
     }
 
     /// Per leg, how many times too fast it is.
@@ -177,24 +230,58 @@ impl Vehicle {
         pieces.iter().enumerate().skip(skipped).map(of).collect()
     }
 
-    /// Whether the first leg leaves the straight way by more than a sensible braking would.
-    fn swings_out(&self, pieces: &[TrajectoryPiece]) -> bool {
-        let speed = self.begin.velocity.norm();
-        let (Some(first), Some(to)) = (pieces.first(), self.places.first()) else {
-            return false;
+    /// The legs that swing out farther from the straight way than a round corner needs. Looking closely is not needed: this only chooses
+    /// among ways that are all within the limits.
+    fn swinging(&self, pieces: &[TrajectoryPiece]) -> Vec<usize> {
+        let mut from = match &self.braking {
+            Some(braking) => piece_at(braking, braking.duration_s)[0],
+            None => self.begin.position,
         };
-        if self.braking.is_some() || speed < SLOW_M_S {
-            return false;
+        let mut swinging = Vec::new();
+        let legs = pieces.iter().skip(usize::from(self.braking.is_some()));
+        for (i, (piece, to)) in legs.zip(&self.places).enumerate() {
+            let leg = to - from;
+            let moving = if i == 0 && self.braking.is_none() {
+                self.begin.velocity.norm_squared() / self.limits.max_acceleration_m_s2
+            } else {
+                0.0
+            };
+            let allowed_m = SWING_SHARE * leg.norm() + SWING_M + moving;
+            let off_m = |share_of_time: f64| {
+                let off = piece_at(piece, piece.duration_s * share_of_time)[0] - from;
+                let share = (off.dot(&leg) / leg.norm_squared().max(1e-12)).clamp(0.0, 1.0);
+                (off - leg * share).norm()
+            };
+            // Written so that what is not a number swings.
+            if !(1..8).all(|k| off_m(f64::from(k) / 8.0) <= allowed_m) {
+                swinging.push(i);
+            }
+            from = *to;
         }
-        let allowed_m = speed * speed / self.limits.max_acceleration_m_s2 + 1.0;
-        let leg = to - self.begin.position;
-        let length2 = leg.norm_squared().max(1e-12);
-        // Looking closely is not needed: this only chooses between two ways that are both within the limits.
-        (1..16).any(|i| {
-            let off = piece_at(first, first.duration_s * f64::from(i) / 16.0)[0] - self.begin.position;
-            let share = (off.dot(&leg) / length2).clamp(0.0, 1.0);
-            (off - leg * share).norm() > allowed_m
-        })
+        swinging
+    }
+
+    /// Stops at that end of a leg behind which the shorter leg lies: it is there that the velocity of a long one does not fit. Whether
+    /// that is new.
+    fn stop_beside(&mut self, leg: usize, durations_s: &[f64]) -> bool {
+        let time_s = |leg: usize| durations_s.get(leg).copied().unwrap_or(f64::INFINITY);
+        let before = leg.checked_sub(1);
+        let before_s = before.map_or(f64::INFINITY, time_s);
+        let after_s = if leg + 1 < self.places.len() { time_s(leg + 1) } else { f64::INFINITY };
+        let first = if before_s < after_s { before } else { Some(leg) };
+        let second = if before_s < after_s { Some(leg) } else { before };
+        [first, second].into_iter().flatten().any(|at| self.stop_at(at))
+    }
+
+    /// Stops at an inner place; whether that is new.
+    fn stop_at(&mut self, place: usize) -> bool {
+        match self.stops.get_mut(place) {
+            Some(stop @ false) if place + 1 < self.places.len() => {
+                *stop = true;
+                true
+            }
+            _ => false,
+        }
     }
 
     /// Brakes before it sets out.
@@ -240,8 +327,14 @@ fn braking(begin: &Begin, duration_s: f64, smoothness: Smoothness) -> Trajectory
 struct Settled {
     pieces: Vec<Vec<TrajectoryPiece>>,
     durations_s: Vec<f64>,
-    /// Vehicles that are not within their limits: it is the motion they start with.
+    /// Vehicles that are not within their limits.
     too_fast: Vec<usize>,
+}
+
+impl Settled {
+    fn total_s(&self) -> f64 {
+        self.durations_s.iter().sum()
+    }
 }
 
 /// One look at all vehicles.
@@ -256,6 +349,10 @@ struct Look {
 impl Look {
     fn haste(&self) -> f64 {
         self.legs.iter().copied().fold(0.0, f64::max)
+    }
+
+    fn is_within(&self, vehicle: usize) -> bool {
+        self.vehicles.get(vehicle).is_some_and(|haste| *haste <= 1.0)
     }
 }
 
@@ -299,22 +396,30 @@ fn settle(vehicles: &[Vehicle], basis: &Basis) -> Result<Settled, TrajectoryErro
             });
     }
     let mut best = (f64::INFINITY, durations_s.clone());
+    let mut since_better = 0;
     for _ in 0..ROUNDS {
-        let haste = look(vehicles, basis, &durations_s)?;
-        let total_s = haste.haste().max(0.2) * durations_s.iter().sum::<f64>();
+        let seen = look(vehicles, basis, &durations_s)?;
+        let total_s = seen.haste().max(0.2) * durations_s.iter().sum::<f64>();
+        since_better += 1;
+        if total_s < 0.995 * best.0 {
+            since_better = 0;
+        }
         if total_s < best.0 {
             best = (total_s, durations_s.clone());
         }
-        for (leg, (duration_s, haste)) in durations_s.iter_mut().zip(&haste.legs).enumerate() {
-            *duration_s = (*duration_s * haste.powf(0.8).clamp(0.6, 1.6)).max(least_s(leg));
+        if since_better > PATIENCE {
+            break;
+        }
+        for (leg, (duration_s, haste)) in durations_s.iter_mut().zip(&seen.legs).enumerate() {
+            *duration_s = (*duration_s * haste.powf(0.8).clamp(0.6, 4.0)).clamp(least_s(leg), LONGEST_S);
         }
     }
     let mut durations_s = best.1;
     for _ in 0..SLOWER_ROUNDS {
-        if !(durations_s.iter().sum::<f64>() < LONGEST_S) {
-            return Err(TrajectoryError::TooLong { limit_s: LONGEST_S });
-        }
         let seen = look(vehicles, basis, &durations_s)?;
+        if !(durations_s.iter().sum::<f64>() < LONGEST_S) {
+            break;
+        }
         if seen.haste() <= 1.0 {
             return Ok(Settled {
                 pieces: seen.pieces,
@@ -329,10 +434,10 @@ fn settle(vehicles: &[Vehicle], basis: &Basis) -> Result<Settled, TrajectoryErro
             *duration_s = fixed_s + (*duration_s - fixed_s) * by;
         }
     }
+    // Where a motion goes on for too long at the start or beside a short leg, more time makes it worse.
     let seen = look(vehicles, basis, &durations_s)?;
-    let too_fast = |(index, haste): (usize, &f64)| (*haste > 1.0).then_some(index);
     Ok(Settled {
-        too_fast: seen.vehicles.iter().enumerate().filter_map(too_fast).collect(),
+        too_fast: (0..vehicles.len()).filter(|i| !seen.is_within(*i)).collect(),
         pieces: seen.pieces,
         durations_s,
     })
