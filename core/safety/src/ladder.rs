@@ -16,7 +16,7 @@ mod readings;
 mod tracker;
 mod words;
 
-pub use effect::{Means, feasible, is_effective};
+pub use effect::{Means, feasible, is_effective, next_after};
 pub use health::{FenceBreach, GnssHealth, Health, reaction_of};
 pub use orders::TakenUpBy;
 

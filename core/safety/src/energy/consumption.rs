@@ -13,7 +13,7 @@ const SPAN_SHARE: f64 = 0.02;
 /// Or time, in seconds, where the current tells the charge without steps.
 const CURRENT_SPAN_S: f64 = 5.0;
 /// What the prior is worth, in seconds of flight.
-const PRIOR_S: f64 = 30.0;
+const PRIOR_S: f64 = 20.0;
 /// Nothing is learned over a gap between reports longer than this, in seconds.
 const LONGEST_GAP_S: f64 = 5.0;
 /// A learned rate is believed between these multiples of the configured one.
@@ -96,7 +96,7 @@ impl Consumption {
     pub(super) fn rates(&self, settings: &EnergySettings) -> Rates {
         let prior = Rates::configured(settings);
         let [hh, hf, ff, hc, fc] = self.sums;
-        let weight = PRIOR_S * PRIOR_S;
+        let weight = PRIOR_S;
         // (A + w·I) r = b + w·r0, two by two.
         let (a, b, d) = (hh + weight, hf, ff + weight);
         let (p, q) = (hc + weight * prior.hovering, fc + weight * prior.flying);
@@ -159,9 +159,14 @@ impl Consumption {
 
     fn learn(&mut self, used: f64, settings: &EnergySettings) {
         let (h, f) = (self.span.hovering_s, self.span.flying_s);
-        let keep = (-(h + f) / settings.memory_s.max(1.0)).exp();
+        if h + f <= 0.0 {
+            return;
+        }
+        let span_s = h + f;
+        let keep = (-span_s / settings.memory_s.max(1.0)).exp();
         for (sum, new) in self.sums.iter_mut().zip([h * h, h * f, f * f, h * used, f * used]) {
-            *sum = *sum * keep + new;
+            // Every second of flight counts the same, however long the span it is in.
+            *sum = *sum * keep + new / span_s;
         }
     }
 }

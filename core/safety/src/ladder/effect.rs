@@ -6,7 +6,7 @@ use skein_domain::{EnergyLevel, FlightMode, FlightState, Reaction};
 /// What a vehicle has to carry reactions out with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Means {
-    /// It can be told something.
+    /// It is heard.
     pub reachable: bool,
     /// Its autopilot can hold its position.
     pub holds_position: bool,
@@ -33,16 +33,26 @@ impl Means {
 
 /// The reaction to carry out instead of one that the vehicle has no means for: never a weaker one.
 ///
-/// What cannot be told to the vehicle is left to its autopilot. Who cannot find or pay for the way home lands. Who cannot hold its
-/// position lands too (the autopilot descends without a position).
+/// Who cannot find or pay for the way home lands. Who cannot hold its position lands too (the autopilot descends without one).
+/// A vehicle that is not heard is told all the same: it may hear.
 #[must_use]
 pub fn feasible(reaction: Reaction, means: Means) -> Reaction {
     match reaction {
         Reaction::Warn | Reaction::Release => reaction,
-        _ if !means.reachable => Reaction::Release,
         Reaction::Hold if means.holds_position => Reaction::Hold,
         Reaction::Return if means.finds_home && means.pays_for_home => Reaction::Return,
         Reaction::Hold | Reaction::Return | Reaction::Land => Reaction::Land,
+    }
+}
+
+/// What follows on a reaction that was not seen to take effect: the next stronger one that the vehicle has means for. One that is
+/// not heard is left to its autopilot.
+#[must_use]
+pub fn next_after(reaction: Reaction, means: Means) -> Reaction {
+    if means.reachable {
+        feasible(reaction.stronger(), means)
+    } else {
+        Reaction::Release
     }
 }
 

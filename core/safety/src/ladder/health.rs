@@ -29,6 +29,17 @@ pub struct FenceBreach {
     pub zone: String,
 }
 
+impl From<&crate::fence::Breach<'_>> for FenceBreach {
+    fn from(breach: &crate::fence::Breach<'_>) -> Self {
+        let excess = breach.excess;
+        Self {
+            reaction: reaction_of(breach.action),
+            outside_m: excess.outside_m.max(excess.above_m).max(excess.below_m),
+            zone: breach.zone.name.clone(),
+        }
+    }
+}
+
 /// A vehicle's health. [`Health::observed`] fills in what its telemetry tells; the rest is the caller's.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Health {

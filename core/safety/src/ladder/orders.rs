@@ -99,28 +99,25 @@ impl Ladder {
         }
         let trusts_gnss = self.trusts_gnss();
         let means = Means::of(health, trusts_gnss);
-        if let Some((trigger, reaction)) = demanded {
+        if let Some((trigger, reaction)) = demanded.filter(|(_, reaction)| *reaction > in_force) {
             let feasible = effect::feasible(reaction, means);
-            if feasible > in_force {
-                let why = if feasible == reaction {
-                    format!("{}: {reaction}", words::title(trigger))
-                } else {
-                    format!("{}: {reaction} is not possible, {feasible}", words::title(trigger))
-                };
-                self.order_now(feasible, trigger, why, settings, events);
-                return;
-            }
+            let why = if feasible == reaction {
+                format!("{}: {reaction}", words::title(trigger))
+            } else {
+                format!("{}: {reaction} is not possible, {feasible}", words::title(trigger))
+            };
+            self.order_now(feasible, trigger, why, settings, events);
+            return;
         }
-        // A way home that is no longer there: the return becomes a landing. Nobody is left with an order that cannot be carried out.
+        // A way home that is not found any more: the return becomes a landing. Whether it is paid for, the energy trigger says in its
+        // time; and whoever loses his position is brought down by the autopilot itself.
+        let finds_home = trusts_gnss && health.home_known;
         if let Some(order) = self.order.filter(|o| !o.recovered && o.reaction == Reaction::Return)
-            && means.reachable
+            && !finds_home
         {
-            let feasible = effect::feasible(order.reaction, means);
-            if feasible > order.reaction {
-                let why = format!("{} is not possible any more: {feasible}", order.reaction);
-                self.order_now(feasible, order.trigger, why, settings, events);
-                return;
-            }
+            let why = "the way home is not found any more: land".to_owned();
+            self.order_now(Reaction::Land, order.trigger, why, settings, events);
+            return;
         }
         self.watch_effect(health, means, settings, events);
     }
@@ -188,8 +185,9 @@ impl Ladder {
         settings: &LadderSettings,
         events: &mut Vec<LadderEvent>,
     ) {
-        // What is over is not enforced any more: somebody will take the vehicle up.
-        let Some(mut order) = self.order.filter(|o| !o.recovered) else {
+        // What is over and was carried out is not enforced any more: somebody will take the vehicle up.
+        let is_done = |o: &Order| o.recovered && o.effective_at.is_some();
+        let Some(mut order) = self.order.filter(|o| !is_done(o)) else {
             return;
         };
         if effect::is_effective(order.reaction, health) {
@@ -214,7 +212,7 @@ impl Ladder {
         let mut event = self.about_order(LadderEventKind::Ineffective, &order, &why);
         (event.value, event.limit) = (for_s, settings.reaction_within_s);
         events.push(event);
-        let next = effect::feasible(order.reaction.stronger(), means);
+        let next = effect::next_after(order.reaction, means);
         let why = format!("{} had no effect: {next}", order.reaction);
         self.order_now(next, order.trigger, why, settings, events);
     }

@@ -1,0 +1,286 @@
+//! Every rung of the written table: the fault is injected, and its reactions come at their times and no other ones do.
+
+use super::*;
+use skein_domain::{EnergyLevel, EnergyState};
+
+type Fault = Box<dyn FnMut(&mut Health, f64)>;
+
+struct Rung {
+    trigger: Trigger,
+    fault: Fault,
+    /// How long the fault lasts before the trigger's condition is met.
+    lead_s: f64,
+    /// Reactions and their times from then on, by the default settings.
+    steps: &'static [(Reaction, f64)],
+    /// The orders that follow, where they are not the steps above a warning.
+    orders: Option<&'static [(Reaction, f64)]>,
+}
+
+fn rung(trigger: Trigger, steps: &'static [(Reaction, f64)], fault: impl FnMut(&mut Health, f64) + 'static) -> Rung {
+    Rung {
+        trigger,
+        fault: Box::new(fault),
+        lead_s: 0.0,
+        steps,
+        orders: None,
+    }
+}
+
+fn charge(level: EnergyLevel) -> EnergyState {
+    EnergyState {
+        remaining: 0.4,
+        needed_home: Some(0.2),
+        reserve: 0.15,
+        margin: 0.05,
+        level,
+        ..EnergyState::default()
+    }
+}
+
+fn breach(reaction: Reaction, outside_m: f64) -> Option<FenceBreach> {
+    Some(FenceBreach {
+        reaction,
+        outside_m,
+        zone: "field".to_owned(),
+    })
+}
+
+const WARN: Reaction = Reaction::Warn;
+const HOLD: Reaction = Reaction::Hold;
+const RETURN: Reaction = Reaction::Return;
+const LAND: Reaction = Reaction::Land;
+const RELEASE: Reaction = Reaction::Release;
+
+fn receiver_rungs() -> Vec<Rung> {
+    vec![
+        rung(Trigger::GnssLoss, &[(WARN, 1.0), (HOLD, 3.0), (LAND, 20.0)], no_fix),
+        rung(Trigger::GnssLoss, &[(WARN, 1.0), (HOLD, 3.0), (LAND, 20.0)], |h, _| {
+            if let Some(gnss) = &mut h.gnss {
+                gnss.satellites = 3;
+            }
+        }),
+        // A receiver that says nothing any more, its last word being a good one.
+        rung(Trigger::GnssLoss, &[(WARN, 1.0), (HOLD, 3.0), (LAND, 20.0)], |h, t| {
+            if let Some(gnss) = &mut h.gnss {
+                gnss.heard = old(gnss.heard, t);
+            }
+        }),
+        rung(
+            Trigger::GnssDisagreement,
+            &[(WARN, 0.5), (HOLD, 2.0), (LAND, 20.0)],
+            |h, _| h.disagreement_m = Some(5.1),
+        ),
+        rung(
+            Trigger::GnssDisagreement,
+            &[(WARN, 0.5), (HOLD, 2.0), (LAND, 20.0)],
+            |h, _| h.disagreement_m = Some(f64::NAN),
+        ),
+    ]
+}
+
+fn clock_rungs() -> Vec<Rung> {
+    let steps: &[(Reaction, f64)] = &[(WARN, 0.0), (HOLD, 0.5), (RETURN, 60.0)];
+    let over_s = 0.1 / (0.01 - 0.0005);
+    vec![
+        // A clock that runs one percent too fast is beyond 0.1 s after ten seconds and a half.
+        Rung {
+            lead_s: over_s,
+            ..rung(Trigger::ClockFault, steps, |h, t| {
+                h.clock_offset_s = h.clock_offset_s.map(|o| o + 0.01 * t);
+            })
+        },
+        // One that jumps to and fro never settles.
+        rung(Trigger::ClockFault, steps, |h, t| {
+            let to = if (t / 2.0) as i64 % 2 == 0 { 0.5 } else { 0.9 };
+            h.clock_offset_s = h.clock_offset_s.map(|o| o + to);
+        }),
+        rung(Trigger::ClockFault, steps, |h, _| h.clock_offset_s = Some(f64::NAN)),
+        // Positions from the future.
+        rung(Trigger::ClockFault, steps, |h, _| {
+            h.position_time = h.position_time.map(|at| at.plus_seconds(3.0));
+        }),
+    ]
+}
+
+fn link_rungs() -> Vec<Rung> {
+    vec![
+        rung(
+            Trigger::StaleEstimate,
+            &[(WARN, 0.3), (HOLD, 0.5), (RELEASE, 2.0)],
+            stale,
+        ),
+        // Heard, but it says nothing of its place; without stale estimates it would be 5 s.
+        Rung {
+            orders: Some(&[(HOLD, 0.5), (RELEASE, 2.0)]),
+            ..rung(Trigger::LinkLoss, &[(WARN, 1.5), (RELEASE, 5.0)], silent)
+        },
+        rung(
+            Trigger::CoordinatorLoss,
+            &[(WARN, 2.0), (HOLD, 20.0), (RETURN, 120.0)],
+            |h, t| h.coordinator_heard = h.coordinator_heard.map(|now| old(now, t)),
+        ),
+        rung(
+            Trigger::OperatorDeadMan,
+            &[(WARN, 20.0), (HOLD, 30.0), (RETURN, 90.0)],
+            |h, t| h.operator_heard = h.operator_heard.map(|now| old(now, t)),
+        ),
+    ]
+}
+
+fn flight_rungs() -> Vec<Rung> {
+    vec![
+        rung(
+            Trigger::TrackingError,
+            &[(WARN, 1.0), (HOLD, 3.0), (RETURN, 10.0), (LAND, 30.0)],
+            |h, _| h.tracking_error_m = Some(5.2),
+        ),
+        rung(Trigger::FenceBreach, &[(WARN, 0.2)], |h, _| {
+            h.breach = breach(WARN, 400.0)
+        }),
+        rung(Trigger::FenceBreach, &[(HOLD, 0.2), (RETURN, 30.4)], |h, _| {
+            h.breach = breach(HOLD, 3.0);
+        }),
+        rung(Trigger::FenceBreach, &[(RETURN, 0.2)], |h, _| {
+            h.breach = breach(RETURN, 3.0)
+        }),
+        rung(Trigger::FenceBreach, &[(LAND, 0.2)], |h, _| {
+            h.breach = breach(LAND, 3.0)
+        }),
+        // Further and further out, at 10 m/s: 30 m after the hold began it returns, 30 m after that it lands.
+        rung(
+            Trigger::FenceBreach,
+            &[(HOLD, 0.2), (RETURN, 3.4), (LAND, 6.6)],
+            |h, t| h.breach = breach(HOLD, 10.0 * t),
+        ),
+        rung(Trigger::Energy, &[(WARN, 1.0)], |h, _| {
+            h.energy = Some(charge(EnergyLevel::ReplanSoon));
+        }),
+        rung(Trigger::Energy, &[(RETURN, 1.0)], |h, _| {
+            h.energy = Some(charge(EnergyLevel::ReturnNow));
+        }),
+        rung(Trigger::Energy, &[(LAND, 1.0)], |h, _| {
+            h.energy = Some(charge(EnergyLevel::LandNow));
+        }),
+        // Through all levels: each counts from when it came.
+        rung(Trigger::Energy, &[(WARN, 1.0), (RETURN, 11.0), (LAND, 21.0)], |h, t| {
+            h.energy = Some(charge(match t {
+                t if t < 10.0 => EnergyLevel::ReplanSoon,
+                t if t < 20.0 => EnergyLevel::ReturnNow,
+                _ => EnergyLevel::LandNow,
+            }));
+        }),
+    ]
+}
+
+fn rungs() -> Vec<Rung> {
+    let mut all = link_rungs();
+    all.extend(receiver_rungs());
+    all.extend(clock_rungs());
+    all.extend(flight_rungs());
+    all
+}
+
+/// Times are met within a few of the periods in which things are looked at.
+fn assert_times(what: &str, found: &[(Reaction, f64)], expected: &[(Reaction, f64)], from_s: f64) {
+    let reactions = |list: &[(Reaction, f64)]| list.iter().map(|(r, _)| *r).collect::<Vec<_>>();
+    assert_eq!(reactions(found), reactions(expected), "{what}: {found:?}");
+    for (i, ((reaction, at_s), (_, after_s))) in found.iter().zip(expected).enumerate() {
+        let late_s = at_s - from_s - after_s;
+        // Steps that count from the one before are late with it.
+        let allowed_s = (3.0 + i as f64) * PERIOD_S;
+        assert!(
+            (-1e-6..=allowed_s).contains(&late_s),
+            "{what}: {reaction} at {at_s:.3} s, expected {after_s:.3} s after {from_s:.3} s"
+        );
+    }
+}
+
+#[test]
+fn every_rung_reacts_at_its_time() {
+    for rung in rungs() {
+        let mut rig = Rig::new();
+        rig.run(5.0, |_, _| ());
+        assert!(rig.events.is_empty(), "{:?}", rig.events);
+        let mut fault = rung.fault;
+        let lasts_s = rung
+            .steps
+            .last()
+            .map_or(0.0, |(_, after_s)| after_s + rung.lead_s + 8.0);
+        rig.run(lasts_s, &mut fault);
+
+        let start = NodeTime::from_seconds(START_S);
+        let steps: Vec<_> = rig
+            .events
+            .iter()
+            .filter(|e| matches!(e.kind, LadderEventKind::Raised | LadderEventKind::Escalated))
+            .filter(|e| e.trigger == rung.trigger)
+            .map(|e| (e.reaction, e.at.seconds_since(start)))
+            .collect();
+        let what = format!("{} {:?}", rung.trigger, rung.steps);
+        let from_s = 5.0 + rung.lead_s;
+        assert_times(&what, &steps, rung.steps, from_s);
+        let above: Vec<_> = rung.steps.iter().filter(|(r, _)| *r > WARN).copied().collect();
+        assert_times(&what, &rig.orders(), rung.orders.unwrap_or(&above), from_s);
+        for event in &rig.events {
+            assert!(!event.reason.is_empty() && event.report_only.is_none(), "{event:?}");
+        }
+    }
+}
+
+#[test]
+fn every_trigger_has_a_rung() {
+    for trigger in Trigger::ALL {
+        assert!(rungs().iter().any(|r| r.trigger == *trigger), "{trigger}");
+    }
+}
+
+#[test]
+fn a_link_that_is_heard_but_for_its_positions_is_not_lost() {
+    let mut rig = Rig::new();
+    rig.run(10.0, stale);
+    let triggers: Vec<_> = rig.events.iter().map(|e| e.trigger).collect();
+    assert!(triggers.iter().all(|t| *t == Trigger::StaleEstimate), "{triggers:?}");
+}
+
+#[test]
+fn a_silent_link_alone_releases_the_vehicle_after_five_seconds() {
+    let mut rig = Rig::new();
+    rig.settings.stale_estimate.mode = TriggerMode::WarnOnly;
+    rig.run(8.0, silent);
+    assert_times("link", &rig.orders(), &[(RELEASE, 5.0)], 0.0);
+    // The receiver is no older than the last frame: it is not blamed for the link.
+    assert!(
+        rig.events.iter().all(|e| e.trigger != Trigger::GnssLoss),
+        "{:?}",
+        rig.events
+    );
+}
+
+#[test]
+fn a_clock_that_jumped_once_is_believed_again_when_it_runs_on_evenly() {
+    let mut rig = Rig::new();
+    rig.run(5.0, |_, _| ());
+    rig.run(20.0, |h, _| h.clock_offset_s = h.clock_offset_s.map(|o| o + 4.0));
+    assert_eq!(rig.order(), Some(HOLD));
+    let cleared = rig.of(LadderEventKind::Cleared);
+    let after_s = 5.0 + rig.settings.clock_fault.settled_after_s + rig.settings.recovered_after_s;
+    assert!(
+        matches!(cleared.as_slice(), [(_, at_s)] if (after_s..after_s + 0.1).contains(at_s)),
+        "{cleared:?}"
+    );
+}
+
+#[test]
+fn time_that_goes_backwards_is_a_clock_fault() {
+    let mut rig = Rig::new();
+    rig.run(5.0, |_, _| ());
+    rig.now = rig.now.plus_seconds(-0.5);
+    rig.run(1.0, |_, _| ());
+    let raised = rig
+        .events
+        .iter()
+        .find(|e| e.trigger == Trigger::ClockFault)
+        .expect("raised");
+    assert_eq!(raised.kind, LadderEventKind::Raised);
+    assert!((raised.value - 0.5).abs() < 0.05, "{raised:?}");
+}
