@@ -5,11 +5,15 @@
 //!
 //! The autopilot leads: after MISSION_COUNT it asks for what it wants, again and again by itself. From here only what it cannot
 //! miss without noticing is repeated: the count, and the last item, on which its acknowledgement follows.
+//!
+//! PX4 goes on asking for the items of an upload that was broken off, and takes what it gets for those: so such an upload is
+//! cancelled before the next one is announced, and nothing is answered that is asked for out of turn.
 
 use super::VehicleCore;
 use crate::decode::Fields;
 use mavlink::dialects::common::{
-    MISSION_CLEAR_ALL_DATA, MISSION_COUNT_DATA, MISSION_ITEM_INT_DATA, MavCmd, MavFrame, MavMissionType,
+    MISSION_ACK_DATA, MISSION_CLEAR_ALL_DATA, MISSION_COUNT_DATA, MISSION_ITEM_INT_DATA, MavCmd, MavFrame,
+    MavMissionResult, MavMissionType,
 };
 use skein_domain::link::{LinkEvent, RoutePoint};
 use skein_domain::{NodeTime, Refusal, RequestId};
@@ -20,6 +24,8 @@ pub const POINTS_MAX: usize = 400;
 const SPEED_MAX_M_S: f64 = 100.0;
 /// An autopilot that is still busy with an upload that was broken off lets go of it after five seconds.
 const BUSY_FOR_S: f64 = 6.0;
+/// How often an upload is begun anew at most.
+const RESTARTS_MAX: u8 = 3;
 /// How long nothing may be heard in the middle of an upload, in seconds: PX4 gives up by then.
 const SILENCE_MAX_S: f64 = 5.0;
 
@@ -106,6 +112,8 @@ struct Upload {
     asked: Option<u16>,
     /// What the autopilot said against it, and until when words beside that are awaited.
     refused: Option<(String, NodeTime)>,
+    /// How often it was begun anew, because the autopilot was in the middle of another one.
+    restarts: u8,
 }
 
 /// The upload under way, and what lies on the vehicle.
@@ -114,6 +122,10 @@ pub struct RouteUpload {
     upload: Option<Upload>,
     /// Of each item of the last accepted route, which point it is.
     points: Vec<Option<u16>>,
+    /// The item that was last reached: PX4 says so several times.
+    reached: Option<u16>,
+    /// The autopilot may be in the middle of an upload that was broken off.
+    must_cancel: bool,
 }
 
 impl RouteUpload {
@@ -142,6 +154,7 @@ impl VehicleCore {
             attempts: 0,
             asked: None,
             refused: None,
+            restarts: 0,
         });
         self.poll_route(now);
     }
@@ -190,6 +203,15 @@ impl VehicleCore {
 
     fn announce_route(&mut self) {
         let (target_system, target_component) = self.target();
+        if self.route.must_cancel {
+            self.outbox.push(&MISSION_ACK_DATA {
+                target_system,
+                target_component,
+                mavtype: MavMissionResult::MAV_MISSION_OPERATION_CANCELLED,
+                mission_type: MavMissionType::MAV_MISSION_TYPE_MISSION,
+                ..MISSION_ACK_DATA::default()
+            });
+        }
         let count = self.route.upload.as_ref().map_or(0, |upload| upload.items.len());
         if count == 0 {
             self.outbox.push(&MISSION_CLEAR_ALL_DATA {
@@ -226,17 +248,11 @@ impl VehicleCore {
         let own = (self.settings.own_system_id, self.settings.own_component_id);
         let ours = |target: (u8, u8)| (target.0 == 0 || target.0 == own.0) && (target.1 == 0 || target.1 == own.1);
         match *message {
-            RouteMessage::Request { item, target } if ours(target) => {
-                let Some(upload) = &mut self.route.upload else { return };
-                upload.heard = now;
-                upload.asked = Some(item);
-                upload.refused = None;
-                upload.next = now.plus_seconds(self.settings.ack_timeout_s);
-                self.send_item(item);
-            }
+            RouteMessage::Request { item, target } if ours(target) => self.on_item_asked(now, item),
             RouteMessage::Acknowledgement { result, target } if ours(target) => self.on_route_answer(now, result),
             RouteMessage::Reached { item } => {
-                if let Some(Some(index)) = self.route.points.get(usize::from(item)).copied() {
+                let again = self.route.reached.replace(item) == Some(item);
+                if let Some(Some(index)) = self.route.points.get(usize::from(item)).copied().filter(|_| !again) {
                     self.events.push(LinkEvent::RoutePointReached { index });
                 }
             }
@@ -244,21 +260,59 @@ impl VehicleCore {
         }
     }
 
+    fn on_item_asked(&mut self, now: NodeTime, item: u16) {
+        let Some(upload) = &mut self.route.upload else { return };
+        let next = upload.asked.map_or(0, |asked| asked.saturating_add(1));
+        if item > next || usize::from(item) >= upload.items.len() {
+            self.restart_route(now);
+            return;
+        }
+        if item == 0 {
+            self.route.must_cancel = false;
+        }
+        upload.heard = now;
+        upload.asked = Some(item);
+        upload.refused = None;
+        upload.next = now.plus_seconds(self.settings.ack_timeout_s);
+        self.send_item(item);
+    }
+
+    /// The autopilot is in the middle of another upload than this: from the beginning.
+    fn restart_route(&mut self, now: NodeTime) {
+        let Some(upload) = &mut self.route.upload else { return };
+        self.route.must_cancel = true;
+        if upload.restarts >= RESTARTS_MAX {
+            let after_s = now.seconds_since(upload.first);
+            let what = "the autopilot to ask for this route and no other".to_owned();
+            self.end_route(Err(Refusal::TimedOut { what, after_s }));
+            return;
+        }
+        upload.restarts += 1;
+        (upload.asked, upload.refused, upload.heard) = (None, None, now);
+        upload.next = now.plus_seconds(self.settings.ack_timeout_s);
+        self.announce_route();
+    }
+
     fn on_route_answer(&mut self, now: NodeTime, result: u8) {
         const ACCEPTED: u8 = 0;
         let Some(upload) = &mut self.route.upload else { return };
         if result == ACCEPTED {
             let last = upload.items.len().checked_sub(1);
-            // One that comes before the last item was asked for is an earlier upload's.
-            if upload.asked.map(usize::from) == last {
+            let asked = upload.asked.map(usize::from);
+            if asked.is_some() && asked != last {
+                // It counted fewer: those of an upload that was broken off.
+                self.restart_route(now);
+            } else if asked == last {
                 let point = |item: &Item| match item {
                     Item::Point { index, .. } => Some(*index),
                     Item::Speed { .. } => None,
                 };
                 self.route.points = upload.items.iter().map(point).collect();
+                self.route.reached = None;
                 self.end_route(Ok(()));
             }
         } else if upload.refused.is_none() {
+            self.route.must_cancel |= upload.asked.is_none();
             let until = now.plus_seconds(self.settings.refusal_text_s);
             upload.refused = Some((result_word(result), until));
             upload.next = until;
@@ -267,6 +321,7 @@ impl VehicleCore {
 
     fn end_route(&mut self, outcome: Result<(), Refusal>) {
         if let Some(Upload { request, .. }) = self.route.upload.take() {
+            self.route.must_cancel |= outcome.is_err();
             self.events.push(LinkEvent::Result { request, outcome });
         }
     }

@@ -89,9 +89,54 @@ fn a_newer_route_takes_the_place_of_one_under_way() {
     rig.run(0.1);
     assert_eq!(rig.outcome(first), None, "an item each round trip");
     let points = route(&rig, &[(5.0, 0.0, None), (10.0, 0.0, None)]);
-    // The autopilot is busy with the first one until it gives that up.
-    assert_eq!(upload(&mut rig, &points, 8.0), Ok(()));
+    assert_eq!(upload(&mut rig, &points, 1.0), Ok(()));
     assert_eq!(rig.outcome(first), Some(Err(Refusal::Superseded)));
+    assert_eq!(
+        items_sent(&rig),
+        [(0, 5.0), (1, 10.0)],
+        "the last ones are those of the newer route"
+    );
+}
+
+/// Number and metres north of the last two items that were sent.
+fn items_sent(rig: &Rig) -> Vec<(u16, f64)> {
+    let start = SwarmFrame::new(rig.truth().geodetic);
+    let items = rig.sent.iter().filter(|(_, id, _)| *id == 73).map(|(.., payload)| {
+        let number = |at: usize| i32::from_le_bytes(payload[at..at + 4].try_into().unwrap());
+        let mut place = rig.truth().geodetic;
+        place.latitude_deg = f64::from(number(16)) * 1e-7;
+        let seq = u16::from_le_bytes([payload[28], payload[29]]);
+        (seq, start.position(&place).north_m.round())
+    });
+    let items: Vec<_> = items.collect();
+    items[items.len() - 2..].to_vec()
+}
+
+#[test]
+fn an_upload_that_somebody_broke_off_before_does_not_get_into_this_one() {
+    for lost_cancels in [0, 1, 2] {
+        let mut rig = Rig::new();
+        rig.run_until("ready", 20.0, Rig::is_ready);
+        let long: Vec<_> = (0..30).map(|i| (100.0 + f64::from(i), 0.0, None)).collect();
+        let long = route(&rig, &long);
+        // The first is announced, and none of its items arrives.
+        rig.passes_up = Box::new(|_, frame| frame.get(7) != Some(&73));
+        let first = rig.upload(&long);
+        rig.run(0.3);
+        assert_eq!(rig.outcome(first), None);
+        let mut left = lost_cancels;
+        rig.passes_up = Box::new(move |_, frame| {
+            let lost = frame.get(7) == Some(&47) && left > 0;
+            left -= u32::from(lost);
+            !lost
+        });
+        let points = route(&rig, &[(5.0, 0.0, None), (10.0, 0.0, None)]);
+        assert_eq!(upload(&mut rig, &points, 10.0), Ok(()), "{lost_cancels} cancels lost");
+        assert_eq!(items_sent(&rig), [(0, 5.0), (1, 10.0)]);
+        rig.received.clear();
+        rig.run(3.0);
+        assert_eq!(rig.received.get(&51), None, "nothing is asked for any more");
+    }
 }
 
 #[test]

@@ -25,6 +25,8 @@ const ITEMS_MAX: u16 = 500;
 /// An item that does not come is asked for again after, and the transfer is given up after, in seconds.
 const ASK_AGAIN_S: f64 = 0.25;
 const GIVE_UP_S: f64 = 5.0;
+/// How often it is said again that an item was reached.
+const TOLD_AGAIN: u8 = 10;
 /// A waypoint is reached within this height, in metres.
 const HEIGHT_REACHED_M: f64 = 0.8;
 
@@ -48,6 +50,10 @@ pub(super) struct Mission {
     /// The item that is being flown to.
     flying: Option<usize>,
     speed_m_s: Option<f64>,
+    /// Who spoke of missions last.
+    partner: Option<Sender>,
+    /// The item that was reached last, when that is said again, and how often.
+    told: Option<(u16, f64, u8)>,
 }
 
 impl Mission {
@@ -67,6 +73,7 @@ impl Mission {
     fn replace(&mut self, items: Vec<MISSION_ITEM_INT_DATA>) {
         *self = Self {
             items,
+            partner: self.partner,
             ..Self::default()
         };
     }
@@ -104,6 +111,13 @@ impl Vehicle {
             MavMessage::MISSION_COUNT(m) if self.is_for_me(m.target_system, m.target_component) => {
                 self.take_count(link, from, m, out);
             }
+            MavMessage::MISSION_ACK(m) if self.is_for_me(m.target_system, m.target_component) => {
+                if self.mission.partner != Some(from) {
+                    self.say_mission("REJ. WP CMD: partner id mismatch");
+                } else if m.mavtype == MavMissionResult::MAV_MISSION_OPERATION_CANCELLED {
+                    self.mission.transfer = None;
+                }
+            }
             MavMessage::MISSION_ITEM_INT(m) if self.is_for_me(m.target_system, m.target_component) => {
                 self.take_item(link, from, m, out);
             }
@@ -128,6 +142,7 @@ impl Vehicle {
         }
         if let Some(transfer) = &mut self.mission.transfer {
             let again = transfer.partner == from && transfer.items.is_empty();
+            transfer.heard_s = now_s;
             if !again {
                 if transfer.partner == from {
                     self.say_mission("WPM: REJ. CMD: Busy");
@@ -135,9 +150,12 @@ impl Vehicle {
                 self.answer_mission(link, from, route, ERROR, out);
                 return;
             }
-            transfer.count = m.count;
-            (transfer.heard_s, transfer.ask_s) = (now_s, now_s);
-        } else if m.count > ITEMS_MAX {
+            // It keeps to the count that it was told first.
+            transfer.ask_s = now_s;
+            return;
+        }
+        self.mission.partner = Some(from);
+        if m.count > ITEMS_MAX {
             self.answer_mission(link, from, route, NO_SPACE, out);
         } else if m.count == 0 {
             self.mission.replace(Vec::new());
@@ -216,6 +234,9 @@ impl Vehicle {
     /// Asks for the next item of a transfer, and flies what is there.
     pub(super) fn step_mission(&mut self, out: &mut Outbox) {
         self.ask_for_item(out);
+        if let Some((seq, _, times)) = self.mission.told.filter(|(_, at_s, _)| self.time_s >= *at_s) {
+            self.tell_reached(seq, times, out);
+        }
         self.commander.has_mission = self.mission.is_there();
         if self.commander.mode() != FlightMode::Mission || self.lift.is_landed() {
             self.mission.flying = None;
@@ -297,7 +318,13 @@ impl Vehicle {
 
     fn reached(&mut self, number: usize, out: &mut Outbox) {
         self.mission.current = number + 1;
-        let message = MISSION_ITEM_REACHED_DATA { seq: number as u16 };
+        self.tell_reached(number as u16, 0, out);
+    }
+
+    /// Says that an item was reached: at once, and ten times more, a second apart.
+    fn tell_reached(&mut self, seq: u16, times: u8, out: &mut Outbox) {
+        self.mission.told = (times < TOLD_AGAIN).then_some((seq, self.time_s + 1.0, times + 1));
+        let message = MISSION_ITEM_REACHED_DATA { seq };
         let mut channels = std::mem::take(&mut self.channels);
         channels
             .iter_mut()
