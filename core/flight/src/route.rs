@@ -43,6 +43,18 @@ pub enum RouteError {
     },
 }
 
+impl RouteError {
+    /// The same about the route without the corner in front of it.
+    fn without_lead_in(self) -> Self {
+        match self {
+            Self::WaypointNotFinite { index } => Self::WaypointNotFinite {
+                index: index.saturating_sub(1),
+            },
+            other => other,
+        }
+    }
+}
+
 /// What a vehicle can do along a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathLimits {
@@ -145,9 +157,38 @@ impl RouteTrajectory {
     /// # Errors
     /// As [`Self::new`].
     pub fn within(start: PositionNed, route: &Route, limits: &PathLimits) -> Result<Self, RouteError> {
+        Self::from_motion(start, &VelocityNed::default(), route, limits)
+    }
+
+    /// The same for a leader that already moves at the start: it goes on as fast as it is, and turns towards the first waypoint in an
+    /// arc as round as the route's corners. Where that cannot be (a turn right back, a waypoint too near, a speed above the route's) the
+    /// route begins slower than the leader is; whoever flies it lets the difference fade out.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn from_motion(
+        start: PositionNed,
+        velocity: &VelocityNed,
+        route: &Route,
+        limits: &PathLimits,
+    ) -> Result<Self, RouteError> {
         limits.check(route.speed_m_s)?;
-        let path = Path::new(start, route)?;
-        let speeds = boundary_speeds(&path.pieces, route.speed_m_s, limits);
+        let (lead_in, entry_m_s) = lead_in(start, velocity, route, limits);
+        let path = match lead_in {
+            Some(corner) => {
+                let waypoints = std::iter::once(&corner).chain(&route.waypoints).copied().collect();
+                Path::new(
+                    start,
+                    &Route {
+                        waypoints,
+                        ..route.clone()
+                    },
+                )
+                .map_err(RouteError::without_lead_in)?
+            }
+            None => Path::new(start, route)?,
+        };
+        let speeds = boundary_speeds(&path.pieces, route.speed_m_s, entry_m_s, limits);
         let mut stretches = Vec::with_capacity(path.pieces.len() * 2);
         let mut start_s = 0.0;
         for (piece, (shape, ends)) in path.pieces.iter().zip(speeds.windows(2)).enumerate() {
@@ -253,11 +294,55 @@ fn piece_cap(piece: &Piece, speed_m_s: f64, limits: &PathLimits) -> f64 {
     }
 }
 
-/// Speeds at the ends of all pieces (one more than pieces): at rest at both ends of the route and where the path has a kink, one
-/// speed throughout a corner, and everywhere reachable with the acceleration from both sides.
-fn boundary_speeds(pieces: &[Piece], speed_m_s: f64, limits: &PathLimits) -> Vec<f64> {
+/// A leader slower than this starts at rest, in metres per second.
+const AT_REST_M_S: f64 = 0.3;
+/// A course nearer than this to the first leg needs no arc, in radians.
+const SAME_COURSE_RAD: f64 = 0.05;
+/// A sharper turn than this is made by stopping, in radians.
+const SHARPEST_TURN_RAD: f64 = 2.6;
+
+/// Where a leader that moves turns towards the first waypoint, if it has to turn, and the speed with which its route begins.
+fn lead_in(
+    start: PositionNed,
+    velocity: &VelocityNed,
+    route: &Route,
+    limits: &PathLimits,
+) -> (Option<PositionNed>, f64) {
+    let (speed, a) = (velocity.norm(), limits.acceleration_m_s2);
+    let first = route.waypoints.first().map(|w| w.vector() - start.vector());
+    let (Some(towards), Some(ahead)) = (
+        first.and_then(|way| way.try_normalize(1e-6)),
+        velocity.vector().try_normalize(AT_REST_M_S),
+    ) else {
+        return (None, 0.0);
+    };
+    let radius_m = route.corner_radius_m;
+    let turn_rad = ahead.cross(&towards).norm().atan2(ahead.dot(&towards));
+    if !(speed.is_finite() && turn_rad.is_finite() && radius_m.is_finite()) {
+        return (None, 0.0);
+    }
+    if turn_rad < SAME_COURSE_RAD {
+        return (None, speed * turn_rad.cos());
+    }
+    if turn_rad > SHARPEST_TURN_RAD || radius_m <= 0.0 {
+        let stop = start.moved(ahead * (speed * speed / (2.0 * a)));
+        return (Some(stop), speed);
+    }
+    // Each leg gives half of itself to the corner at most, and before the arc it slows down to what the arc allows. The turn at the
+    // corner is sharper than the one seen from here, since the waypoint is nearer there: twice the cut leaves room for that.
+    let cut_m = radius_m * (0.5 * turn_rad).tan();
+    let braking_m = (speed * speed - a * radius_m).max(0.0) / (2.0 * a);
+    (Some(start.moved(ahead * (2.0 * cut_m + braking_m))), speed)
+}
+
+/// Speeds at the ends of all pieces (one more than pieces): as fast as it is at the begin, at rest at the end of the route and where
+/// the path has a kink, one speed throughout a corner, and everywhere reachable with the acceleration from both sides.
+fn boundary_speeds(pieces: &[Piece], speed_m_s: f64, entry_m_s: f64, limits: &PathLimits) -> Vec<f64> {
     let caps: Vec<f64> = pieces.iter().map(|piece| piece_cap(piece, speed_m_s, limits)).collect();
     let mut speeds = vec![0.0; pieces.len() + 1];
+    if let (Some(entry), Some(cap)) = (speeds.first_mut(), caps.first()) {
+        *entry = entry_m_s.min(*cap);
+    }
     for (i, (pair, cap)) in pieces.windows(2).zip(caps.windows(2)).enumerate() {
         let kink = matches!(pair, [Piece::Straight { stops_at_end: true, .. }, _]);
         if let (Some(speed), false) = (speeds.get_mut(i + 1), kink) {

@@ -60,6 +60,7 @@ impl UavModel for CoordinatorUav {
             EffectKind::Notice,
             EffectKind::TrackingError,
             EffectKind::RouteFinished,
+            EffectKind::Limits,
             EffectKind::Capability,
         ],
     };

@@ -5,10 +5,11 @@
 use crate::asking::Asking;
 use crate::blend::{Blend, Stop};
 use crate::guidance::Guided;
+use crate::keeping::Kept;
 use minicbor::{Decode, Encode};
 use skein_domain::{
-    AccelerationNed, AnchorReference, CommandId, FlightMode, FlightState, FormationHeading, NodeTime, PositionNed,
-    Refusal, RequestId, Route, SlotMove, VehicleCommand, VehicleId, VehicleTask, VelocityNed,
+    AccelerationNed, AnchorReference, CommandId, FlightMode, FlightState, FormationHeading, Keeping, NodeTime,
+    PositionNed, Refusal, RequestId, Route, SlotMove, Trajectory, VehicleCommand, VehicleId, VehicleTask, VelocityNed,
 };
 
 /// Everything a new instance needs to go on.
@@ -253,6 +254,22 @@ pub(crate) enum Purpose {
     /// Fly where a model that is built on this one says.
     #[n(7)]
     Guided(#[n(0)] Guided),
+    /// Keep a place among neighbours.
+    #[n(8)]
+    Keep(#[n(0)] Keeping),
+    /// Fly a planned trajectory, then hold at its end.
+    #[n(9)]
+    Fly(#[n(0)] Fly),
+}
+
+/// Flying a trajectory.
+#[derive(Debug, Clone, PartialEq, Encode, Decode)]
+pub(crate) struct Fly {
+    #[n(0)]
+    pub trajectory: Trajectory,
+    /// Its end was reported.
+    #[n(1)]
+    pub finished: bool,
 }
 
 /// Leading.
@@ -311,6 +328,9 @@ pub(crate) enum Plan {
         start: PositionNed,
         #[n(1)]
         route: Route,
+        /// How it moves there.
+        #[n(2)]
+        velocity: Option<VelocityNed>,
     },
     /// In the slot.
     #[n(3)]
@@ -325,6 +345,12 @@ pub(crate) enum Plan {
         #[n(2)]
         acceleration: AccelerationNed,
     },
+    /// In a place among neighbours: the reference itself, moved on period by period.
+    #[n(5)]
+    Kept(#[n(0)] Kept),
+    /// Along the trajectory of the purpose, by the common clock.
+    #[n(6)]
+    Trajectory,
 }
 
 /// The autopilot lands, or returns and lands.
@@ -374,11 +400,11 @@ impl Purpose {
         match self {
             Self::TakeOff { .. } => FlightState::TakingOff,
             Self::Hold { .. } => FlightState::Holding,
-            Self::GoTo { .. } | Self::Guided(_) => FlightState::GoingTo,
+            Self::GoTo { .. } | Self::Guided(_) | Self::Fly(_) => FlightState::GoingTo,
             Self::LandAt { .. } => FlightState::Landing,
             Self::Home { .. } => FlightState::Returning,
             Self::Lead(_) => FlightState::Leading,
-            Self::Follow(_) => FlightState::Following,
+            Self::Follow(_) | Self::Keep(_) => FlightState::Following,
         }
     }
 }

@@ -3,7 +3,8 @@
 //! Must never do: move the reference on while the gate refuses it, or jump after a pause.
 
 use crate::blend::Motion;
-use crate::flight::{Flying, Lead, Phase, Plan, Purpose};
+use crate::flight::{Fly, Flying, Lead, Phase, Plan, Purpose};
+use crate::keeping::turned_towards;
 use crate::model::{GenericUav, LONGEST_STEP_S};
 use crate::plan::Sample;
 use crate::tasks::age_s;
@@ -34,6 +35,11 @@ impl GenericUav {
         let sample = self.sample(&flying, self.now);
         if let Purpose::Lead(lead) = &mut flying.purpose {
             lead.turn(sample.course_rad, dt_s, &self.settings);
+        }
+        if matches!(flying.purpose, Purpose::Fly(_))
+            && let (Some(yaw_rad), Some(course_rad)) = (flying.yaw_rad, sample.course_rad)
+        {
+            flying.yaw_rad = Some(turned_towards(yaw_rad, course_rad, dt_s));
         }
         let motion = flying.blend.map_or(sample.motion, |blend| blend.apply(&sample.motion));
         let (yaw_rad, yaw_rate_rad_s) = flying.yaw(&sample);
@@ -152,20 +158,21 @@ impl GenericUav {
         let anchored = matches!(flying.plan, Plan::Slot);
         if matches!(flying.purpose, Purpose::Follow(_)) && anchored != self.usable_anchor(flying).is_some() {
             self.anchor_came_or_went(flying, out);
-        } else if self.fresh_reference().is_none() && matches!(flying.purpose, Purpose::Guided(_)) {
+        } else if self.fresh_reference().is_none() && flying.purpose.moves_its_reference() {
             self.plan_from_here(flying, out);
         } else if self.fresh_reference().is_none()
             && let Some(have) = self.measured()
         {
             self.blend_in(flying, &have, self.now);
         }
-        if held_back && self.flight.refused_for_s > LONGEST_STEP_S && matches!(flying.purpose, Purpose::Guided(_)) {
+        if held_back && self.flight.refused_for_s > LONGEST_STEP_S && flying.purpose.moves_its_reference() {
             // Where the gate stops it depends on the goal, which moves: tried again from where it is, at rest.
             self.flight.reference = None;
             self.plan_from_here(flying, out);
         }
         if !held_back {
             self.step_guided(&mut flying.plan, &flying.purpose, dt_s);
+            self.step_keeping(flying, dt_s, out);
             flying.elapsed_s += dt_s;
             flying.blend.take_if(|blend| !blend.advance(dt_s));
         }
@@ -191,8 +198,9 @@ impl GenericUav {
     fn publish(&mut self, flying: &Flying, sample: &Sample, reference: &Motion, out: &mut Effects) {
         let Some(here) = self.measured() else { return };
         let goal = flying.purpose.goal().unwrap_or(sample.motion.position);
-        let distance_m = match flying.purpose {
-            Purpose::LandAt { .. } | Purpose::Home { .. } => here.position.horizontal_distance_m(&goal),
+        let distance_m = match (&flying.purpose, &flying.plan) {
+            (_, Plan::Kept(kept)) => kept.error_m,
+            (Purpose::LandAt { .. } | Purpose::Home { .. }, _) => here.position.horizontal_distance_m(&goal),
             _ => here.position.distance_m(&goal),
         };
         self.tell_distance(distance_m, out);
@@ -233,7 +241,17 @@ impl GenericUav {
         }
         let at_end = sample.finished && flying.blend.is_none();
         match &flying.purpose {
-            Purpose::TakeOff { .. } | Purpose::Follow(_) | Purpose::Guided(_) => {}
+            Purpose::TakeOff { .. } | Purpose::Follow(_) | Purpose::Guided(_) | Purpose::Keep(_) => {}
+            Purpose::Fly(fly) => {
+                if at_end && !fly.finished {
+                    out.route_finished();
+                    let purpose = Purpose::Fly(Fly {
+                        finished: true,
+                        ..fly.clone()
+                    });
+                    self.flight.phase = Phase::Flying(Flying { purpose, ..flying });
+                }
+            }
             Purpose::Hold { .. } => self.see_whether_stopped(&flying, at_end, out),
             Purpose::GoTo { .. } => self.see_whether_arrived(flying, at_end, out),
             Purpose::LandAt { .. } | Purpose::Home { .. } => self.see_whether_settled(&flying, at_end, out),
@@ -363,7 +381,12 @@ impl Purpose {
             Self::LandAt { spot } => Some(*spot),
             Self::Home { home } => Some(*home),
             Self::Guided(guided) => guided.goal.map(|goal| goal.position),
-            Self::Lead(_) | Self::Follow(_) => None,
+            Self::Lead(_) | Self::Follow(_) | Self::Keep(_) | Self::Fly(_) => None,
         }
+    }
+
+    /// Whether its plan is the reference itself, which begins anew where the vehicle is.
+    fn moves_its_reference(&self) -> bool {
+        matches!(self, Self::Guided(_) | Self::Keep(_))
     }
 }

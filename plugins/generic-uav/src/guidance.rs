@@ -87,7 +87,7 @@ pub(crate) fn step(have: &Motion, goal: Option<&Goal>, now: NodeTime, dt_s: f64,
         let moving = goal.velocity.vector();
         let horizontal = Vector3::new(moving.x, moving.y, 0.0) + closing;
         let vertical = moving.z + off.z.signum() * closing_m_s(off.z.abs(), acceleration_m_s2);
-        let horizontal = horizontal.cap_magnitude(goal.speed_m_s);
+        let horizontal = horizontal.cap_magnitude(goal.speed_m_s.min(settings.max_speed_m_s));
         Vector3::new(
             horizontal.x,
             horizontal.y,

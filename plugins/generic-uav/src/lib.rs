@@ -14,6 +14,7 @@ mod flight;
 mod flying;
 mod ground;
 mod guidance;
+mod keeping;
 mod landing;
 mod model;
 mod modes;

@@ -5,9 +5,11 @@ use crate::flight::{Flight, Flying, Phase, Plan, Purpose, Reference, Told};
 use crate::plan::Track;
 use crate::settings::Settings;
 use crate::snapshot;
-use skein_domain::exchange::{Create, Event, OwnState};
+use skein_domain::exchange::{Create, Event, OwnState, PeerState};
 use skein_domain::manifest::EffectKind;
-use skein_domain::{FlightMode, LandedState, NodeTime, Refusal, RequestId, Setpoint, VehicleId};
+use skein_domain::{
+    FlightLimits, FlightMode, LandedState, NodeTime, Refusal, RequestId, Setpoint, Task, VehicleId, VehicleTask,
+};
 use skein_plugin_sdk::{CreateError, Effects, UavManifest, UavModel, log};
 
 /// A gap between two ticks longer than this is not flown through: the vehicle was held by its link meanwhile, in seconds.
@@ -27,6 +29,10 @@ pub struct GenericUav {
     pub(crate) now: NodeTime,
     /// The present plan's way, built when it is first needed.
     pub(crate) track: Option<Track>,
+    /// What the neighbours are known to do, while a place among them is to be kept.
+    pub(crate) peers: Vec<PeerState>,
+    /// The limits last told; a new instance tells them again.
+    limits_told: Option<FlightLimits>,
     /// A model that is built on this one says where to be while it observes something.
     pub(crate) takes_guidance: bool,
 }
@@ -37,7 +43,7 @@ impl UavModel for GenericUav {
     const MANIFEST: UavManifest = UavManifest {
         name: "generic-uav",
         version: env!("CARGO_PKG_VERSION"),
-        description: "Flies any multirotor whose autopilot takes OFFBOARD setpoints: take-off, hold, go to, lead, follow, return, land.",
+        description: "Flies any multirotor whose autopilot takes OFFBOARD setpoints: take-off, hold, go to, lead, follow, keep a place among neighbours, fly trajectories, return, land.",
         effects: Self::EFFECTS,
     };
 
@@ -64,12 +70,18 @@ impl UavModel for GenericUav {
             own: None,
             now: create.now,
             track: None,
+            peers: Vec::new(),
+            limits_told: None,
             takes_guidance: false,
         })
     }
 
     fn handle(&mut self, now: NodeTime, events: &[Event], effects: &mut Effects) {
         self.now = now;
+        let limits = self.settings.flight_limits();
+        if self.limits_told.replace(limits) != Some(limits) {
+            effects.limits(limits);
+        }
         for event in events {
             self.take(event, effects);
             self.tell_state(effects);
@@ -93,6 +105,7 @@ impl GenericUav {
         EffectKind::Notice,
         EffectKind::TrackingError,
         EffectKind::RouteFinished,
+        EffectKind::Limits,
     ];
 
     fn take(&mut self, event: &Event, out: &mut Effects) {
@@ -122,6 +135,7 @@ impl GenericUav {
             }
             Event::LinkLost(lost) => self.flight.link_lost = *lost,
             Event::Rebooted => self.rebooted(out),
+            Event::Peers(peers) => self.take_peers(peers),
             Event::Refused(refusal) => self.flight.gate_refusal = Some(refusal.clone()),
             Event::FaultDrill(_) => {} // The SDK's.
             // Payloads and what they see are no matter of this model's.
@@ -129,10 +143,25 @@ impl GenericUav {
             | Event::Mavlink(_)
             | Event::Received { .. }
             | Event::Payload(_)
-            | Event::Peers(_)
             | Event::Frame(_)
             | Event::Tracks(_)
             | Event::PayloadResult { .. } => {}
+        }
+    }
+
+    /// Where others are matters only among neighbours.
+    fn take_peers(&mut self, peers: &[PeerState]) {
+        let keeps = |task: &VehicleTask| matches!(task.task, Task::Keep(_));
+        let flies_so = matches!(
+            &self.flight.phase,
+            Phase::Flying(Flying {
+                purpose: Purpose::Keep(_),
+                ..
+            })
+        );
+        self.peers.clear();
+        if flies_so || self.flight.task.as_ref().is_some_and(keeps) {
+            self.peers.extend_from_slice(peers);
         }
     }
 

@@ -3,6 +3,7 @@
 use crate::asking::Asking;
 use crate::blend::{Blend, Motion, Stop};
 use crate::flight::{Flying, Lead, Phase, Plan, Purpose};
+use crate::keeping::Kept;
 use crate::model::GenericUav;
 use skein_domain::exchange::Severity;
 use skein_domain::{AccelerationNed, NodeTime, PositionNed};
@@ -89,6 +90,7 @@ impl GenericUav {
             Purpose::Lead(Lead { route: Some(route), .. }) => Plan::Route {
                 start: here,
                 route: route.clone(),
+                velocity: Some(have.velocity),
             },
             Purpose::Lead(_) => stop,
             Purpose::Follow(_) if self.usable_anchor(flying).is_some() => Plan::Slot,
@@ -98,6 +100,8 @@ impl GenericUav {
                 velocity: have.velocity,
                 acceleration: AccelerationNed::default(),
             },
+            Purpose::Keep(_) => Plan::Kept(Kept::from(&have)),
+            Purpose::Fly(_) => Plan::Trajectory,
         };
         flying.elapsed_s = 0.0;
         self.track = None;
@@ -119,11 +123,21 @@ impl GenericUav {
     }
 
     fn build_track(&mut self, plan: &Plan) -> Result<(), skein_flight::RouteError> {
-        let limits = self.settings.path_limits();
+        let (limits, fastest) = (self.settings.path_limits(), self.settings.max_speed_m_s);
         self.track = Some(match plan {
-            Plan::Stop(_) | Plan::Slot | Plan::Guided { .. } => Track::None,
-            Plan::Straight { from, to, speed_m_s } => Track::Straight(GoTo::within(*from, *to, *speed_m_s, &limits)?),
-            Plan::Route { start, route } => Track::Route(RouteTrajectory::within(*start, route, &limits)?),
+            Plan::Stop(_) | Plan::Slot | Plan::Guided { .. } | Plan::Kept(_) | Plan::Trajectory => Track::None,
+            Plan::Straight { from, to, speed_m_s } => {
+                Track::Straight(GoTo::within(*from, *to, speed_m_s.min(fastest), &limits)?)
+            }
+            Plan::Route { start, route, velocity } => {
+                let mut route = route.clone();
+                // A speed that is not a number stays one, so that it is refused.
+                if route.speed_m_s > fastest {
+                    route.speed_m_s = fastest;
+                }
+                let velocity = velocity.unwrap_or_default();
+                Track::Route(RouteTrajectory::from_motion(*start, &velocity, &route, &limits)?)
+            }
         });
         Ok(())
     }
@@ -183,6 +197,11 @@ impl GenericUav {
                     false,
                 )
             }
+            (Plan::Kept(kept), _) => standing(kept.motion(), false),
+            (Plan::Trajectory, _) => match &flying.purpose {
+                Purpose::Fly(fly) => self.trajectory_sample(fly, now),
+                _ => self.slot_sample(flying, now),
+            },
             (Plan::Stop(stop), _) => {
                 let motion = stop.sample(flying.elapsed_s, acceleration);
                 standing(motion, flying.elapsed_s >= stop.duration_s(acceleration))

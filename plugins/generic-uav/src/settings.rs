@@ -2,6 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+use skein_domain::FlightLimits;
 use skein_flight::PathLimits;
 
 /// Configuration of the generic UAV model. Every key may be left out.
@@ -11,6 +12,18 @@ pub struct Settings {
     /// Speed on the way to a place when the command gives none, in metres per second.
     #[schemars(range(min = 0.1))]
     pub cruise_speed_m_s: f64,
+    /// Largest horizontal speed in metres per second. Routes, ways to places and formations keep below it, whatever is asked.
+    #[schemars(range(min = 0.1))]
+    pub max_speed_m_s: f64,
+    /// Smallest radius of a turn in metres, for formations to be planned by; 0 if it can turn on the spot.
+    #[schemars(range(min = 0.0))]
+    pub min_turn_radius_m: f64,
+    /// How long it can stay in the air with a full battery, in seconds; left out if that is not known.
+    #[schemars(range(min = 1.0))]
+    pub endurance_s: Option<f64>,
+    /// Whether it carries a camera that looks out of the formation, so that its slot is chosen with nobody in its view. Left out: as the
+    /// model does by itself (this one: no).
+    pub keeps_view: Option<bool>,
     /// Largest planned acceleration in metres per second squared.
     #[schemars(range(min = 0.1))]
     pub acceleration_m_s2: f64,
@@ -79,6 +92,10 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             cruise_speed_m_s: 5.0,
+            max_speed_m_s: 12.0,
+            min_turn_radius_m: 0.0,
+            endurance_s: None,
+            keeps_view: None,
             acceleration_m_s2: 2.0,
             climb_m_s: 2.0,
             descent_m_s: 1.0,
@@ -108,6 +125,8 @@ impl Settings {
     pub fn check(&self) -> Result<(), String> {
         let above_zero = [
             ("cruise_speed_m_s", self.cruise_speed_m_s),
+            ("max_speed_m_s", self.max_speed_m_s),
+            ("endurance_s", self.endurance_s.unwrap_or(f64::MAX)),
             ("acceleration_m_s2", self.acceleration_m_s2),
             ("climb_m_s", self.climb_m_s),
             ("descent_m_s", self.descent_m_s),
@@ -127,6 +146,7 @@ impl Settings {
             ("anchor_max_age_s", self.anchor_max_age_s),
         ];
         let not_below_zero = [
+            ("min_turn_radius_m", self.min_turn_radius_m),
             ("retry_pause_s", self.retry_pause_s),
             ("landing_settle_timeout_s", self.landing_settle_timeout_s),
             ("refusal_patience_s", self.refusal_patience_s),
@@ -142,6 +162,19 @@ impl Settings {
             }
         }
         Ok(())
+    }
+
+    /// What the vehicle can do, for others to plan by.
+    pub(crate) fn flight_limits(&self) -> FlightLimits {
+        FlightLimits {
+            max_speed_m_s: self.max_speed_m_s,
+            max_climb_m_s: self.climb_m_s,
+            max_descent_m_s: self.descent_m_s,
+            max_acceleration_m_s2: self.acceleration_m_s2,
+            min_turn_radius_m: self.min_turn_radius_m,
+            endurance_s: self.endurance_s,
+            keeps_view: self.keeps_view.unwrap_or(false),
+        }
     }
 
     /// What the vehicle can do along a planned way.

@@ -42,6 +42,9 @@ impl GenericUav {
         if !available {
             return;
         }
+        if self.is_early(&task) {
+            return;
+        }
         self.flight.settled_version = version;
         let flying = flying.clone();
         if task == Task::Hold && matches!(flying.purpose, Purpose::Hold { .. }) {
@@ -52,7 +55,8 @@ impl GenericUav {
             Task::Hold => self.fly(Purpose::Hold { at: None }, None, "left the formation", out),
             Task::Lead { route, heading } => self.lead(flying, route, heading, out),
             Task::Follow { leader, slot } => self.follow(flying, leader, slot, out),
-            Task::Keep(_) | Task::Fly(_) => {}
+            Task::Keep(keeping) => self.keep(flying, keeping, out),
+            Task::Fly(trajectory) => self.fly_trajectory(flying, trajectory, out),
         }
     }
 

@@ -48,6 +48,7 @@ impl UavModel for ObservationUav {
             EffectKind::Notice,
             EffectKind::TrackingError,
             EffectKind::RouteFinished,
+            EffectKind::Limits,
             EffectKind::Report,
             EffectKind::PayloadCommand,
         ],
@@ -74,7 +75,7 @@ impl UavModel for ObservationUav {
         };
         let now = create.now;
         Ok(Self {
-            uav: GenericUav::create(create, settings.flight)?.with_guidance(),
+            uav: GenericUav::create(create, settings.flight())?.with_guidance(),
             settings,
             watch,
             sightings: Sightings::default(),
@@ -105,7 +106,10 @@ impl UavModel for ObservationUav {
 impl ObservationUav {
     fn take(&mut self, event: &Event, out: &mut Effects) {
         match event {
-            Event::Peers(peers) => self.sightings.peers.clone_from(peers),
+            Event::Peers(peers) => {
+                self.sightings.peers.clone_from(peers);
+                self.fly(event, out);
+            }
             Event::Tracks(tracks) => self.sightings.tracks.clone_from(tracks),
             Event::Payload(report) => {
                 self.payloads.take(report);

@@ -103,6 +103,14 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// The flight's settings; its camera looks out of a formation unless said otherwise.
+    pub(crate) fn flight(&self) -> generic_uav::Settings {
+        generic_uav::Settings {
+            keeps_view: Some(self.flight.keeps_view.unwrap_or(true)),
+            ..self.flight
+        }
+    }
+
     /// Whether every value can be worked with; else which cannot. The flight's are checked by `generic-uav`.
     pub fn check(&self) -> Result<(), String> {
         let at_least = [

@@ -1,0 +1,153 @@
+//! Flying without a slot from anybody: in a place among neighbours, or along a trajectory on the common clock.
+//!
+//! Must never do: move the reference faster than the limits, or begin a trajectory before its time.
+
+use crate::blend::Motion;
+use crate::flight::{Fly, Flying, Phase, Plan, Purpose};
+use crate::model::GenericUav;
+use crate::plan::Sample;
+use minicbor::{Decode, Encode};
+use skein_domain::exchange::Severity;
+use skein_domain::frames::wrap_angle_rad;
+use skein_domain::{AccelerationNed, Keeping, NodeTime, PositionNed, Task, Trajectory, VelocityNed};
+use skein_flight::consensus::{self, KeepingCommand, KeepingTuning};
+use skein_flight::trajectory;
+use skein_plugin_sdk::Effects;
+
+/// How fast the reference takes up the velocity that the neighbours' states ask for, in seconds: short against the closing of
+/// differences, long enough that what is not known exactly does not shake the vehicle.
+const VELOCITY_TIME_S: f64 = 0.3;
+/// How fast the nose is turned along a trajectory, in radians per second.
+const YAW_RATE_RAD_S: f64 = 0.8;
+
+/// The reference of a vehicle that keeps its place among neighbours.
+#[derive(Debug, Clone, Copy, PartialEq, Encode, Decode)]
+pub(crate) struct Kept {
+    #[n(0)]
+    pub position: PositionNed,
+    #[n(1)]
+    pub velocity: VelocityNed,
+    #[n(2)]
+    pub acceleration: AccelerationNed,
+    /// How far the place is off, in metres.
+    #[n(3)]
+    pub error_m: f64,
+    /// How many neighbours it goes by.
+    #[n(4)]
+    pub neighbours: u32,
+}
+
+impl Kept {
+    /// From the motion it has.
+    pub(crate) fn from(have: &Motion) -> Self {
+        Self {
+            position: have.position,
+            velocity: have.velocity,
+            acceleration: AccelerationNed::default(),
+            error_m: 0.0,
+            neighbours: 0,
+        }
+    }
+
+    pub(crate) fn motion(&self) -> Motion {
+        Motion {
+            position: self.position,
+            velocity: self.velocity,
+            acceleration: self.acceleration,
+        }
+    }
+
+    /// The reference one period later, for what the neighbours' states ask for.
+    fn moved(&self, wanted: &KeepingCommand, acceleration_m_s2: f64, dt_s: f64) -> Self {
+        let velocity = self.velocity.vector();
+        let change = ((wanted.velocity.vector() - velocity) / VELOCITY_TIME_S).cap_magnitude(acceleration_m_s2);
+        Self {
+            position: self.position.moved(velocity * dt_s + change * (0.5 * dt_s * dt_s)),
+            velocity: (velocity + change * dt_s).into(),
+            acceleration: change.into(),
+            error_m: wanted.error_m,
+            neighbours: u32::try_from(wanted.neighbours).unwrap_or(u32::MAX),
+        }
+    }
+}
+
+impl GenericUav {
+    /// A task to keep a place: goes on from the present motion, and without any change if it kept one already.
+    pub(crate) fn keep(&mut self, mut flying: Flying, keeping: Keeping, out: &mut Effects) {
+        flying.purpose = Purpose::Keep(keeping);
+        if matches!(flying.plan, Plan::Kept(_)) {
+            self.enter(Phase::Flying(flying), "");
+        } else {
+            self.lay_out(flying, "", out);
+        }
+    }
+
+    /// Whether a task's time has not come: until then the vehicle goes on with what it does.
+    pub(crate) fn is_early(&self, task: &Task) -> bool {
+        match task {
+            Task::Fly(trajectory) => trajectory.start > self.now && trajectory::check(trajectory).is_ok(),
+            Task::Keep(keeping) => keeping.start > self.now,
+            _ => false,
+        }
+    }
+
+    /// A task to fly a trajectory.
+    pub(crate) fn fly_trajectory(&mut self, flying: Flying, trajectory: Trajectory, out: &mut Effects) {
+        if let Err(why) = trajectory::check(&trajectory) {
+            out.notice(Severity::Warning, format!("the way cannot be flown: {why}"));
+            self.fly(Purpose::Hold { at: None }, None, "the trajectory cannot be flown", out);
+            return;
+        }
+        let purpose = Purpose::Fly(Fly {
+            trajectory,
+            finished: false,
+        });
+        self.lay_out(Flying { purpose, ..flying }, "", out);
+    }
+
+    /// Moves the reference among neighbours on by a period.
+    pub(crate) fn step_keeping(&mut self, flying: &mut Flying, dt_s: f64, out: &mut Effects) {
+        let (Plan::Kept(kept), Purpose::Keep(keeping)) = (&mut flying.plan, &flying.purpose) else {
+            return;
+        };
+        let limits = self.settings.flight_limits();
+        let tuning = KeepingTuning::default();
+        let wanted = consensus::command(keeping, &kept.position, &self.peers, self.now, &limits, &tuning);
+        let heard_before = kept.neighbours > 0;
+        *kept = kept.moved(&wanted, self.settings.acceleration_m_s2, dt_s);
+        match (heard_before, wanted.neighbours > 0) {
+            (true, false) => {
+                out.notice(Severity::Warning, "nothing from any neighbour: holding");
+                self.flight.detail = "nothing from any neighbour: holding".to_owned();
+            }
+            (false, true) => self.flight.detail.clear(),
+            _ => {}
+        }
+    }
+
+    /// Where the trajectory wants the vehicle. A period that began just before the start counts as the start.
+    pub(crate) fn trajectory_sample(&self, fly: &Fly, now: NodeTime) -> Sample {
+        let at = trajectory::sample(&fly.trajectory, now.max(fly.trajectory.start));
+        Sample {
+            motion: Motion {
+                position: at.position,
+                velocity: at.velocity,
+                acceleration: at.acceleration,
+            },
+            yaw: None,
+            course_rad: at.yaw_rad,
+            finished: at.finished,
+        }
+    }
+}
+
+/// The yaw one period later on the way to another: no faster than the vehicle's nose follows well.
+pub(crate) fn turned_towards(yaw_rad: f64, towards_rad: f64, dt_s: f64) -> f64 {
+    let most = YAW_RATE_RAD_S * dt_s;
+    let step = wrap_angle_rad(towards_rad - yaw_rad).clamp(-most, most);
+    if step.is_finite() {
+        wrap_angle_rad(yaw_rad + step)
+    } else {
+        yaw_rad
+    }
+}
