@@ -8,6 +8,14 @@
 //! * [`Airframe`]: kinds of vehicles, so that swarms can be mixed.
 //! * [`TruthFrame`]: where every vehicle really is, and what its autopilot really did; for referees only, never for the swarm.
 //!
+//! Limits, where a real PX4 does more or otherwise:
+//! * The estimator is the truth plus errors, not a filter: after the loss of satellites it drifts along one line, and a receiver that
+//!   is wrong is refused by a fixed gate. Times and gate are EKF2's defaults. The height is never wrong: it comes from the barometer.
+//! * The wind is estimated (and told) without being asked for by a parameter: `EKF2_DRAG_CTRL` is on, which is not PX4's default.
+//! * Missions are waypoints and changes of speed; no other item, no fence, no rally point is taken. They are flown in the air only.
+//! * A vehicle that falls or collides is not damaged: it can be armed again.
+//! * A step of the clock moves all stamps at once; PX4's own clock does so only where time is simulated or a board is slept.
+//!
 //! Must never do: share code with the link that it is there to test, or let anything but its seed decide what happens in
 //! [`vehicle`]. Nothing here listens on other interfaces than the loopback.
 #![forbid(unsafe_code)]

@@ -4,6 +4,9 @@ use crate::airframe::Airframe;
 use crate::movers::Mover;
 use crate::payloads::PayloadPlan;
 use crate::vehicle::ParameterValue;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
 use skein_domain::{Geodetic, PositionNed};
 use std::net::SocketAddr;
 
@@ -71,6 +74,29 @@ impl Default for SimSettings {
             second_gnss: false,
             movers: Vec::new(),
         }
+    }
+}
+
+impl SimSettings {
+    /// The places the vehicles start from: the given ones, or a grid as near to a square as the number allows. For a mixed swarm,
+    /// change what this gives and put it in [`Self::starts`].
+    #[must_use]
+    pub fn places(&self) -> Vec<VehicleStart> {
+        if !self.starts.is_empty() {
+            return self.starts.clone();
+        }
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let columns = (self.vehicles as f64).sqrt().ceil().max(1.0) as usize;
+        (0..self.vehicles)
+            .map(|i| {
+                let (row, column) = (i / columns, i % columns);
+                let relief = rng.random_range(-1.0..=1.0) * self.ground_relief_m;
+                VehicleStart {
+                    position: PositionNed::new(row as f64 * self.spacing_m, column as f64 * self.spacing_m, relief),
+                    ..VehicleStart::default()
+                }
+            })
+            .collect()
     }
 }
 

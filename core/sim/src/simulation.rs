@@ -12,11 +12,8 @@ use crate::truth::TruthFrame;
 use crate::vehicle::VehicleIdentity;
 use parking_lot::Mutex;
 use ports::{Sockets, Voice};
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
 use runner::{Observer, Order, Runner};
-use skein_domain::{FlightMode, PositionNed};
+use skein_domain::FlightMode;
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
@@ -114,7 +111,7 @@ impl Simulation {
             utc_at_zero_us: utc.as_micros() as u64,
             settings,
         };
-        for start in starts(&simulation.settings) {
+        for start in simulation.settings.places() {
             simulation.enlist(start)?;
         }
         let movers = voices(&simulation.settings)?;
@@ -272,30 +269,6 @@ fn voices(settings: &SimSettings) -> Result<Vec<(Scripted, Voice)>, SimError> {
         Ok((Scripted::new(mover.clone(), settings.origin), voice))
     };
     settings.movers.iter().map(voice).collect()
-}
-
-/// The places the vehicles start from: the given ones, or a grid as near to a square as the number allows.
-fn starts(settings: &SimSettings) -> Vec<VehicleStart> {
-    if !settings.starts.is_empty() {
-        return settings.starts.clone();
-    }
-    let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
-    let columns = (settings.vehicles as f64).sqrt().ceil().max(1.0) as usize;
-    (0..settings.vehicles)
-        .map(|i| {
-            let (row, column) = (i / columns, i % columns);
-            let relief = rng.random_range(-1.0..=1.0) * settings.ground_relief_m;
-            let position = PositionNed::new(
-                row as f64 * settings.spacing_m,
-                column as f64 * settings.spacing_m,
-                relief,
-            );
-            VehicleStart {
-                position,
-                ..VehicleStart::default()
-            }
-        })
-        .collect()
 }
 
 /// The lowest system id from `first` on that no living vehicle has.

@@ -108,6 +108,30 @@ fn telemetry_on_the_way() {
 }
 
 #[test]
+fn how_well_it_knows_where_it_is() {
+    let flight = fly("plain-flight", 1, &[], &[]);
+    let (early, ..) = flight.at(1.5);
+    assert!(early.estimator.is_none_or(|estimator| !estimator.is_position_good()));
+    let (flying, ..) = flight.at(35.3);
+    assert_eq!(flying.gnss_healthy, Some(true));
+    let estimator = flying.estimator.unwrap();
+    assert!(estimator.is_position_good(), "{estimator:?}");
+    assert!(estimator.horizontal_accuracy_m.unwrap() < 1.0 && estimator.position_ratio < 0.5);
+    let frame = flying.local_frame.unwrap();
+    let apart = frame.position(&flying.gnss_place.unwrap()).vector() - flying.local.unwrap().vector();
+    assert!(apart.xy().norm() < 3.0 && apart.z.abs() < 5.0, "{apart:?}");
+    // One receiver, and no estimation of the drag: nothing is made up.
+    assert_eq!((flying.gnss2_place, flying.wind), (None, None));
+    assert!(
+        flying.battery_use.consumed_ah.is_some_and(|used| used < 0.5),
+        "{:?}",
+        flying.battery_use
+    );
+    let heard = flying.heard;
+    assert!(heard.estimator > heard.gnss2 && heard.gnss > heard.wind);
+}
+
+#[test]
 fn the_frame_is_found_without_being_told() {
     let said = Geodetic {
         latitude_deg: 47.397_743_3,

@@ -319,6 +319,8 @@ fn the_autopilot_is_not_asked_for_what_ends_a_flight() {
     let judge = |command: AutopilotCommand, airborne| gate().autopilot(&command, airborne);
     let not_permitted = |verdict| matches!(verdict, Err(Refusal::NotPermitted { .. }));
     assert!(not_permitted(judge(AutopilotCommand::Disarm, true)));
+    assert!(not_permitted(judge(AutopilotCommand::EmergencyStop, true)));
+    assert!(not_permitted(judge(AutopilotCommand::EmergencyStop, false)));
     assert_eq!(judge(AutopilotCommand::Disarm, false), Ok(()));
     assert!(not_permitted(judge(AutopilotCommand::TakeOff { height_m: 5.0 }, true)));
     assert_eq!(judge(AutopilotCommand::TakeOff { height_m: 5.0 }, false), Ok(()));

@@ -4,6 +4,7 @@ use super::*;
 use crate::payloads::{PayloadPlan, RadioSettings};
 use crate::settings::{PortPlan, Px4Ports};
 use mavlink::dialects::common::MavMessage;
+use skein_domain::PositionNed;
 use std::net::UdpSocket;
 use std::time::{Duration, Instant};
 
@@ -272,7 +273,7 @@ fn a_grid_is_as_square_as_it_can_be_and_its_ground_differs() {
         ground_relief_m: 4.0,
         ..SimSettings::default()
     };
-    let places = starts(&settings);
+    let places = settings.places();
     assert_eq!(places.len(), 7);
     assert_eq!(places[3].position.north_m, 5.0);
     for (i, a) in places.iter().enumerate() {
@@ -281,7 +282,7 @@ fn a_grid_is_as_square_as_it_can_be_and_its_ground_differs() {
             assert!(a.position.horizontal_distance_m(&b.position) >= 5.0 - 1e-9);
         }
     }
-    assert_eq!(starts(&settings), places, "the same seed, the same places");
+    assert_eq!(settings.places(), places, "the same seed, the same places");
 }
 
 #[test]
@@ -300,4 +301,40 @@ fn system_ids_are_found_where_there_are_any() {
     assert_eq!(free_system_id(&taken, 1), None);
     assert_eq!(free_system_id(&taken[..254], 1), Some(255));
     assert_eq!(free_system_id(&taken[3..], 4), Some(1));
+}
+
+#[test]
+fn a_mixed_swarm_gets_its_faults_and_its_wind_while_it_runs() {
+    let socket = listener();
+    let settings = SimSettings {
+        vehicles: 2,
+        ports: PortPlan::SendTo(socket.local_addr().expect("address")),
+        wind: WindSettings::CALM,
+        ..SimSettings::default()
+    };
+    let mut starts = settings.places();
+    starts[1].airframe = crate::Airframe::CameraCarrier;
+    starts[1].battery = Some(0.4);
+    let simulation = Simulation::start(SimSettings { starts, ..settings }).expect("starts");
+    let battery = |frame: &TruthFrame, id: u8| frame.vehicle(id).map(|v| (v.battery * 100.0).round());
+    let truth = simulation.truth();
+    assert_eq!((battery(&truth, 1), battery(&truth, 2)), (Some(100.0), Some(40.0)));
+    simulation.inflict(1, Fault::BatteryCharge(0.25)).expect("is there");
+    assert!(wait_for(&simulation, |t| battery(t, 1) == Some(25.0)));
+    simulation.set_wind(WindSettings::default()).expect("runs");
+    assert!(matches!(
+        simulation.inflict(9, Fault::Silent(true)),
+        Err(SimError::UnknownVehicle(9))
+    ));
+    for id in [1, 2] {
+        simulation.inflict(id, Fault::Silent(true)).expect("is there");
+    }
+    // What is on its way is heard; then nothing is.
+    let begin = Instant::now();
+    let mut buffer = [0; 512];
+    while socket.recv_from(&mut buffer).is_ok() {
+        assert!(begin.elapsed() < PATIENCE, "still heard");
+    }
+    simulation.inflict(2, Fault::Silent(false)).expect("is there");
+    assert_eq!(hear(&socket, &[2]), [2]);
 }

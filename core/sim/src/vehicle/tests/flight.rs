@@ -208,3 +208,37 @@ fn the_estimate_wanders_but_little() {
 pub fn real(value: f32) -> crate::vehicle::ParameterValue {
     crate::vehicle::ParameterValue::Real(value)
 }
+
+#[test]
+fn a_camera_carrier_is_slow_in_every_way() {
+    let fly = |airframe: crate::Airframe| {
+        let mut rig = Rig::of(airframe, &quiet());
+        rig.run(5.0);
+        rig.take_off(10.0);
+        let mut climb_m_s: f64 = 0.0;
+        let up = rig.run_until(60.0, |t| {
+            climb_m_s = climb_m_s.max(-t.velocity.down_m_s);
+            t.mode == FlightMode::Hold
+        });
+        assert!(up.is_some());
+        let there = rig.own_position() + Vector3::new(80.0, 0.0, 0.0);
+        rig.stream = Some(position(there));
+        rig.run(1.0);
+        assert_eq!(rig.set_mode(6, 0), Some(MavResult::MAV_RESULT_ACCEPTED));
+        let (mut speed_m_s, mut tilt_rad): (f64, f64) = (0.0, 0.0);
+        rig.run_until(40.0, |t| {
+            speed_m_s = speed_m_s.max(t.velocity.norm());
+            tilt_rad = tilt_rad.max(t.tilt_rad);
+            false
+        });
+        assert!((rig.own_position() - there).norm() < 0.5, "it gets there");
+        (climb_m_s, speed_m_s, tilt_rad.to_degrees())
+    };
+    let (climb, speed, tilt) = fly(crate::Airframe::CameraCarrier);
+    assert!(
+        climb < 1.2 && (4.5..5.3).contains(&speed) && tilt < 21.0,
+        "{climb} {speed} {tilt}"
+    );
+    let (climb, speed, tilt) = fly(crate::Airframe::Quadrotor);
+    assert!(climb > 1.3 && speed > 10.0 && tilt > 30.0, "{climb} {speed} {tilt}");
+}

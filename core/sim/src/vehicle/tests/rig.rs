@@ -51,8 +51,14 @@ pub fn identity() -> VehicleIdentity {
 
 impl Rig {
     pub fn new(settings: &SimSettings) -> Self {
+        Self::of(crate::Airframe::default(), settings)
+    }
+
+    /// A vehicle of a kind.
+    pub fn of(airframe: crate::Airframe, settings: &SimSettings) -> Self {
+        let identity = VehicleIdentity { airframe, ..identity() };
         Self {
-            vehicle: Vehicle::new(identity(), settings),
+            vehicle: Vehicle::new(identity, settings),
             time_s: 0.0,
             received: Vec::new(),
             nameless_answers: 0,
