@@ -2,7 +2,7 @@
 //! allowed. What is allowed is the safety gate's to say, not ours.
 
 use crate::error::ApiError;
-use crate::protocol::{CommandBody, EmergencyStopBody, RouteBody};
+use crate::protocol::{CommandBody, EmergencyStopBody, FenceFileBody, FencePlanBody, OverrideBody, RouteBody};
 use axum::Json;
 use axum::body::Bytes;
 use axum::extract::rejection::JsonRejection;
@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use skein_config::PayloadRule;
 use skein_domain::payload::{Target, Track};
+use skein_domain::preflight::LONGEST_OVERRIDE_S;
 use skein_domain::{
     FormationAnchor, FormationRequest, HeadingRequest, OffsetFrd, PositionNed, Route, VehicleCommand, VehicleId,
 };
@@ -40,6 +41,8 @@ const MAX_SPEED_M_S: f64 = 200.0;
 const MAX_ANGLE_RAD: f64 = 1000.0;
 /// The same in degrees.
 const MAX_ANGLE_DEG: f64 = 57_296.0;
+/// More items are not overridden at once.
+const MAX_ITEMS: usize = 64;
 /// No formation is made larger than so many times itself.
 const MAX_SCALE: f64 = 1000.0;
 
@@ -367,6 +370,26 @@ impl MakesSense for ReferenceReport {
 impl MakesSense for EmergencyStopBody {
     fn check(&self, place: &Place<'_>) -> Result<(), ApiError> {
         self.targets.check(&place.field("targets"))
+    }
+}
+
+impl MakesSense for OverrideBody {
+    fn check(&self, place: &Place<'_>) -> Result<(), ApiError> {
+        place.field("items").length(self.items.len(), MAX_ITEMS)?;
+        place.field("valid_s").positive(self.valid_s, LONGEST_OVERRIDE_S)
+    }
+}
+
+impl MakesSense for FencePlanBody {
+    // Whether the zones are any is said with the reason by whoever places them.
+    fn check(&self, _: &Place<'_>) -> Result<(), ApiError> {
+        Ok(())
+    }
+}
+
+impl MakesSense for FenceFileBody {
+    fn check(&self, _: &Place<'_>) -> Result<(), ApiError> {
+        Ok(())
     }
 }
 

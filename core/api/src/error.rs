@@ -89,6 +89,9 @@ pub enum ApiError {
         /// Where the page comes from.
         origin: String,
     },
+    /// Only a configured operator may do this.
+    #[error("this needs an operator of the configuration: show the secret as `Authorization: Bearer SECRET`")]
+    NoOperator,
     /// A stream was asked for without the headers that make it one.
     #[error("this is a WebSocket: {problem}")]
     NotAnUpgrade {
@@ -128,6 +131,7 @@ impl ApiError {
             Self::Query(_) | Self::Path(_) | Self::NoHost => StatusCode::BAD_REQUEST,
             Self::MethodNotAllowed { .. } => StatusCode::METHOD_NOT_ALLOWED,
             Self::ForeignHost { .. } | Self::ForeignOrigin { .. } => StatusCode::FORBIDDEN,
+            Self::NoOperator => StatusCode::UNAUTHORIZED,
             Self::NotAnUpgrade { .. } => StatusCode::UPGRADE_REQUIRED,
             Self::TooManyStreams { .. } => StatusCode::SERVICE_UNAVAILABLE,
         }
@@ -153,6 +157,7 @@ impl ApiError {
             Self::ForeignHost { .. } => "foreign_host",
             Self::NoHost => "no_host",
             Self::ForeignOrigin { .. } => "foreign_origin",
+            Self::NoOperator => "no_operator",
             Self::NotAnUpgrade { .. } => "not_a_websocket",
             Self::TooManyStreams { .. } => "too_many_streams",
         }

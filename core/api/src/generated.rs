@@ -6,16 +6,18 @@
 pub(crate) mod golden;
 
 use crate::protocol::{
-    Accepted, ClientMessage, CommandBody, CommandReceipts, EmergencyStopBody, ErrorBody, EventList, FormationAnswer,
-    FormationPreview, Health, PayloadList, PluginList, ReferenceList, RestartList, RouteBody, ServerMessage,
-    VehicleList, VersionInfo,
+    Accepted, ClientMessage, CommandBody, CommandReceipts, EmergencyStopBody, ErrorBody, EventList, FenceFileBody,
+    FencePlanBody, FormationAnswer, FormationPreview, Health, ImportedFencePlan, OverrideBody, PayloadList, PluginList,
+    ReferenceList, RestartList, RouteBody, ServerMessage, VehicleList, VersionInfo,
 };
 use crate::wire::{self, Field, Header, Record, flag};
 use skein_config::PayloadRule;
 use skein_domain::payload::{CameraCommand, CameraState, GimbalCommand, GimbalState, RadioCommand, RadioState};
 use skein_domain::{FlightMode, FlightState, FormationRequest, GnssFix, LandedState};
 use skein_runtime::snapshot::FleetSnapshot;
-use skein_runtime::{EmergencyKey, Fault, FormationReceipt, ReferenceReport, UpgradeReceipt};
+use skein_runtime::{
+    EmergencyKey, Fault, FenceAnswer, FormationReceipt, PreflightAnswer, ReferenceReport, UpgradeReceipt,
+};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use ts_rs::{Config, TS, TypeVisitor};
@@ -74,6 +76,12 @@ fn types() -> String {
     found.visit::<FormationPreview>();
     found.visit::<ReferenceList>();
     found.visit::<ReferenceReport>();
+    found.visit::<PreflightAnswer>();
+    found.visit::<OverrideBody>();
+    found.visit::<FenceAnswer>();
+    found.visit::<FencePlanBody>();
+    found.visit::<FenceFileBody>();
+    found.visit::<ImportedFencePlan>();
     found.visit::<EmergencyKey>();
     found.visit::<EmergencyStopBody>();
     found.visit::<RouteBody>();

@@ -5,6 +5,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use skein_config::Isolation;
+use skein_domain::fence::FencePlan;
 use skein_domain::payload::PayloadKind;
 use skein_domain::{Geodetic, NodeTime, OffsetFrd, Route, SwarmFrame, SystemId, VehicleCommand, VehicleId};
 use skein_runtime::snapshot::{ActorHealth, EventRecord, FormationSnapshot, UnadoptedVehicle, VehicleSnapshot};
@@ -144,6 +145,49 @@ pub struct EmergencyStopBody {
     pub key: String,
     /// Whose motors are stopped.
     pub targets: Targets,
+}
+
+/// Red items of the preflight report that an operator takes upon himself.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, TS, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OverrideBody {
+    /// Whose items; those of the swarm if left out.
+    #[serde(default)]
+    pub vehicle: Option<VehicleId>,
+    /// Ids of the items.
+    pub items: Vec<String>,
+    /// Why.
+    pub reason: String,
+    /// For how long, in seconds.
+    pub valid_s: f64,
+}
+
+/// Fences to be put in force.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, TS, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FencePlanBody {
+    /// All zones; none to fly without a fence.
+    pub plan: FencePlan,
+}
+
+/// A file with fences.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, TS, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FenceFileBody {
+    /// Its name, for messages and for zones without a name.
+    #[serde(default)]
+    pub name: Option<String>,
+    /// Its text: GeoJSON, or a plan of QGroundControl.
+    pub text: String,
+}
+
+/// What a file with fences says.
+#[derive(Debug, Clone, PartialEq, Serialize, TS, JsonSchema)]
+pub struct ImportedFencePlan {
+    /// The zones.
+    pub plan: FencePlan,
+    /// What was left out, and why.
+    pub notes: Vec<String>,
 }
 
 /// It was taken up; how it goes on comes as events.

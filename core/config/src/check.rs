@@ -73,6 +73,11 @@ impl NodeConfig {
                 ));
             }
         }
+        for (i, operator) in self.operators.iter().enumerate() {
+            if let Err((key, what)) = operator.check() {
+                problems.push(problem(&format!("operators[{i}].{key}"), what));
+            }
+        }
         for (i, rule) in self.adopt.iter().enumerate() {
             if rule.name.trim().is_empty() {
                 problems.push(problem(&format!("adopt[{i}].name"), "must not be empty"));

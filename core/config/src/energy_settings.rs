@@ -39,3 +39,6 @@ pub(crate) fn problems(energy: &EnergySettings, problems: &mut Vec<Problem>) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

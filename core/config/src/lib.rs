@@ -9,12 +9,14 @@ mod energy_settings;
 mod fences;
 mod ids;
 mod ladder_settings;
+mod operators;
 mod preflight_settings;
 pub mod settings;
 
 pub use check::Problem;
 pub use fences::{FenceFault, FenceFileError, ImportedFences, parse_fences, read_fence_file, to_geojson};
 pub use ids::SystemIdSet;
+pub use operators::OperatorSettings;
 pub use settings::{
     AdoptionRule, CoordinatorSettings, EndpointSettings, Escalation, FaultSettings, FenceSettings, Isolation,
     LinkSettings, NodeConfig, NodeSettings, PayloadRule, PluginSettings, SafetySettings, SwarmSettings, WebSettings,

@@ -29,3 +29,6 @@ pub(crate) fn problems(preflight: &PreflightSettings, problems: &mut Vec<Problem
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

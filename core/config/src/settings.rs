@@ -1,6 +1,6 @@
 //! The settings themselves, one struct per table of the file. `default.toml` says what each key is for.
 
-use crate::SystemIdSet;
+use crate::{OperatorSettings, SystemIdSet};
 use serde::{Deserialize, Serialize};
 use skein_domain::{EnergySettings, FenceZone, Geodetic, LadderSettings, PreflightSettings};
 use std::net::SocketAddr;
@@ -28,6 +28,8 @@ pub struct NodeConfig {
     pub coordinator: CoordinatorSettings,
     /// The web API and dashboard.
     pub web: WebSettings,
+    /// Who may do what an ordinary client of the API may not.
+    pub operators: Vec<OperatorSettings>,
     /// Fault injection.
     pub faults: FaultSettings,
 }

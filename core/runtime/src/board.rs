@@ -11,23 +11,24 @@ use crate::payload::PayloadCell;
 use crate::plugin_life::LifeRecord;
 use crate::references::References;
 use crate::snapshot::{ActorHealth, Avoidance, FleetSnapshot, RestartRecord, UnadoptedVehicle};
-use crate::vehicle::{Itinerary, VehicleMessage};
+use crate::vehicle::{Itinerary, VehicleMessage, Watch};
 use arc_swap::{ArcSwap, ArcSwapOption};
 use parking_lot::{Mutex, RwLock};
 use ractor::ActorRef;
 use skein_config::NodeConfig;
+use skein_domain::fence::FencePlan;
 use skein_domain::link::VehicleLink;
 use skein_domain::payload::{CoordinatorCapability, Track};
-use skein_domain::preflight::PreflightItem;
+use skein_domain::preflight::{PreflightItem, PreflightOverride};
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{
-    AnchorReference, Clock, FlightLimits, FlightState, Geodetic, Intent, LandedState, LinkHealth, NodeTime,
-    PositionNed, Setpoint, SwarmFrame, SystemId, Telemetry, VehicleId,
+    AnchorReference, Clock, EnergyState, FlightLimits, FlightState, Geodetic, Intent, LadderState, LandedState,
+    LinkHealth, NodeTime, PositionNed, Setpoint, SwarmFrame, SystemId, Telemetry, VehicleId,
 };
 use skein_link_px4::Sightings;
 use skein_plugin_host::{Catalog, Runners};
-use skein_safety::Gate;
 use skein_safety::avoidance::Surroundings;
+use skein_safety::{FencePlanError, Fences, Gate};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -41,6 +42,8 @@ pub struct Board {
     pub clock: Arc<dyn Clock>,
     /// The safety gate; replaced as a whole when the fences change.
     gate: ArcSwap<Gate>,
+    /// The fences as they were described.
+    pub fence_plan: Mutex<FencePlan>,
     /// Events.
     pub events: EventLog,
     /// Plugins found.
@@ -76,6 +79,12 @@ pub struct Board {
     pub references: References,
     /// Works out the anchor of a formation that follows no vehicle.
     pub anchor: Mutex<AnchorKeeper>,
+    /// When the coordinator last looked at its formation, in microseconds of node time.
+    coordinator_seen_us: AtomicU64,
+    /// When an operator last gave a sign of life, in microseconds of node time; 0 if none ever did.
+    operator_heard_us: AtomicU64,
+    /// Red items of preflight reports that somebody takes upon himself.
+    pub overrides: Mutex<Vec<PreflightOverride>>,
     /// The emergency stop, while it is unlocked.
     pub emergency: Mutex<Option<EmergencyUnlock>>,
     /// A drill: the coordinator is not started again as long as this is set.
@@ -90,7 +99,7 @@ pub struct Board {
 impl Board {
     /// An empty board.
     #[must_use]
-    pub fn new(config: NodeConfig, clock: Arc<dyn Clock>, gate: Gate, catalog: Catalog) -> Self {
+    pub fn new(config: NodeConfig, clock: Arc<dyn Clock>, gate: Gate, fence_plan: FencePlan, catalog: Catalog) -> Self {
         let runners = || {
             let deadline = Duration::from_secs_f64(config.plugins.call_deadline_s);
             Runners::new(config.plugins.runner_threads, deadline)
@@ -102,6 +111,7 @@ impl Board {
             config,
             clock,
             gate: ArcSwap::from_pointee(gate),
+            fence_plan: Mutex::new(fence_plan),
             events: EventLog::default(),
             catalog,
             runners,
@@ -119,6 +129,9 @@ impl Board {
             sightings: Sightings::new(),
             references: References::new(max_speed_m_s),
             anchor: Mutex::default(),
+            coordinator_seen_us: AtomicU64::new(0),
+            operator_heard_us: AtomicU64::new(0),
+            overrides: Mutex::default(),
             emergency: Mutex::default(),
             coordinator_away: AtomicBool::new(false),
             tracks: ArcSwap::default(),
@@ -131,6 +144,41 @@ impl Board {
     #[must_use]
     pub fn gate(&self) -> Arc<Gate> {
         self.gate.load_full()
+    }
+
+    /// The coordinator gives a sign of life.
+    pub fn see_coordinator(&self) {
+        self.coordinator_seen_us.store(self.now().0, Ordering::Relaxed);
+    }
+
+    /// When the coordinator last gave a sign of life.
+    #[must_use]
+    pub fn coordinator_seen(&self) -> NodeTime {
+        NodeTime(self.coordinator_seen_us.load(Ordering::Relaxed))
+    }
+
+    /// An operator gives a sign of life.
+    pub fn hear_operator(&self) {
+        self.operator_heard_us.store(self.now().0.max(1), Ordering::Relaxed);
+    }
+
+    /// When an operator last gave a sign of life, if ever.
+    #[must_use]
+    pub fn operator_heard(&self) -> Option<NodeTime> {
+        let heard_us = self.operator_heard_us.load(Ordering::Relaxed);
+        (heard_us > 0).then_some(NodeTime(heard_us))
+    }
+
+    /// Other fences from now on.
+    ///
+    /// # Errors
+    /// When a zone cannot be one, or cannot be placed yet.
+    pub fn set_fences(&self, plan: FencePlan) -> Result<(), FencePlanError> {
+        let fences = Fences::from_plan(&plan, self.frame().as_ref())?;
+        let gate = Gate::new(*self.gate().limits(), fences);
+        *self.fence_plan.lock() = plan;
+        self.gate.store(Arc::new(gate));
+        Ok(())
     }
 
     /// Now.
@@ -197,6 +245,8 @@ pub struct VehicleCell {
     pub tick_waiting: AtomicBool,
     /// What the actor last published.
     pub state: Mutex<PublishedState>,
+    /// Its ladder of reactions and its charge.
+    pub watch: Mutex<Watch>,
     /// A command in several legs that is being carried out.
     pub itinerary: Mutex<Option<Itinerary>>,
     /// Its motors were stopped in an emergency: nothing flies it until an operator arms it again.
@@ -223,6 +273,7 @@ impl VehicleCell {
             actor: ArcSwapOption::default(),
             tick_waiting: AtomicBool::new(false),
             state: Mutex::default(),
+            watch: Mutex::default(),
             itinerary: Mutex::default(),
             stopped: AtomicBool::new(false),
         }
@@ -286,6 +337,8 @@ pub struct PublishedState {
     pub preflight: Vec<PreflightItem>,
     /// What is changed of its setpoints at this moment, to keep it off others or inside of a fence.
     pub avoiding: Option<Avoidance>,
+    /// What is wrong with it and what is done about it; absent if nothing is.
+    pub ladder: Option<LadderState>,
 }
 
 /// All vehicles at one control period.
@@ -320,6 +373,10 @@ pub struct PeerEntry {
     pub home: Option<PositionNed>,
     /// What it can do, if its model says.
     pub limits: Option<FlightLimits>,
+    /// A reaction of its ladder is in force: it takes no slot.
+    pub under_order: bool,
+    /// Its charge against its way home.
+    pub energy: Option<EnergyState>,
 }
 
 impl PeerSnapshot {

@@ -3,10 +3,12 @@
 //!
 //! Must never do: read a clock or the board by itself, or send anything.
 
+mod membership;
 mod plan;
 mod succession;
 mod tasks;
 
+pub use membership::{Changed, Judging};
 pub use plan::{PlanInput, PlanLimits, fitted, plan};
 pub use succession::{by_fitness, succeed};
 pub use tasks::intent;
@@ -57,10 +59,69 @@ pub struct Formation {
 }
 
 impl Formation {
+    /// How far its outermost place is from its anchor on the ground, in metres.
+    #[must_use]
+    pub fn reach_m(&self) -> f64 {
+        let reach = |slot: &SlotMove| slot.to.forward_m.hypot(slot.to.right_m);
+        self.slots.values().map(reach).fold(0.0, f64::max)
+    }
+
     /// Whether its followers keep their places by their neighbours at this moment, and not by slots.
     #[must_use]
     pub fn keeps_itself(&self, now: NodeTime) -> bool {
         self.request.control != FormationControl::Slots && !self.keeping.is_empty() && now >= self.settled_at
+    }
+
+    /// The same with its motion beginning at `start`: planning took time.
+    #[must_use]
+    pub fn beginning(mut self, start: NodeTime) -> Self {
+        let late_s = start.seconds_since(self.decided);
+        for slot in self.slots.values_mut() {
+            slot.start = slot.start.plus_seconds(late_s);
+        }
+        for keeping in self.keeping.values_mut() {
+            keeping.start = keeping.start.plus_seconds(late_s);
+        }
+        let settled_at = self.settled_at;
+        // A virtual leader that sets off when they are formed; one that is under way already keeps its time.
+        if let Some(AnchorPlan::Path { start, .. }) = &mut self.anchor
+            && *start == settled_at
+        {
+            *start = start.plus_seconds(late_s);
+        }
+        self.settled_at = settled_at.plus_seconds(late_s);
+        self.decided = start;
+        self
+    }
+}
+
+impl Coordination {
+    /// Takes up a formation; a new leader takes over what is left of the route. Whether the leader is another than before.
+    pub fn take_up(&mut self, formation: Formation) -> bool {
+        let former = self.formation.as_ref().map(|f| f.leader);
+        let changed = former.is_some_and(|leader| leader != formation.leader);
+        if changed && let Some(active) = self.route.take() {
+            let left = active.remaining().filter(|_| formation.leader.is_some());
+            self.route = left.map(|route| ActiveRoute {
+                route,
+                next: 0,
+                finished: false,
+            });
+        }
+        self.formation = Some(formation);
+        changed
+    }
+
+    /// Notes how far the leader has come, for a successor.
+    pub fn follow_route(&mut self, peers: &PeerSnapshot, finished: impl Fn(VehicleId) -> bool) {
+        let Some(leader) = self.formation.as_ref().and_then(|f| f.leader) else {
+            return;
+        };
+        let position = peers.entry(leader).and_then(|e| e.kinematics).map(|k| k.position);
+        if let (Some(active), Some(position)) = (self.route.as_mut(), position) {
+            active.advance(&position);
+            active.finished |= finished(leader);
+        }
     }
 }
 
@@ -107,7 +168,8 @@ pub fn available(peers: &PeerSnapshot) -> Vec<VehicleId> {
     peers
         .entries
         .iter()
-        .filter(|e| e.link.connected && e.kinematics.is_some() && e.airborne && e.flight_state.is_available_in_air())
+        .filter(|e| e.link.connected && e.kinematics.is_some() && e.airborne && !e.under_order)
+        .filter(|e| e.flight_state.is_available_in_air())
         .map(|e| e.id)
         .collect()
 }

@@ -4,8 +4,8 @@
 //! Bound: one plan to regroup is made at a time; reviews that come meanwhile do not ask for another. Must never do: wait for a vehicle,
 //! or for a plan.
 
-mod membership;
 mod planning;
+mod relief;
 
 pub use planning::Planned;
 
@@ -13,10 +13,12 @@ use crate::board::{Board, PeerSnapshot};
 use crate::coordination::{self, ActiveRoute, Coordination, Formation};
 use crate::handle::FormationReceipt;
 use crate::snapshot::EventKind;
+use crate::ways;
 use planning::Purpose;
 use ractor::{Actor, ActorProcessingErr, ActorRef, RpcReplyPort};
 use skein_domain::exchange::Severity;
 use skein_domain::{FormationAnchor, FormationRequest, NodeTime, Refusal, Route, VehicleId};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -134,21 +136,7 @@ impl CoordinatorState {
     }
 
     fn fly(&mut self, formation: Formation, severity: Severity, text: String) {
-        let leader_changed = {
-            let mut coordination = self.board.coordination.lock();
-            let former = coordination.formation.as_ref().map(|f| f.leader);
-            let changed = former.is_some_and(|leader| leader != formation.leader);
-            if changed && let Some(active) = coordination.route.take() {
-                let left = active.remaining().filter(|_| formation.leader.is_some());
-                coordination.route = left.map(|route| ActiveRoute {
-                    route,
-                    next: 0,
-                    finished: false,
-                });
-            }
-            coordination.formation = Some(formation);
-            changed
-        };
+        let leader_changed = self.board.coordination.lock().take_up(formation);
         self.generation += 1;
         if leader_changed {
             self.clear_anchors();
@@ -210,7 +198,10 @@ impl CoordinatorState {
             .and_then(|e| e.kinematics)
             .ok_or(Refusal::NoPosition)?
             .position;
-        self.board.gate().route_from(&start, &route)?;
+        let gate = self.board.gate();
+        let reach_m = formation.reach_m();
+        let route = ways::route(gate.fences(), &start, route, reach_m)?;
+        gate.route_from(&start, &route)?;
         let fitted = coordination::fitted(route.clone(), &formation, &peers, &self.plan_limits());
         let slower = fitted.speed_m_s < route.speed_m_s;
         self.board.coordination.lock().route = Some(ActiveRoute {
@@ -238,11 +229,13 @@ impl CoordinatorState {
     /// members where they keep it by themselves.
     fn watch(&mut self) {
         let now = self.board.now();
+        self.board.see_coordinator();
         let Some(formation) = self.board.coordination.lock().formation.clone() else {
             return;
         };
         let peers = self.board.peers.load_full();
-        if let Some(lost) = self.lost_leader(&formation, &peers, now) {
+        let withdrawn = self.board.withdrawn.lock().clone();
+        if let Some(lost) = self.judging(&peers, &withdrawn, now).lost_leader(&formation) {
             let order = self.plan_limits().leader_order;
             if let Some(next) = coordination::succeed(&formation, lost, now, &order, &peers) {
                 let leader = next.leader.map_or_else(String::new, |id| id.to_string());
@@ -265,56 +258,44 @@ impl CoordinatorState {
     fn review(&mut self, myself: &ActorRef<CoordinatorMessage>) {
         let peers = self.board.peers.load_full();
         let now = self.board.now();
-        self.follow_route(&peers);
-        let newcomers = self.newcomers(&peers);
-        let Some(formation) = self.board.coordination.lock().formation.clone() else {
+        let finished = |leader| {
+            let cell = self.board.cell(leader);
+            cell.is_some_and(|cell| cell.state.lock().route_finished.is_some())
+        };
+        let (newcomers, formation) = {
+            let mut coordination = self.board.coordination.lock();
+            coordination.follow_route(&peers, finished);
+            (coordination.newcomers(&peers), coordination.formation.clone())
+        };
+        let Some(formation) = formation else {
             self.joins.clear();
             return;
         };
         if formation.request.members.is_none() {
             self.joins.extend(newcomers);
         }
+        self.relieve(&formation, &peers);
         if self.regrouping || now < self.not_before {
             return;
         }
-        let gone: Vec<VehicleId> = formation
-            .members
-            .iter()
-            .copied()
-            .filter(|id| self.has_left(&formation, *id, &peers, now))
-            .collect();
-        let mut joins = self.joins.clone();
-        joins.extend(self.strays(&formation, &peers));
-        if gone.is_empty() && joins.is_empty() && !self.reshape {
-            return;
-        }
-        let mut members: Vec<VehicleId> = formation
-            .members
-            .iter()
-            .copied()
-            .filter(|id| !gone.contains(id))
-            .collect();
-        members.extend(joins.iter().filter(|id| !formation.members.contains(id)));
-        let present = coordination::available(&peers);
         let withdrawn = self.board.withdrawn.lock().clone();
-        members.retain(|id| present.contains(id) && !withdrawn.contains(id));
-        self.regroup(myself, &formation, members, &gone, &joins);
+        let judging = self.judging(&peers, &withdrawn, now);
+        if let Some(changed) = judging.changed(&formation, &self.joins, self.reshape) {
+            self.regroup(myself, &formation, changed);
+        }
     }
 
-    /// Notes how far the leader has come, for a successor.
-    fn follow_route(&self, peers: &PeerSnapshot) {
-        let mut coordination: parking_lot::MutexGuard<'_, Coordination> = self.board.coordination.lock();
-        let Some(leader) = coordination.formation.as_ref().and_then(|f| f.leader) else {
-            return;
-        };
-        let position = peers.entry(leader).and_then(|e| e.kinematics).map(|k| k.position);
-        let finished = self
-            .board
-            .cell(leader)
-            .is_some_and(|cell| cell.state.lock().route_finished.is_some());
-        if let (Some(active), Some(position)) = (coordination.route.as_mut(), position) {
-            active.advance(&position);
-            active.finished |= finished;
+    fn judging<'a>(
+        &self,
+        peers: &'a PeerSnapshot,
+        withdrawn: &'a BTreeSet<VehicleId>,
+        now: NodeTime,
+    ) -> coordination::Judging<'a> {
+        coordination::Judging {
+            peers,
+            withdrawn,
+            leader_lost_after_s: self.board.config.coordinator.leader_lost_after_s,
+            now,
         }
     }
 }

@@ -8,6 +8,7 @@ use crate::references::{ReferenceReport, ReferenceSnapshot};
 use crate::returns;
 use crate::snapshot::{EventKind, EventRecord, FleetSnapshot};
 use crate::vehicle::VehicleMessage;
+use crate::ways;
 use ractor::RpcReplyPort;
 use ractor::rpc::CallResult;
 use serde::{Deserialize, Serialize};
@@ -275,6 +276,13 @@ impl NodeHandle {
         let Some(cell) = self.board.cell(vehicle) else {
             return refused(Refusal::UnknownVehicle { vehicle });
         };
+        let legs = match ways::legs(&self.board, vehicle, &command) {
+            Ok(around) if legs.is_empty() => around,
+            Ok(_) => legs,
+            // A return that finds no way is better begun than not; the gate stops it where it must.
+            Err(_) if command == VehicleCommand::Return => legs,
+            Err(refusal) => return refused(refusal),
+        };
         let not_running = Refusal::NotRunning {
             what: format!("actor of vehicle {vehicle}"),
         };
@@ -322,6 +330,11 @@ impl NodeHandle {
     pub async fn set_route(&self, route: Route) -> Result<Route, Refusal> {
         self.coordinate(|reply| CoordinatorMessage::SetRoute(route, reply))
             .await
+    }
+
+    /// An operator gives a sign of life: the dead man's switch, where the configuration has it on, counts from the last one.
+    pub fn hear_operator(&self) {
+        self.board.hear_operator();
     }
 
     /// Tells where a reference is that formations may be anchored to.

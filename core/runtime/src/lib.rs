@@ -11,6 +11,7 @@ pub mod coordination;
 mod coordinator;
 mod emergency;
 mod events;
+mod fences;
 mod fleet;
 mod handle;
 mod listening;
@@ -26,16 +27,21 @@ mod references;
 pub mod restart;
 mod returns;
 pub mod snapshot;
+pub mod steering;
 mod vehicle;
+mod ways;
 mod wiring;
 
+pub use anchor::AnchorKeeper;
 pub use board::{PeerEntry, PeerSnapshot};
 pub use clock::TokioClock;
 pub use emergency::EmergencyKey;
+pub use fences::FenceAnswer;
 pub use handle::{CommandReceipt, Fault, FormationReceipt, FormationSlots, NodeHandle, Targets};
 pub use node::{Adapter, AdapterStart, Node, NodeError};
 pub use plugins::{InstanceUpgrade, PluginInfo, PluginRefusal, UpgradeReceipt};
-pub use references::{ReferenceReport, ReferenceSnapshot};
+pub use preflight::PreflightAnswer;
+pub use references::{ReferenceReport, ReferenceSnapshot, References};
 pub use skein_plugin_host::Frame;
 pub use snapshot::{
     EventKind, EventRecord, FleetSnapshot, PayloadSnapshot, PluginHealth, RestartRecord, Restored, VehicleSnapshot,

@@ -4,6 +4,7 @@
 //! Must never do: leave out one whose position is known. Who is in doubt is taken for one that does not give way.
 
 use crate::board::{Board, PeerEntry};
+use skein_domain::payload::Track;
 use skein_domain::{FlightState, NodeTime, PositionNed};
 use skein_safety::avoidance::{Cooperation, Neighbour, NeighbourId, Surroundings};
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -42,19 +43,27 @@ fn tracks(board: &Board, entries: &[PeerEntry]) -> Vec<Neighbour> {
         .load()
         .iter()
         .filter(|track| !ours(&track.position))
-        .map(|track| Neighbour {
-            id: NeighbourId::Foreign(track.track),
-            position: track.position,
-            velocity: track.velocity,
-            measured: track.time,
-            uncertainty_m: TRACK_UNCERTAINTY_M,
-            cooperation: Cooperation::DoesNot,
-            airborne: true,
-        })
+        .map(track)
         .collect()
 }
 
-fn vehicle(entry: &PeerEntry, now: NodeTime) -> Option<Neighbour> {
+/// Something tracked as the filters see it.
+#[must_use]
+pub fn track(track: &Track) -> Neighbour {
+    Neighbour {
+        id: NeighbourId::Foreign(track.track),
+        position: track.position,
+        velocity: track.velocity,
+        measured: track.time,
+        uncertainty_m: TRACK_UNCERTAINTY_M,
+        cooperation: Cooperation::DoesNot,
+        airborne: true,
+    }
+}
+
+/// One of our vehicles as the others' filters see it; none without a position.
+#[must_use]
+pub fn vehicle(entry: &PeerEntry, now: NodeTime) -> Option<Neighbour> {
     let kinematics = entry.kinematics?;
     let fresh = now.seconds_since(kinematics.measured) <= FRESH_S;
     let lost = matches!(entry.flight_state, FlightState::PilotControl | FlightState::Faulted);

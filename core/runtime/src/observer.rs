@@ -133,6 +133,10 @@ fn vehicle(
         model,
         model_state: state.model_state,
         avoiding: state.avoiding,
+        ladder: state.ladder,
+        energy: entry.energy,
+        stopped: cell.is_stopped(),
+        limits: state.limits,
         capability: state.capability,
         payloads,
     })

@@ -2,10 +2,28 @@
 //!
 //! Must never do: judge. What is red is `skein-safety`'s and the plugins' to say.
 
-use skein_domain::preflight::PreflightItem;
+use crate::board::{Board, PeerEntry, VehicleCell};
+use crate::handle::NodeHandle;
+use crate::snapshot::{ActorStatus, EventKind};
+use serde::Serialize;
+use skein_domain::exchange::Severity;
+use skein_domain::preflight::{PreflightItem, PreflightOverride, PreflightReport};
+use skein_domain::{LandedState, NodeTime, PositionNed, Refusal};
+use skein_safety::preflight::{self, NamedRunning, SwarmChecks, VehicleChecks};
 
 /// Most items that one plugin may add.
 const MOST_ITEMS: usize = 64;
+
+/// The reports of the swarm and of all its vehicles.
+#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
+pub struct PreflightAnswer {
+    /// What concerns all of them.
+    pub swarm: PreflightReport,
+    /// Each vehicle, by ascending id.
+    pub vehicles: Vec<PreflightReport>,
+    /// Overrides that hold.
+    pub overrides: Vec<PreflightOverride>,
+}
 
 /// A plugin's items under its own name, so that none passes for one of ours or of another plugin.
 pub fn own_items(plugin: &str, items: Vec<PreflightItem>) -> Vec<PreflightItem> {
@@ -20,4 +38,171 @@ pub fn own_items(plugin: &str, items: Vec<PreflightItem>) -> Vec<PreflightItem> 
             item
         })
         .collect()
+}
+
+/// Whether the vehicle may be armed as things stand. What somebody took upon himself is recorded when it is made use of.
+///
+/// # Errors
+/// [`Refusal::Preflight`] with the red items.
+pub fn may_arm(board: &Board, cell: &VehicleCell) -> Result<(), Refusal> {
+    let now = board.now();
+    let overrides = board.overrides.lock().clone();
+    let reports = [vehicle_report(board, cell, now), swarm_report(board, now)];
+    for report in &reports {
+        preflight::may_arm(report, &overrides, now)?;
+    }
+    for used in reports
+        .iter()
+        .flat_map(|report| preflight::used_overrides(report, &overrides, now))
+    {
+        let text = format!(
+            "{}: armed although red: {} ({}, overridden by {})",
+            cell.name,
+            used.items.join(", "),
+            used.reason,
+            used.operator
+        );
+        board
+            .events
+            .record(now, Some(cell.id), Severity::Warning, EventKind::Preflight, text);
+    }
+    Ok(())
+}
+
+fn vehicle_report(board: &Board, cell: &VehicleCell, now: NodeTime) -> PreflightReport {
+    let peers = board.peers.load();
+    let settings = &board.config.safety.preflight;
+    let Some(entry) = peers.entry(cell.id) else {
+        return PreflightReport {
+            vehicle: Some(cell.id),
+            made_at: now,
+            ..PreflightReport::default()
+        };
+    };
+    let mut report = preflight::vehicle_report(&checks(board, cell, entry, now), settings, now);
+    report.items.extend(cell.state.lock().preflight.iter().cloned());
+    for payload in cell.payloads() {
+        report.items.extend(payload.state.lock().preflight.iter().cloned());
+    }
+    report
+}
+
+fn checks(board: &Board, cell: &VehicleCell, entry: &PeerEntry, now: NodeTime) -> VehicleChecks {
+    let gate = board.gate();
+    let fences = gate.fences();
+    let position = entry.kinematics.map(|k| k.position);
+    let running = |status: ActorStatus| status == ActorStatus::Running;
+    let model = cell.model.health.lock().clone();
+    VehicleChecks {
+        // The ground is wherever it is: only the outline counts there.
+        inside_fence: position.map(|at| fences.landing(&at).is_ok()),
+        has_fence: !fences.is_empty(),
+        model: Some(NamedRunning {
+            running: running(model.status),
+            name: model.plugin,
+        }),
+        payloads: cell
+            .payloads()
+            .iter()
+            .map(|payload| NamedRunning {
+                name: payload.name.clone(),
+                running: running(payload.life.health.lock().status),
+            })
+            .collect(),
+        limits_known: Some(cell.state.lock().limits.is_some()),
+        duplicate_system_id: board
+            .unadopted
+            .lock()
+            .iter()
+            .any(|other| other.system_id == cell.system_id),
+        ..VehicleChecks::observed(cell.id, &entry.telemetry, &entry.link, now)
+    }
+}
+
+fn swarm_report(board: &Board, now: NodeTime) -> PreflightReport {
+    let peers = board.peers.load();
+    let gate = board.gate();
+    let fences = gate.fences();
+    let heard = || peers.entries.iter().filter(|e| e.link.connected);
+    let standing = |e: &&PeerEntry| !e.airborne && e.telemetry.landed == LandedState::OnGround;
+    let home_is_outside = |home: &PositionNed| fences.landing(home).is_err();
+    let coordinator_age_s = now.seconds_since(board.coordinator_seen());
+    let capable = board
+        .cells()
+        .iter()
+        .filter(|cell| cell.state.lock().capability.is_some_and(|c| c.capable))
+        .count();
+    let checks = SwarmChecks {
+        frame_known: board.frame().is_some(),
+        on_ground: heard()
+            .filter(standing)
+            .filter_map(|e| Some((e.id, e.kinematics?.position)))
+            .collect(),
+        clock_offsets_s: heard()
+            // Half the way there and back is what a measured offset can be wrong by.
+            .filter_map(|e| Some((e.id, 0.5 * f64::from(e.link.round_trip_s?))))
+            .collect(),
+        coordinator_running: coordinator_age_s < COORDINATOR_SEEN_S,
+        coordinator_capable: u32::try_from(capable).unwrap_or(u32::MAX),
+        fences: Some(u32::try_from(fences.zones().len()).unwrap_or(u32::MAX)),
+        homes_outside: heard()
+            .filter(|e| e.home.as_ref().is_some_and(home_is_outside))
+            .map(|e| e.id)
+            .collect(),
+        homes_unknown: heard().filter(|e| e.home.is_none()).map(|e| e.id).collect(),
+    };
+    preflight::swarm_report(&checks, &board.config.safety.preflight, now)
+}
+
+/// A coordinator that looked at its formation within this time runs, in seconds.
+const COORDINATOR_SEEN_S: f64 = 1.0;
+
+impl NodeHandle {
+    /// What was found before arming, item by item.
+    #[must_use]
+    pub fn preflight(&self) -> PreflightAnswer {
+        let (board, now) = (self.board(), self.now());
+        PreflightAnswer {
+            swarm: swarm_report(board, now),
+            vehicles: board
+                .cells()
+                .iter()
+                .map(|cell| vehicle_report(board, cell, now))
+                .collect(),
+            overrides: holding(board, now),
+        }
+    }
+
+    /// Takes red items upon an operator who may do so. Recorded, and again when a vehicle is armed by it. Who may is the caller's to know.
+    ///
+    /// # Errors
+    /// For items that nobody can override, without a reason, or for a vehicle that is not there.
+    pub fn override_preflight(&self, given: PreflightOverride) -> Result<PreflightOverride, Refusal> {
+        let (board, now) = (self.board(), self.now());
+        let given = PreflightOverride { given_at: now, ..given };
+        given.check()?;
+        if let Some(vehicle) = given.vehicle.filter(|id| board.cell(*id).is_none()) {
+            return Err(Refusal::UnknownVehicle { vehicle });
+        }
+        let mut holding = holding(board, now);
+        holding.push(given.clone());
+        *board.overrides.lock() = holding;
+        let text = format!(
+            "preflight items overridden by {} for {:.0} s: {} ({})",
+            given.operator,
+            given.valid_s,
+            given.items.join(", "),
+            given.reason
+        );
+        board
+            .events
+            .record(now, given.vehicle, Severity::Warning, EventKind::Preflight, text);
+        Ok(given)
+    }
+}
+
+fn holding(board: &Board, now: NodeTime) -> Vec<PreflightOverride> {
+    let all = board.overrides.lock();
+    let holds = |o: &&PreflightOverride| now.seconds_since(o.given_at) <= o.valid_s;
+    all.iter().filter(holds).cloned().collect()
 }

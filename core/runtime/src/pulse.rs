@@ -87,6 +87,10 @@ fn beat(board: &Board) {
             let published = cell.state.lock();
             (published.flight_state, published.anchor, published.limits)
         };
+        let (under_order, energy) = {
+            let watch = cell.watch.lock();
+            (watch.is_under_order(), watch.energy)
+        };
         entries.push(PeerEntry {
             id: cell.id,
             kinematics: frame.as_ref().and_then(|f| kinematics(f, &telemetry)),
@@ -97,6 +101,8 @@ fn beat(board: &Board) {
             flight_state,
             anchor,
             limits,
+            under_order,
+            energy,
         });
     }
     publish(board, entries, now);

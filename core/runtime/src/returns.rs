@@ -3,8 +3,10 @@
 //! Must never do: keep a vehicle from returning. Whose place is not known returns as its model does by itself.
 
 use crate::board::Board;
+use crate::ways;
 use skein_domain::{PositionNed, VehicleCommand, VehicleId};
 use skein_flight::return_plan::{self, Homing, ReturnSettings, ReturnWay};
+use skein_safety::Fences;
 use std::collections::{BTreeMap, VecDeque};
 
 /// The legs home of all of these that are in the air and whose way is known.
@@ -31,10 +33,11 @@ pub fn legs(board: &Board, ids: &[VehicleId]) -> BTreeMap<VehicleId, VecDeque<Ve
             ceiling_down_m: ceiling_down_m(board, &homing),
         },
     );
+    let gate = board.gate();
     homing
         .iter()
         .zip(&ways)
-        .map(|(from, way)| (way.vehicle, legs_of(&from.position, way)))
+        .map(|(from, way)| (way.vehicle, legs_of(gate.fences(), &from.position, way)))
         .collect()
 }
 
@@ -54,15 +57,23 @@ fn ceiling_down_m(board: &Board, homing: &[Homing]) -> Option<f64> {
     (layers < homing.len()).then(|| height(layers.max(1) - 1))
 }
 
-/// Up or down to its height, over its place, down.
-fn legs_of(from: &PositionNed, way: &ReturnWay) -> VecDeque<VehicleCommand> {
-    let at = |place: &PositionNed| VehicleCommand::GoTo {
-        position: PositionNed {
-            down_m: way.cruise_down_m,
-            ..*place
-        },
+/// Up or down to its height, over its place (around what is closed), down. Where no way is found the straight one is tried: the gate
+/// stops it in front of what is closed, and an operator sees why.
+fn legs_of(fences: &Fences, from: &PositionNed, way: &ReturnWay) -> VecDeque<VehicleCommand> {
+    let level = |place: &PositionNed| PositionNed {
+        down_m: way.cruise_down_m,
+        ..*place
+    };
+    let fly = |position: PositionNed| VehicleCommand::GoTo {
+        position,
         yaw_rad: None,
         speed_m_s: None,
     };
-    VecDeque::from([at(from), at(&way.spot), VehicleCommand::LandAt { spot: way.spot }])
+    let (start, over) = (level(from), level(&way.spot));
+    let between = ways::waypoints(fences, &start, &over).unwrap_or_else(|_| vec![over]);
+    std::iter::once(start)
+        .chain(between)
+        .map(fly)
+        .chain([VehicleCommand::LandAt { spot: way.spot }])
+        .collect()
 }

@@ -6,8 +6,9 @@ use skein_config::Isolation;
 use skein_domain::exchange::{CommandProgress, Severity};
 use skein_domain::payload::{CoordinatorCapability, FrameHeader, PayloadKind, Track};
 use skein_domain::{
-    Battery, CommandId, FlightMode, FlightState, FormationRequest, Geodetic, Gnss, Incarnation, LandedState,
-    LinkHealth, NodeTime, PositionNed, Refusal, Route, SwarmFrame, SystemId, VehicleId, telemetry::VehicleKinematics,
+    Battery, CommandId, EnergyState, FlightLimits, FlightMode, FlightState, FormationRequest, Geodetic, Gnss,
+    Incarnation, LadderEvent, LadderState, LandedState, LinkHealth, NodeTime, PositionNed, Refusal, Route, SwarmFrame,
+    SystemId, VehicleId, telemetry::VehicleKinematics,
 };
 
 /// The fleet at one moment.
@@ -89,6 +90,14 @@ pub struct VehicleSnapshot {
     pub model_state: Option<serde_json::Value>,
     /// What is changed of its setpoints at this moment; absent if nothing.
     pub avoiding: Option<Avoidance>,
+    /// What is wrong with it in flight and what is done about it; absent if nothing is.
+    pub ladder: Option<LadderState>,
+    /// Its charge against its way home; absent as long as one of them is not known.
+    pub energy: Option<EnergyState>,
+    /// Its motors were stopped in an emergency.
+    pub stopped: bool,
+    /// What it can do, if its model says.
+    pub limits: Option<FlightLimits>,
     /// Whether it can host the coordinator; absent if its model does not say.
     pub capability: Option<CoordinatorCapability>,
     /// What it carries, by name.
@@ -332,8 +341,17 @@ pub enum EventKind {
         /// Why.
         refusal: Refusal,
     },
+    /// Something is wrong with a vehicle, or something is done about it.
+    Ladder {
+        /// What.
+        event: LadderEvent,
+    },
     /// A setpoint is changed to keep a vehicle off others or inside of a fence.
     Avoidance,
+    /// The fences were replaced.
+    Fences,
+    /// Red items of a preflight report were overridden, or made use of.
+    Preflight,
     /// The emergency stop was unlocked or used.
     EmergencyStop,
     /// The formation was changed, or its leader.

@@ -8,14 +8,17 @@ mod effects;
 mod itinerary;
 mod model;
 mod period;
+mod watch;
 
 pub use itinerary::Itinerary;
-pub use period::own_state;
+pub use period::{own_state, told};
+pub use watch::Watch;
 
 use crate::board::{Board, VehicleCell};
 use crate::handle::CommandReceipt;
 use crate::payload::ExchangeReply;
 use crate::plugin_life::PluginLife;
+use crate::preflight;
 use crate::restart::VEHICLE_LIMITS;
 use crate::snapshot::{ActorHealth, ActorStatus, EventKind};
 use model::Model;
@@ -84,6 +87,8 @@ pub struct VehicleState {
     commands: BTreeMap<CommandId, &'static str>,
     /// A human or the autopilot's failsafe flies: setpoints are refused until an operator's command.
     pilot: bool,
+    /// It is so because we stopped its stream on purpose.
+    released: bool,
     /// Where the vehicle was when the gate began to refuse its setpoints: held until one passes again.
     refused_at: Option<PositionNed>,
     /// The refusal last told, and when.
@@ -128,6 +133,7 @@ impl Actor for Vehicle {
             task_version: 0,
             commands: BTreeMap::new(),
             pilot: false,
+            released: false,
             refused_at: None,
             told_refusal: None,
             told_change: None,
@@ -152,7 +158,14 @@ impl Actor for Vehicle {
                 not_before,
                 reply,
             } => {
-                let refusal = state.command(id, command, legs, not_before).await.err();
+                let by_operator = reply.is_some();
+                let refusal = match state.permitted(&command, by_operator) {
+                    Ok(()) => state.command(id, command, legs, not_before).await.err(),
+                    Err(refusal) => Some(state.refuse(id, &command, refusal)),
+                };
+                if by_operator && refusal.is_none() {
+                    state.taken_up_by_operator();
+                }
                 // The asker may have given up waiting; the event log has the outcome all the same.
                 let _ = reply.map(|reply| {
                     reply.send(CommandReceipt {
@@ -202,11 +215,7 @@ impl VehicleState {
     ) -> Result<(), Refusal> {
         let admitted = legs.iter().chain([&command]).try_for_each(|part| self.admit(part));
         if let Err(refusal) = admitted {
-            let progress = CommandProgress::Refused {
-                refusal: refusal.clone(),
-            };
-            self.record_progress(id, command.name(), &progress);
-            return Err(refusal);
+            return Err(self.refuse(id, &command, refusal));
         }
         if matches!(command, VehicleCommand::Arm | VehicleCommand::TakeOff { .. }) {
             self.cell.set_stopped(false);
@@ -237,6 +246,26 @@ impl VehicleState {
             self.begin_itinerary(id, command.name(), legs, flown_id, returns);
         }
         Ok(())
+    }
+
+    /// What the ladder and the preflight report say to a command.
+    fn permitted(&self, command: &VehicleCommand, by_operator: bool) -> Result<(), Refusal> {
+        if by_operator {
+            self.ladder_permits(command)?;
+        }
+        match command {
+            VehicleCommand::Arm | VehicleCommand::TakeOff { .. } => preflight::may_arm(&self.board, &self.cell),
+            _ => Ok(()),
+        }
+    }
+
+    /// Puts a refusal on record and gives it back.
+    fn refuse(&self, id: CommandId, command: &VehicleCommand, refusal: Refusal) -> Refusal {
+        let progress = CommandProgress::Refused {
+            refusal: refusal.clone(),
+        };
+        self.record_progress(id, command.name(), &progress);
+        refusal
     }
 
     /// What can be said of a command before the model sees it.

@@ -4,10 +4,11 @@ use crate::board::Board;
 use crate::fleet::payload_kind;
 use crate::payload::transport::TransportAddress;
 use skein_config::NodeConfig;
-use skein_domain::Clock;
+use skein_domain::fence::FencePlan;
+use skein_domain::{Clock, SwarmFrame};
 use skein_link_px4::{EndpointAddress, EndpointSettings, LinkSettings, MessageRates};
 use skein_plugin_host::{Catalog, Plugin, PluginKind, Trust};
-use skein_safety::{Gate, Limits};
+use skein_safety::{Fences, Gate, Limits};
 use std::path::PathBuf;
 use std::sync::Arc;
 use thiserror::Error;
@@ -101,11 +102,10 @@ pub fn endpoints(config: &NodeConfig) -> Result<Vec<EndpointSettings>, WiringErr
 ///
 /// # Errors
 /// When the fence cannot be one.
-pub fn gate(config: &NodeConfig) -> Result<Gate, WiringError> {
+pub fn gate(config: &NodeConfig, plan: &FencePlan) -> Result<Gate, WiringError> {
     let safety = &config.safety;
-    let fences = config
-        .fences()
-        .map_err(|e| WiringError::Fence { reason: e.to_string() })?;
+    let frame = config.swarm.origin.map(SwarmFrame::new);
+    let fences = Fences::from_plan(plan, frame.as_ref()).map_err(|e| WiringError::Fence { reason: e.to_string() })?;
     let limits = Limits {
         max_speed_m_s: safety.max_speed_m_s,
         max_climb_m_s: safety.max_climb_m_s,
@@ -133,7 +133,10 @@ pub fn catalog(config: &NodeConfig) -> Catalog {
 /// # Errors
 /// When the fence cannot be one or a plugin is missing.
 pub fn board(config: NodeConfig, clock: Arc<dyn Clock>) -> Result<Board, WiringError> {
-    let gate = gate(&config)?;
+    let imported = config
+        .fence_plan()
+        .map_err(|e| WiringError::Fence { reason: e.to_string() })?;
+    let gate = gate(&config, &imported.plan)?;
     let catalog = catalog(&config);
     for (i, rule) in config.adopt.iter().enumerate() {
         let key = format!("adopt[{i}].model_config");
@@ -155,7 +158,7 @@ pub fn board(config: NodeConfig, clock: Arc<dyn Clock>) -> Result<Board, WiringE
             check_config(&plugin, format!("{key}.config"), &payload.config_json())?;
         }
     }
-    Ok(Board::new(config, clock, gate, catalog))
+    Ok(Board::new(config, clock, gate, imported.plan, catalog))
 }
 
 fn find(catalog: &Catalog, config: &NodeConfig, plugin: &str) -> Result<Arc<Plugin>, WiringError> {

@@ -46,3 +46,13 @@ fn a_limit_that_clears_above_itself_is_refused() {
     let error = refusal("[safety.ladder]\nreaction_within_s = inf\n");
     assert!(error.contains("safety.ladder.reaction_within_s"), "{error}");
 }
+
+#[test]
+fn words_are_written_as_they_are_shown() {
+    for trigger in skein_domain::Trigger::ALL {
+        assert_eq!(serde_json::json!(trigger), trigger.word());
+    }
+    for reaction in skein_domain::Reaction::ALL {
+        assert_eq!(serde_json::json!(reaction), reaction.word());
+    }
+}

@@ -25,6 +25,8 @@ fn peers(count: u16) -> PeerSnapshot {
         anchor: None,
         home: None,
         limits: None,
+        under_order: false,
+        energy: None,
     };
     PeerSnapshot {
         entries: (0..count).map(entry).collect(),

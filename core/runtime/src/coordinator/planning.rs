@@ -6,7 +6,7 @@ use crate::coordination::{self, Formation, PlanInput, PlanLimits};
 use crate::handle::FormationReceipt;
 use ractor::{ActorRef, RpcReplyPort};
 use skein_domain::exchange::Severity;
-use skein_domain::{AnchorPlan, FormationAnchor, FormationRequest, NodeTime, Refusal, VehicleId};
+use skein_domain::{FormationAnchor, FormationRequest, Refusal};
 
 /// How often a request is planned anew because the formation changed meanwhile.
 const ATTEMPTS: u8 = 5;
@@ -119,10 +119,8 @@ impl CoordinatorState {
             }
             return;
         }
-        let outcome = outcome.map(|mut formation| {
-            shift_start(&mut formation, self.board.now().plus_seconds(LEAD_TIME_S));
-            formation
-        });
+        let start = self.board.now().plus_seconds(LEAD_TIME_S);
+        let outcome = outcome.map(|formation| formation.beginning(start));
         match purpose {
             Purpose::Asked(reply) => drop(reply.send(outcome.map(|formation| self.fly_asked(formation)))),
             Purpose::Regroup { text, named } => self.fly_regrouped(outcome, &text, named),
@@ -171,15 +169,14 @@ impl CoordinatorState {
         }
     }
 
-    /// Plans the formation anew for these members.
+    /// Plans the formation anew for who is in it now.
     pub(super) fn regroup(
         &mut self,
         myself: &ActorRef<CoordinatorMessage>,
         formation: &Formation,
-        members: Vec<VehicleId>,
-        gone: &[VehicleId],
-        joins: &[VehicleId],
+        changed: coordination::Changed,
     ) {
+        let coordination::Changed { members, gone, joins } = changed;
         if members.is_empty() {
             self.dissolve();
             return;
@@ -189,27 +186,7 @@ impl CoordinatorState {
             members: Some(members),
             ..formation.request.clone()
         };
-        let text = format!("formation regroups: left {}, joined {}", list(gone), list(joins));
+        let text = format!("formation regroups: left {}, joined {}", list(&gone), list(&joins));
         self.begin_plan(myself, request, Purpose::Regroup { text, named }, 0);
     }
-}
-
-/// Planning took time: the motion starts from now on, not from when planning began.
-fn shift_start(formation: &mut Formation, start: NodeTime) {
-    let late_s = start.seconds_since(formation.decided);
-    for slot in formation.slots.values_mut() {
-        slot.start = slot.start.plus_seconds(late_s);
-    }
-    for keeping in formation.keeping.values_mut() {
-        keeping.start = keeping.start.plus_seconds(late_s);
-    }
-    let settled_at = formation.settled_at;
-    // A virtual leader that sets off when they are formed; one that is under way already keeps its time.
-    if let Some(AnchorPlan::Path { start, .. }) = &mut formation.anchor
-        && *start == settled_at
-    {
-        *start = start.plus_seconds(late_s);
-    }
-    formation.settled_at = settled_at.plus_seconds(late_s);
-    formation.decided = start;
 }

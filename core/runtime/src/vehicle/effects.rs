@@ -5,6 +5,7 @@ use crate::emergency;
 use crate::payload::{Asker, PayloadMessage};
 use crate::preflight::own_items;
 use crate::snapshot::{Avoidance, EventKind};
+use crate::steering;
 use skein_domain::exchange::{CommandProgress, Effect, Event, Severity};
 use skein_domain::setpoint::LocalSetpoint;
 use skein_domain::{AutopilotCommand, FlightLimits, FlightState, NodeTime, Refusal, RequestId, Setpoint};
@@ -176,14 +177,7 @@ impl VehicleState {
 
     fn setpoint(&mut self, setpoint: &Setpoint) {
         let now = self.board.now();
-        let mut checked = self.checked(setpoint, now);
-        if let Err(refusal @ Refusal::TooFast { .. }) = &checked {
-            // Too fast is mended by flying slower on the same way; stopping in the midst of others would be worse.
-            let refusal = refusal.clone();
-            self.tell_refusal(now, &refusal);
-            checked = self.checked(&self.board.gate().slowed(setpoint), now);
-        }
-        match checked {
+        match self.checked(setpoint, now) {
             Ok((local, passed)) => {
                 let valid_s = self.board.config.link.setpoint_valid_s;
                 self.refused_at = None;
@@ -207,11 +201,12 @@ impl VehicleState {
         if !entry.link.connected {
             return Err(Refusal::LinkLost { vehicle: self.cell.id });
         }
-        let own = entry.kinematics.as_ref().ok_or(Refusal::NoPosition)?;
-        let steered = self
-            .board
-            .gate()
-            .steer(self.cell.id, own, entry.airborne, setpoint, &peers.surroundings, now)?;
+        let gate = self.board.gate();
+        let steered = steering::steer(&gate, entry, setpoint, &peers.surroundings, now);
+        if let Some(too_fast) = &steered.slowed {
+            self.tell_refusal(now, too_fast);
+        }
+        let steered = steered.outcome?;
         let passed = steered.setpoint;
         self.tell_change(steered.change.as_ref(), now);
         Ok((self.to_local(&passed)?, passed))
@@ -269,16 +264,10 @@ impl VehicleState {
     /// vehicle is not ours to steer or cannot be steered.
     fn refused(&mut self, refusal: Refusal, now: NodeTime) {
         self.tell_refusal(now, &refusal);
-        let steerable = !matches!(
-            refusal,
-            Refusal::PilotInControl
-                | Refusal::NotPermitted { .. }
-                | Refusal::LinkLost { .. }
-                | Refusal::NoPosition
-                | Refusal::NoSwarmFrame
-        );
         let own = self.board.peers.load().entry(self.cell.id).and_then(|e| e.kinematics);
-        if steerable && let Some(own) = own {
+        if steering::is_answered_by_holding(&refusal)
+            && let Some(own) = own
+        {
             let place = *self.refused_at.get_or_insert(own.position);
             if let Ok(local) = self.to_local(&Setpoint::hold(place, Some(own.yaw_rad))) {
                 let valid_s = self.board.config.link.setpoint_valid_s;

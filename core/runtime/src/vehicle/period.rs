@@ -2,21 +2,24 @@
 
 use super::VehicleState;
 use crate::board::{PeerEntry, PeerSnapshot};
+use crate::emergency::EMERGENCY_REQUEST;
 use crate::payload::others;
 use crate::snapshot::EventKind;
 use skein_domain::exchange::{Event, OwnState, PayloadReport, Severity};
 use skein_domain::link::{LinkEvent, StreamState};
-use skein_domain::{FlightMode, SwarmFrame, Task};
+use skein_domain::{FlightMode, Intent, Refusal, SwarmFrame, Task, VehicleId};
 use std::sync::Arc;
 
 impl VehicleState {
     /// The whole period.
     pub(super) async fn period(&mut self) {
-        if !self.ensure_model().await {
+        let peers = self.board.peers.load_full();
+        let running = self.ensure_model().await;
+        self.watch(&peers).await;
+        if !running {
             return;
         }
         self.next_leg();
-        let peers = self.board.peers.load_full();
         let mut events = self.gather(&peers);
         events.push(Event::Tick);
         self.call_model(events).await;
@@ -43,18 +46,11 @@ impl VehicleState {
         events.push(Event::Own(own));
         self.gather_surroundings(peers, &mut events);
         let intent = self.board.intent.load();
-        if let Some(task) = intent.tasks.get(&self.cell.id) {
-            if task.version > self.task_version {
-                self.task_version = task.version;
-                events.push(Event::Task(task.clone()));
-            }
-            if let Task::Follow { leader, .. } = &task.task {
-                let anchor = match leader {
-                    Some(leader) => peers.entry(*leader).and_then(|e| e.anchor),
-                    None => peers.anchor,
-                };
-                events.extend(anchor.map(Event::Anchor));
-            }
+        let task = intent.tasks.get(&self.cell.id);
+        let is_new = task.is_some_and(|task| task.version > self.task_version);
+        // Not against a reaction that is in force.
+        if !is_new || self.may_take_task() {
+            events.extend(told(&intent, peers, self.cell.id, &mut self.task_version));
         }
         events
     }
@@ -90,6 +86,7 @@ impl VehicleState {
     fn take_link_event(&mut self, event: LinkEvent, events: &mut Vec<Event>) {
         let name = &self.cell.name;
         match event {
+            LinkEvent::Result { request, outcome } if request == EMERGENCY_REQUEST => self.tell_emergency(&outcome),
             LinkEvent::Result { request, outcome } => {
                 events.push(Event::AutopilotResult {
                     request,
@@ -139,6 +136,19 @@ impl VehicleState {
         }
     }
 
+    /// What became of an emergency stop.
+    fn tell_emergency(&self, outcome: &Result<(), Refusal>) {
+        let name = &self.cell.name;
+        let (severity, text) = match outcome {
+            Ok(()) => (Severity::Warning, format!("{name}: motors stopped")),
+            Err(refusal) => (
+                Severity::Critical,
+                format!("{name}: it is not known whether the motors stopped: {refusal}"),
+            ),
+        };
+        self.record(severity, EventKind::EmergencyStop, text);
+    }
+
     fn tell_stream(&self, state: StreamState) {
         let name = &self.cell.name;
         let (severity, text) = match state {
@@ -183,6 +193,26 @@ impl VehicleState {
         );
         self.record(Severity::Warning, EventKind::Notice, text);
     }
+}
+
+/// What a vehicle's model is told of the intent in one period: a task that is newer than `version`, and the anchor of its formation.
+pub fn told(intent: &Intent, peers: &PeerSnapshot, id: VehicleId, version: &mut u64) -> Vec<Event> {
+    let mut events = Vec::new();
+    let Some(task) = intent.tasks.get(&id) else {
+        return events;
+    };
+    if task.version > *version {
+        *version = task.version;
+        events.push(Event::Task(task.clone()));
+    }
+    if let Task::Follow { leader, .. } = &task.task {
+        let anchor = match leader {
+            Some(leader) => peers.entry(*leader).and_then(|e| e.anchor),
+            None => peers.anchor,
+        };
+        events.extend(anchor.map(Event::Anchor));
+    }
+    events
 }
 
 /// A vehicle's own state as its plugins see it.

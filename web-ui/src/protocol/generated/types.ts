@@ -40,6 +40,44 @@ since: NodeTime, };
 export type ActorStatus = "running" | "restarting" | "given_up";
 
 /**
+ * One trigger that lasts.
+ */
+export type Alarm = { 
+/**
+ * Which.
+ */
+trigger: Trigger, 
+/**
+ * The newest value, in `unit`.
+ */
+value: number, 
+/**
+ * The limit it went beyond, in `unit`.
+ */
+limit: number, 
+/**
+ * Unit of both.
+ */
+unit: string, 
+/**
+ * Since when.
+ */
+since: NodeTime, 
+/**
+ * The reaction of the step it has come to.
+ */
+reaction: Reaction, 
+/**
+ * Why nothing is done about it; absent if something is.
+ */
+report_only: ReportOnly | null, };
+
+/**
+ * What floor and ceiling of a zone count from.
+ */
+export type AltitudeReference = "origin" | "amsl";
+
+/**
  * What is changed of a vehicle's setpoints at a moment, to keep it off others or inside of a fence.
  */
 export type Avoidance = { 
@@ -80,6 +118,24 @@ voltage_v: number | null,
  * Current in amperes.
  */
 current_a: number | null, };
+
+/**
+ * What a vehicle does that is where a zone does not let it be.
+ */
+export type BreachAction = "warn" | "hold" | "return" | "land";
+
+/**
+ * Where a vehicle that has left a fence is to come back to, as some ground stations let operators set.
+ */
+export type BreachReturn = { 
+/**
+ * The place.
+ */
+place: MapPoint, 
+/**
+ * Height above the swarm's origin in metres, if given.
+ */
+height_m: number | null, };
 
 /**
  * What a camera can be asked.
@@ -348,6 +404,54 @@ key: string,
 targets: Targets, };
 
 /**
+ * How urgent it is, in order of urgency.
+ */
+export type EnergyLevel = "ok" | "replan_soon" | "return_now" | "land_now";
+
+/**
+ * A vehicle's charge against its way home. Shares are of a full battery.
+ */
+export type EnergyState = { 
+/**
+ * What is left, 0..=1.
+ */
+remaining: number, 
+/**
+ * What the way home and the landing there cost, with the allowance for the model's error; absent if it cannot get home against
+ * the wind at all.
+ */
+needed_home: number | null, 
+/**
+ * What must be left after landing.
+ */
+reserve: number, 
+/**
+ * What is left over: remaining less needed and reserve; negative when the reserve is touched. Less the reserve only, if home
+ * cannot be reached.
+ */
+margin: number, 
+/**
+ * Time until empty at the present consumption, in seconds.
+ */
+endurance_s: number, 
+/**
+ * Time until it must return, if it goes on as now, in seconds; 0 if it must already.
+ */
+return_in_s: number, 
+/**
+ * How urgent it is.
+ */
+level: EnergyLevel, 
+/**
+ * The consumption is this vehicle's own; false while it is still the configured one.
+ */
+learned: boolean, 
+/**
+ * Speed over the ground on the way home in metres per second; 0 if it cannot get home against the wind.
+ */
+ground_speed_home_m_s: number, };
+
+/**
  * Every answer that is not a success.
  */
 export type ErrorBody = { 
@@ -401,7 +505,11 @@ progress: CommandProgress, } | { "kind": "refused",
 /**
  * Why.
  */
-refusal: Refusal, } | { "kind": "avoidance" } | { "kind": "emergency_stop" } | { "kind": "formation" } | { "kind": "supervision", 
+refusal: Refusal, } | { "kind": "ladder", 
+/**
+ * What.
+ */
+event: LadderEvent, } | { "kind": "avoidance" } | { "kind": "fences" } | { "kind": "preflight" } | { "kind": "emergency_stop" } | { "kind": "formation" } | { "kind": "supervision", 
 /**
  * Name in the supervision tree.
  */
@@ -507,6 +615,32 @@ vehicle: VehicleId, } | { "fault": "coordinator" } | { "fault": "coordinator_awa
 away: boolean, };
 
 /**
+ * The fences in force.
+ */
+export type FenceAnswer = { 
+/**
+ * As they were described.
+ */
+plan: FencePlan, 
+/**
+ * Vehicles in the air that are outside of them now, and what they do about it stands with each fence.
+ */
+outside: Array<VehicleId>, };
+
+/**
+ * A file with fences.
+ */
+export type FenceFileBody = { 
+/**
+ * Its name, for messages and for zones without a name.
+ */
+name: string | null, 
+/**
+ * Its text: GeoJSON, or a plan of QGroundControl.
+ */
+text: string, };
+
+/**
  * The fence, for display. The gate in the node keeps it, not the browser.
  */
 export type FenceInfo = { 
@@ -522,6 +656,61 @@ floor_m: number,
  * Greatest height above the swarm's origin in metres.
  */
 ceiling_m: number, };
+
+/**
+ * All zones of a swarm. A vehicle may be where at least one inclusion zone is (anywhere, if there is none) and no exclusion zone.
+ */
+export type FencePlan = { 
+/**
+ * The zones.
+ */
+zones: Array<FenceZone>, 
+/**
+ * Where to come back to.
+ */
+breach_return: BreachReturn | null, };
+
+/**
+ * Fences to be put in force.
+ */
+export type FencePlanBody = { 
+/**
+ * All zones; none to fly without a fence.
+ */
+plan: FencePlan, };
+
+/**
+ * One zone.
+ */
+export type FenceZone = { 
+/**
+ * Name shown to people and in refusals.
+ */
+name: string, 
+/**
+ * To be stayed in or kept out of.
+ */
+kind: ZoneKind, 
+/**
+ * Its outline.
+ */
+outline: ZoneOutline, 
+/**
+ * Lowest height in metres; without one it reaches down without end.
+ */
+floor_m: number | null, 
+/**
+ * Greatest height in metres; without one it reaches up without end.
+ */
+ceiling_m: number | null, 
+/**
+ * What the two count from.
+ */
+altitude_reference: AltitudeReference, 
+/**
+ * What becomes of a vehicle that is where it must not be.
+ */
+action: BreachAction, };
 
 /**
  * What is said of the fleet at a slow rate: everything that is not in the binary frame.
@@ -592,6 +781,39 @@ actors: Array<ActorHealth>,
  * What is tracked.
  */
 tracks: Array<Track>, };
+
+/**
+ * Limits of one vehicle's flight. The slowest member decides how fast a formation goes.
+ */
+export type FlightLimits = { 
+/**
+ * Largest horizontal speed in metres per second.
+ */
+max_speed_m_s: number, 
+/**
+ * Largest climb rate in metres per second.
+ */
+max_climb_m_s: number, 
+/**
+ * Largest descent rate in metres per second.
+ */
+max_descent_m_s: number, 
+/**
+ * Largest acceleration in metres per second squared.
+ */
+max_acceleration_m_s2: number, 
+/**
+ * Smallest radius of a turn at its speed in metres; 0 for one that can turn on the spot.
+ */
+min_turn_radius_m: number, 
+/**
+ * How long it can stay in the air with a full battery, in seconds, if known.
+ */
+endurance_s: number | null, 
+/**
+ * It carries a camera that looks out of the formation: its slot is chosen so that nobody flies in its view.
+ */
+keeps_view: boolean, };
 
 /**
  * The autopilot's flight mode, in words that fit PX4 and its peers.
@@ -1027,6 +1249,19 @@ not_running: Array<ActorHealth>, };
 export type HealthStatus = "ok" | "degraded" | "stalled";
 
 /**
+ * What a file with fences says.
+ */
+export type ImportedFencePlan = { 
+/**
+ * The zones.
+ */
+plan: FencePlan, 
+/**
+ * What was left out, and why.
+ */
+notes: Array<string>, };
+
+/**
  * How many times an actor or plugin instance has been started, from 1. A message that carries an older one is stale.
  */
 export type Incarnation = number;
@@ -1052,6 +1287,74 @@ error: string | null, };
  * Where a plugin instance runs.
  */
 export type Isolation = "in_process" | "child";
+
+/**
+ * How an item stands.
+ */
+export type ItemStatus = "green" | "amber" | "red";
+
+/**
+ * One thing that happened on the ladder of a vehicle.
+ */
+export type LadderEvent = { 
+/**
+ * What it says.
+ */
+kind: LadderEventKind, 
+/**
+ * Because of what.
+ */
+trigger: Trigger, 
+/**
+ * The measured value, in `unit`.
+ */
+value: number, 
+/**
+ * The limit that it is beyond, in `unit`.
+ */
+limit: number, 
+/**
+ * Unit of value and limit: `s`, `m`, or empty.
+ */
+unit: string, 
+/**
+ * Since when it has been so.
+ */
+since: NodeTime, 
+/**
+ * When this was decided.
+ */
+at: NodeTime, 
+/**
+ * The reaction of this step; of an `ordered` one what is to be done.
+ */
+reaction: Reaction, 
+/**
+ * Why nothing is done about it; absent if something is.
+ */
+report_only: ReportOnly | null, 
+/**
+ * The sentence an operator reads.
+ */
+reason: string, };
+
+/**
+ * What an event of the ladder says.
+ */
+export type LadderEventKind = "raised" | "escalated" | "ordered" | "effective" | "ineffective" | "cleared" | "ended" | "taken_up";
+
+/**
+ * Where a vehicle stands on its ladder, for screens.
+ */
+export type LadderState = { 
+/**
+ * What lasts, in the order of the written table.
+ */
+alarms: Array<Alarm>, 
+/**
+ * What it is under; nothing if it flies freely.
+ */
+order: Order | null, };
 
 /**
  * Whether the vehicle stands on the ground, as its own detector says.
@@ -1092,6 +1395,19 @@ receive_rate_hz: number,
 setpoint_rate_hz: number, };
 
 /**
+ * A place on the ground: WGS 84 degrees.
+ */
+export type MapPoint = { 
+/**
+ * Latitude in degrees, north positive.
+ */
+latitude_deg: number, 
+/**
+ * Longitude in degrees, east positive.
+ */
+longitude_deg: number, };
+
+/**
  * A moment on the node's monotonic clock, in microseconds since the node started.
  */
 export type NodeTime = number;
@@ -1112,6 +1428,52 @@ right_m: number,
  *Third axis, in metres.
  */
 down_m: number, };
+
+/**
+ * The reaction that a vehicle is under.
+ */
+export type Order = { 
+/**
+ * What is to be done.
+ */
+reaction: Reaction, 
+/**
+ * Because of what.
+ */
+trigger: Trigger, 
+/**
+ * Since when it has been ordered.
+ */
+ordered_at: NodeTime, 
+/**
+ * Since when it has been seen to take effect, if it does.
+ */
+effective_at: NodeTime | null, 
+/**
+ * All triggers are over: it stays until an operator or the coordinator takes the vehicle up again.
+ */
+recovered: boolean, };
+
+/**
+ * Red items of the preflight report that an operator takes upon himself.
+ */
+export type OverrideBody = { 
+/**
+ * Whose items; those of the swarm if left out.
+ */
+vehicle: VehicleId | null, 
+/**
+ * Ids of the items.
+ */
+items: Array<string>, 
+/**
+ * Why.
+ */
+reason: string, 
+/**
+ * For how long, in seconds.
+ */
+valid_s: number, };
 
 /**
  * What changes seldom about one payload. Its state is in its vehicle's snapshot.
@@ -1384,6 +1746,106 @@ east_m: number,
 down_m: number, };
 
 /**
+ * The reports of the swarm and of all its vehicles.
+ */
+export type PreflightAnswer = { 
+/**
+ * What concerns all of them.
+ */
+swarm: PreflightReport, 
+/**
+ * Each vehicle, by ascending id.
+ */
+vehicles: Array<PreflightReport>, 
+/**
+ * Overrides that hold.
+ */
+overrides: Array<PreflightOverride>, };
+
+/**
+ * One thing looked at.
+ */
+export type PreflightItem = { 
+/**
+ * Its id: what an override names. Those of plugins begin with the plugin's name and a slash.
+ */
+id: string, 
+/**
+ * A few words for people.
+ */
+title: string, 
+/**
+ * How it stands.
+ */
+status: ItemStatus, 
+/**
+ * The value as text, with its unit.
+ */
+value: string, 
+/**
+ * The value as a number, in `unit`, if it is one.
+ */
+number: number | null, 
+/**
+ * Unit of number and limit; empty if they have none.
+ */
+unit: string, 
+/**
+ * What the number is held against, in `unit`.
+ */
+limit: number | null, 
+/**
+ * Why it stands so, or why it matters.
+ */
+why: string, };
+
+/**
+ * Red items that a person takes upon themselves. Recorded when it is given and when it is used.
+ */
+export type PreflightOverride = { 
+/**
+ * Who.
+ */
+operator: string, 
+/**
+ * Why; must not be empty.
+ */
+reason: string, 
+/**
+ * Ids of the items.
+ */
+items: Array<string>, 
+/**
+ * For which vehicle; absent: for items of the swarm.
+ */
+vehicle: VehicleId | null, 
+/**
+ * When it was given.
+ */
+given_at: NodeTime, 
+/**
+ * For how long it holds, in seconds.
+ */
+valid_s: number, };
+
+/**
+ * What was found before arming one vehicle, or for the swarm.
+ */
+export type PreflightReport = { 
+/**
+ * The vehicle; absent for the swarm.
+ */
+vehicle: VehicleId | null, 
+/**
+ * Item by item.
+ */
+items: Array<PreflightItem>, 
+/**
+ * When it was looked at.
+ */
+made_at: NodeTime, };
+
+/**
  * What a radio can be asked, where the device allows it.
  */
 export type RadioCommand = { "command": "set_channel", 
@@ -1464,6 +1926,11 @@ warning: boolean,
  * What is wrong with it; empty if nothing.
  */
 fault: string, };
+
+/**
+ * What is done about a trigger, in order of strength: of two the greater wins.
+ */
+export type Reaction = "warn" | "hold" | "return" | "land" | "release";
 
 /**
  * Things that formations may be anchored to.
@@ -1634,6 +2101,11 @@ items: Array<string>, } | { "reason": "unknown_reference",
 name: string, };
 
 /**
+ * Why a trigger is reported and nothing is done about it.
+ */
+export type ReportOnly = "on_ground" | "pilot_in_control" | "warn_only" | "overruled";
+
+/**
  * Restarts of plugin instances.
  */
 export type RestartList = { 
@@ -1797,6 +2269,11 @@ velocity: VelocityNed,
  * When that was, on the node's clock.
  */
 time: NodeTime, };
+
+/**
+ * What may go wrong with one vehicle in flight.
+ */
+export type Trigger = "link_loss" | "gnss_loss" | "gnss_disagreement" | "tracking_error" | "stale_estimate" | "clock_fault" | "fence_breach" | "coordinator_loss" | "operator_dead_man" | "energy";
 
 /**
  * A vehicle that is heard but not flown.
@@ -2086,6 +2563,22 @@ model_state: unknown,
  */
 avoiding: Avoidance | null, 
 /**
+ * What is wrong with it in flight and what is done about it; absent if nothing is.
+ */
+ladder: LadderState | null, 
+/**
+ * Its charge against its way home; absent as long as one of them is not known.
+ */
+energy: EnergyState | null, 
+/**
+ * Its motors were stopped in an emergency.
+ */
+stopped: boolean, 
+/**
+ * What it can do, if its model says.
+ */
+limits: FlightLimits | null, 
+/**
  * Whether it can host the coordinator; absent if its model does not say.
  */
 capability: CoordinatorCapability | null, 
@@ -2135,3 +2628,37 @@ node: string,
  * Version of the stream's messages and of the binary frame.
  */
 protocol: number, };
+
+/**
+ * Whether a zone is to be stayed in or kept out of.
+ */
+export type ZoneKind = "inclusion" | "exclusion";
+
+/**
+ * The outline of a zone.
+ */
+export type ZoneOutline = { "shape": "polygon", 
+/**
+ * Its corners; the first may be repeated at the end.
+ */
+corners: Array<MapPoint>, } | { "shape": "circle", 
+/**
+ * Its middle.
+ */
+centre: MapPoint, 
+/**
+ * Its radius in metres.
+ */
+radius_m: number, } | { "shape": "local_polygon", 
+/**
+ * Its corners as `[north_m, east_m]`.
+ */
+corners_m: Array<[number, number]>, } | { "shape": "local_circle", 
+/**
+ * Its middle as `[north_m, east_m]`.
+ */
+centre_m: [number, number], 
+/**
+ * Its radius in metres.
+ */
+radius_m: number, };

@@ -1,0 +1,64 @@
+//! Who asks: an operator is known by a secret shown as a bearer token, of which the configuration holds the SHA-256.
+//!
+//! Must never do: let an ordinary request pass for a person's. Without configured operators nobody is one.
+
+use crate::app::App;
+use crate::error::ApiError;
+use axum::extract::FromRequestParts;
+use axum::http::header;
+use axum::http::request::Parts;
+use sha2::{Digest, Sha256};
+use skein_config::OperatorSettings;
+
+/// Somebody the configuration knows.
+pub(crate) struct Operator(pub(crate) OperatorSettings);
+
+impl FromRequestParts<App> for Operator {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, app: &App) -> Result<Self, ApiError> {
+        let shown = parts
+            .headers
+            .get(header::AUTHORIZATION)
+            .and_then(|value| value.to_str().ok())
+            .and_then(|value| value.strip_prefix("Bearer "))
+            .ok_or(ApiError::NoOperator)?;
+        known(&app.node.config().operators, shown)
+            .map(Self)
+            .ok_or(ApiError::NoOperator)
+    }
+}
+
+/// The operator with this secret. All are compared, and whole digests at that: how long it takes tells nothing of the secret.
+fn known(operators: &[OperatorSettings], secret: &str) -> Option<OperatorSettings> {
+    let digest = Sha256::digest(secret.as_bytes());
+    let hex: String = digest.iter().map(|byte| format!("{byte:02x}")).collect();
+    operators
+        .iter()
+        .filter(|operator| operator.token_sha256.eq_ignore_ascii_case(&hex))
+        .next_back()
+        .cloned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn anna() -> OperatorSettings {
+        OperatorSettings {
+            name: "anna".into(),
+            // Of "password".
+            token_sha256: "5E884898DA28047151D0E56F8DC6292773603D0D6AABBDD62A11EF721D1542D8".into(),
+            may_override_preflight: true,
+        }
+    }
+
+    #[test]
+    fn only_the_whole_secret_makes_an_operator() {
+        assert_eq!(known(&[anna()], "password").map(|o| o.name), Some("anna".to_owned()));
+        for wrong in ["", "passwor", "password ", "Password", &anna().token_sha256] {
+            assert_eq!(known(&[anna()], wrong), None, "{wrong}");
+        }
+        assert_eq!(known(&[], "password"), None);
+    }
+}

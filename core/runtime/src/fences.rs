@@ -1,0 +1,53 @@
+//! Fences while the node runs: what they are, and others in their place.
+//!
+//! Must never do: leave the node without the fences it had because new ones are wrong.
+
+use crate::handle::NodeHandle;
+use crate::snapshot::EventKind;
+use serde::Serialize;
+use skein_domain::exchange::Severity;
+use skein_domain::fence::FencePlan;
+use skein_domain::{Refusal, VehicleId};
+
+/// The fences in force.
+#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
+pub struct FenceAnswer {
+    /// As they were described.
+    pub plan: FencePlan,
+    /// Vehicles in the air that are outside of them now, and what they do about it stands with each fence.
+    pub outside: Vec<VehicleId>,
+}
+
+impl NodeHandle {
+    /// The fences in force.
+    #[must_use]
+    pub fn fences(&self) -> FenceAnswer {
+        let board = self.board();
+        let gate = board.gate();
+        let peers = board.peers.load();
+        let outside = |e: &&crate::board::PeerEntry| {
+            let place = e.kinematics.map(|k| k.position);
+            e.airborne && place.is_some_and(|at| gate.fences().breach(&at).is_some())
+        };
+        FenceAnswer {
+            plan: board.fence_plan.lock().clone(),
+            outside: peers.entries.iter().filter(outside).map(|e| e.id).collect(),
+        }
+    }
+
+    /// Other fences from now on, for every setpoint and goal. Vehicles that are outside then do what the fence says.
+    ///
+    /// # Errors
+    /// When a zone cannot be one, or cannot be placed because the swarm's origin is not known yet. The former ones stay.
+    pub fn set_fences(&self, plan: FencePlan) -> Result<FenceAnswer, Refusal> {
+        let count = plan.zones.len();
+        self.board()
+            .set_fences(plan)
+            .map_err(|e| Refusal::InvalidValue { detail: e.to_string() })?;
+        let text = format!("{count} fence zones are in force");
+        self.board()
+            .events
+            .record(self.now(), None, Severity::Advisory, EventKind::Fences, text);
+        Ok(self.fences())
+    }
+}
