@@ -1,56 +1,165 @@
-//! Who takes which slot: the least total squared distance, so that straight paths do not cross.
+//! Who takes which slot: the least longest way first and then the least total, or the least total alone.
+//!
+//! As many vehicles as possible get a slot before anything else counts; pairs can be forbidden or made dearer.
 
-use pathfinding::prelude::{Matrix, kuhn_munkres_min};
+mod bottleneck;
+mod shortest_paths;
+
 use skein_domain::OffsetFrd;
 
-/// The solver wants integers: squared distances are counted in square millimetres…
-const UNITS_PER_M2: f64 = 1e6;
-/// …and no single one above this (about 31 km), so that no sum over thousands of vehicles overflows.
-const MAX_COST: f64 = 1e15;
+/// How long each vehicle's way into each slot is, in whatever unit counts: metres, or seconds for vehicles that are not alike.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Costs {
+    vehicles: usize,
+    slots: usize,
+    /// One row per vehicle. Infinite: forbidden.
+    lengths: Vec<f64>,
+}
+
+impl Costs {
+    /// From what each way costs, asked as `(vehicle, slot)`. Below zero counts as zero; what is not finite is forbidden.
+    #[must_use]
+    pub fn from_fn(vehicles: usize, slots: usize, length: impl Fn(usize, usize) -> f64) -> Self {
+        let lengths = (0..vehicles).flat_map(|vehicle| {
+            let length = &length;
+            (0..slots).map(move |slot| usable(length(vehicle, slot)))
+        });
+        Self {
+            vehicles,
+            slots,
+            lengths: lengths.collect(),
+        }
+    }
+
+    /// The straight distances in metres.
+    #[must_use]
+    pub fn between(from: &[OffsetFrd], slots: &[OffsetFrd]) -> Self {
+        let lengths = from.iter().flat_map(|a| {
+            let a = a.vector();
+            slots.iter().map(move |b| usable((a - b.vector()).norm()))
+        });
+        Self {
+            vehicles: from.len(),
+            slots: slots.len(),
+            lengths: lengths.collect(),
+        }
+    }
+
+    /// How many vehicles there are.
+    #[must_use]
+    pub fn vehicles(&self) -> usize {
+        self.vehicles
+    }
+
+    /// How many slots there are.
+    #[must_use]
+    pub fn slots(&self) -> usize {
+        self.slots
+    }
+
+    /// What a way costs; infinite if it is forbidden or there is none.
+    #[must_use]
+    pub fn length(&self, vehicle: usize, slot: usize) -> f64 {
+        self.at(vehicle, slot)
+            .and_then(|at| self.lengths.get(at))
+            .copied()
+            .unwrap_or(f64::INFINITY)
+    }
+
+    /// Makes a way dearer.
+    pub fn add(&mut self, vehicle: usize, slot: usize, extra: f64) {
+        let length = usable(self.length(vehicle, slot) + extra);
+        if let Some(entry) = self.at(vehicle, slot).and_then(|at| self.lengths.get_mut(at)) {
+            *entry = length;
+        }
+    }
+
+    /// The vehicle is not to take the slot.
+    pub fn forbid(&mut self, vehicle: usize, slot: usize) {
+        self.add(vehicle, slot, f64::INFINITY);
+    }
+
+    fn at(&self, vehicle: usize, slot: usize) -> Option<usize> {
+        (vehicle < self.vehicles && slot < self.slots).then_some(vehicle * self.slots + slot)
+    }
+
+    fn rows(&self) -> impl Iterator<Item = &[f64]> {
+        self.lengths.chunks_exact(self.slots.max(1))
+    }
+}
+
+/// A number that is none comes out as infinite.
+fn usable(length: f64) -> f64 {
+    if length < f64::INFINITY {
+        length.max(0.0)
+    } else {
+        f64::INFINITY
+    }
+}
+
+/// What is to be the least in total.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Total {
+    /// The sum of all ways.
+    Ways,
+    /// The sum of their squares: then no two vehicles that move in step on straight ways come near each other unless exchanging
+    /// their slots would make the longest way longer.
+    Squares,
+}
+
+/// Who takes which slot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Assignment {
+    /// Each vehicle's slot; none where all that are left are forbidden.
+    pub slots: Vec<Option<usize>>,
+    /// The longest of the ways, zero if there are none.
+    pub longest: f64,
+    /// The total of the ways (not of their squares).
+    pub total: f64,
+}
+
+impl Assignment {
+    fn new(slots: Vec<Option<usize>>, costs: &Costs) -> Self {
+        let ways = || {
+            let taken = slots.iter().enumerate();
+            taken.filter_map(|(vehicle, slot)| slot.map(|slot| costs.length(vehicle, slot)))
+        };
+        let (longest, total) = (ways().fold(0.0, f64::max), ways().sum());
+        Self { slots, longest, total }
+    }
+}
+
+/// As many vehicles as possible get a slot; of all ways to do that, those whose longest way is the least; of those, the one with
+/// the least total. Ties are broken the same way every time.
+#[must_use]
+pub fn least_longest(costs: &Costs, total: Total) -> Assignment {
+    let longest = bottleneck::threshold(costs);
+    Assignment::new(shortest_paths::solve(costs, total, longest), costs)
+}
+
+/// As many vehicles as possible get a slot; of all ways to do that, the one with the least total.
+#[must_use]
+pub fn least_total(costs: &Costs, total: Total) -> Assignment {
+    Assignment::new(shortest_paths::solve(costs, total, f64::MAX), costs)
+}
 
 /// For each vehicle at `from` the index of the slot it shall take, so that the sum of squared distances is the least.
 ///
-/// A distance that is not finite counts as very long. If there are more vehicles than slots, those that are left over get
-/// `usize::MAX`; callers that must not have that check the lengths first.
+/// If there are more vehicles than slots, or distances that are not finite, those that are left over get `usize::MAX`, or a slot
+/// that nobody can reach; callers that must not have that check the lists first.
 #[must_use]
 pub fn assign(from: &[OffsetFrd], slots: &[OffsetFrd]) -> Vec<usize> {
-    assign_by(from.len(), slots.len(), |vehicle, slot| {
-        match (from.get(vehicle), slots.get(slot)) {
-            (Some(a), Some(b)) => (a.vector() - b.vector()).norm_squared(),
-            _ => f64::NAN,
+    let chosen = least_total(&Costs::between(from, slots), Total::Squares).slots;
+    let mut taken = vec![false; slots.len()];
+    for slot in chosen.iter().flatten() {
+        if let Some(taken) = taken.get_mut(*slot) {
+            *taken = true;
         }
-    })
-}
-
-/// The same for any cost in square metres.
-pub(crate) fn assign_by(vehicles: usize, slots: usize, cost_m2: impl Fn(usize, usize) -> f64) -> Vec<usize> {
-    if vehicles == 0 {
-        return Vec::new();
     }
-    if slots == 0 {
-        return vec![usize::MAX; vehicles];
-    }
-    let units = |vehicle: usize, slot: usize| {
-        let units = cost_m2(vehicle, slot) * UNITS_PER_M2;
-        // NaN fails the comparison and so counts as the longest.
-        if units < MAX_COST {
-            units.max(0.0).round() as i64
-        } else {
-            MAX_COST as i64
-        }
-    };
-    // The solver needs at least as many columns as rows: surplus vehicles take columns that stand for "no slot".
-    let costs = Matrix::from_fn(vehicles, slots.max(vehicles), |(vehicle, slot)| {
-        if slot < slots {
-            units(vehicle, slot)
-        } else {
-            MAX_COST as i64
-        }
-    });
-    let (_, chosen) = kuhn_munkres_min(&costs);
+    let mut left = (0..slots.len()).filter(|slot| !taken.get(*slot).copied().unwrap_or(true));
     chosen
         .into_iter()
-        .map(|slot| if slot < slots { slot } else { usize::MAX })
+        .map(|slot| slot.or_else(|| left.next()).unwrap_or(usize::MAX))
         .collect()
 }
 

@@ -6,12 +6,14 @@
 
 mod clearance;
 mod detour;
+mod task;
 
 use crate::formation::FormationError;
+use crate::assignment;
 use crate::time_law::{bump_over_time, progress};
-use crate::{assignment, transition::detour::Ways};
 use nalgebra::Vector3;
 use skein_domain::{FlightLimits, NodeTime, OffsetFrd, SlotMove};
+use task::{Task, Tried, check};
 
 /// What the vehicles can do and how close they may come, for a transition.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,7 +91,27 @@ impl<'a> Change<'a> {
     /// # Errors
     /// [`FormationError`] for lists that do not fit, numbers that are not usable, or if no way keeps the distance.
     pub fn plan(&self, start: NodeTime) -> Result<TransitionPlan, FormationError> {
-        plan(self.from, self.slots, &self.limits, start)
+        check(self)?;
+        let task = Task::new(self);
+        let mut tried = Tried::default();
+        for keep in [1.0, RELAXED_SHARE] {
+            let kept = task.held_ends().and_then(|ends| tried.resolve(&task, ends, keep));
+            for ends in task.candidates() {
+                let found = tried.resolve(&task, ends, keep);
+                tried.keep_shorter(found);
+            }
+            if let Some((ways, duration_s)) = tried.chosen(kept) {
+                return Ok(TransitionPlan {
+                    moves: ways.moves(start, duration_s),
+                    duration_s,
+                    min_distance_m: ways.min_distance_m(),
+                });
+            }
+        }
+        Err(FormationError::NoSafeTransition {
+            best_m: tried.best_failed_m,
+            limit_m: self.limits.min_distance_m,
+        })
     }
 }
 
@@ -120,123 +142,22 @@ pub fn plan_members(
     change.plan(start)
 }
 
-/// Plans the way of all members from their present offsets into the slots. Index 0 of both is the leader, which stays at zero
-/// offset; the slots' order among the others does not matter. Heading: both lists must be relative to the new heading.
+/// [`Change::plan`] for members that are all alike behind their leader.
 ///
 /// # Errors
-/// [`FormationError`] for lists that do not fit, numbers that are not usable, or if no way keeps the distance.
+/// As [`Change::plan`].
 pub fn plan(
     from: &[OffsetFrd],
     slots: &[OffsetFrd],
     limits: &MotionLimits,
     start: NodeTime,
 ) -> Result<TransitionPlan, FormationError> {
-    check(from, slots, limits)?;
-    let mut starts: Vec<Vector3<f64>> = from.iter().map(OffsetFrd::vector).collect();
-    if let Some(leader) = starts.first_mut() {
-        *leader = Vector3::zeros();
-    }
-    let targets: Vec<Vector3<f64>> = slots.iter().map(OffsetFrd::vector).collect();
-    let candidates = [
-        // Least squares: pairs of followers cannot cross, only the leader may be in the way.
-        assign_members(&starts, &targets, |_, _| 0.0),
-        // The same with ways around the leader preferred; pays where a detour over it would be too steep.
-        assign_members(&starts, &targets, |a, b| leader_penalty_m2(a, b, limits.min_distance_m)),
-    ];
-    let mut best: Option<(Ways, f64)> = None;
-    let mut best_failed_m = 0.0_f64;
-    for keep in [1.0, RELAXED_SHARE] {
-        for ends in &candidates {
-            let mut ways = Ways::new(&starts, ends, limits.min_distance_m, keep);
-            if !ways.resolve() {
-                best_failed_m = best_failed_m.max(ways.min_distance_m());
-                continue;
-            }
-            let duration_s = ways.longest_s(limits);
-            if best
-                .as_ref()
-                .is_none_or(|(_, shortest_s)| duration_s < *shortest_s - 1e-9)
-            {
-                best = Some((ways, duration_s));
-            }
-        }
-        if best.is_some() {
-            break;
-        }
-    }
-    let Some((ways, duration_s)) = best else {
-        return Err(FormationError::NoSafeTransition {
-            best_m: best_failed_m,
-            limit_m: limits.min_distance_m,
-        });
-    };
-    Ok(TransitionPlan {
-        moves: ways.moves(start, duration_s),
-        duration_s,
-        min_distance_m: ways.min_distance_m(),
-    })
+    Change::new(from, slots, limits).plan(start)
 }
 
 /// Two members that start or end nearly as close as allowed cannot but come a little closer on most ways; this share of their
 /// distance at the ends must remain if nothing better is found.
 const RELAXED_SHARE: f64 = 0.8;
-
-fn check(from: &[OffsetFrd], slots: &[OffsetFrd], limits: &MotionLimits) -> Result<(), FormationError> {
-    if from.is_empty() {
-        return Err(FormationError::NoMembers);
-    }
-    if slots.len() < from.len() {
-        return Err(FormationError::NotEnoughSlots {
-            members: from.len(),
-            slots: slots.len(),
-        });
-    }
-    for list in [from, slots] {
-        if let Some(index) = list.iter().position(|offset| !offset.is_finite()) {
-            return Err(FormationError::NotFinite { index });
-        }
-    }
-    for (limit, value) in [
-        ("speed_m_s", limits.speed_m_s),
-        ("acceleration_m_s2", limits.acceleration_m_s2),
-        ("climb_m_s", limits.climb_m_s),
-        ("min_distance_m", limits.min_distance_m),
-    ] {
-        if !(value > 0.0 && value.is_finite()) {
-            return Err(FormationError::InvalidLimit { limit, value });
-        }
-    }
-    Ok(())
-}
-
-/// Ends for all members: the leader's is zero, the others' those of the cheapest assignment.
-fn assign_members(
-    starts: &[Vector3<f64>],
-    slots: &[Vector3<f64>],
-    extra_m2: impl Fn(&Vector3<f64>, &Vector3<f64>) -> f64,
-) -> Vec<Vector3<f64>> {
-    let followers = starts.get(1..).unwrap_or_default();
-    let free = slots.get(1..).unwrap_or_default();
-    let cost = |i: usize, j: usize| match (followers.get(i), free.get(j)) {
-        (Some(a), Some(b)) => (a - b).norm_squared() + extra_m2(a, b),
-        _ => f64::NAN,
-    };
-    let chosen = assignment::assign_by(followers.len(), free.len(), cost);
-    let ends = chosen
-        .iter()
-        .zip(followers)
-        .map(|(&slot, start)| free.get(slot).copied().unwrap_or(*start));
-    std::iter::once(Vector3::zeros()).chain(ends).collect()
-}
-
-/// What a way that passes closer to the leader than allowed costs on top.
-fn leader_penalty_m2(a: &Vector3<f64>, b: &Vector3<f64>, min_distance_m: f64) -> f64 {
-    if clearance::straight_m(a, &(b - a)) < min_distance_m {
-        4.0 * (b - a).norm_squared() + 100.0
-    } else {
-        0.0
-    }
-}
 
 /// Where the slot is at `now`: at its start before the move, at its end after it. Numbers that are not finite come out as such.
 #[must_use]

@@ -73,6 +73,142 @@ proptest! {
     }
 }
 
+/// All ways to give as many vehicles as possible a slot, tried one by one: the fewest without, then the least longest (if asked
+/// for), then the least total.
+fn by_trying_all(costs: &Costs, total: Total, longest_first: bool) -> (usize, f64, f64) {
+    fn go(costs: &Costs, total: Total, vehicle: usize, taken: &mut Vec<bool>, so_far: (usize, f64, f64), all: &mut Vec<(usize, f64, f64)>) {
+        if vehicle == costs.vehicles() {
+            all.push(so_far);
+            return;
+        }
+        go(costs, total, vehicle + 1, taken, (so_far.0 + 1, so_far.1, so_far.2), all);
+        for slot in 0..costs.slots() {
+            let length = costs.length(vehicle, slot);
+            if length.is_finite() && !taken[slot] {
+                taken[slot] = true;
+                let cost = if total == Total::Ways { length } else { length * length };
+                go(costs, total, vehicle + 1, taken, (so_far.0, so_far.1.max(length), so_far.2 + cost), all);
+                taken[slot] = false;
+            }
+        }
+    }
+    let mut all = Vec::new();
+    go(costs, total, 0, &mut vec![false; costs.slots()], (0, 0.0, 0.0), &mut all);
+    let order = |a: &(usize, f64, f64), b: &(usize, f64, f64)| {
+        let longest = if longest_first { a.1.total_cmp(&b.1) } else { std::cmp::Ordering::Equal };
+        a.0.cmp(&b.0).then(longest).then(a.2.total_cmp(&b.2))
+    };
+    all.into_iter().min_by(order).unwrap()
+}
+
+/// Few vehicles and slots, some pairs forbidden; often several ways are equally long.
+fn small_costs() -> impl Strategy<Value = Costs> {
+    (1_usize..=6, 1_usize..=6).prop_flat_map(|(vehicles, slots)| {
+        let length = prop_oneof![
+            4 => (0_u32..6).prop_map(f64::from),
+            4 => 0.0..100.0,
+            2 => Just(f64::INFINITY),
+            1 => Just(f64::NAN),
+        ];
+        prop::collection::vec(length, vehicles * slots)
+            .prop_map(move |lengths| Costs::from_fn(vehicles, slots, |i, j| lengths[i * slots + j]))
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(512))]
+
+    #[test]
+    fn nothing_is_better_than_what_is_found(
+        costs in small_costs(), longest_first in any::<bool>(), squares in any::<bool>(),
+    ) {
+        let total = if squares { Total::Squares } else { Total::Ways };
+        let found = if longest_first { least_longest(&costs, total) } else { least_total(&costs, total) };
+        let (without, longest, least) = by_trying_all(&costs, total, longest_first);
+        prop_assert_eq!(found.slots.iter().filter(|slot| slot.is_none()).count(), without);
+        let mut seen = std::collections::BTreeSet::new();
+        prop_assert!(found.slots.iter().flatten().all(|slot| seen.insert(*slot)));
+        let ways = || found.slots.iter().enumerate().filter_map(|(i, slot)| slot.map(|slot| costs.length(i, slot)));
+        let sum: f64 = ways().map(|way| if squares { way * way } else { way }).sum();
+        prop_assert!(sum <= least * (1.0 + 1e-8) + 1e-9, "{sum} > {least}");
+        prop_assert_eq!(found.longest, ways().fold(0.0, f64::max));
+        prop_assert!((found.total - ways().sum::<f64>()).abs() < 1e-9);
+        if longest_first {
+            prop_assert_eq!(found.longest, longest);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn the_total_is_that_of_another_solver(
+        from in prop::collection::vec(offset(), 60), slots in prop::collection::vec(offset(), 60), on_a_grid in any::<bool>(),
+    ) {
+        // On a grid very many ways are equally long.
+        let placed = |list: Vec<OffsetFrd>| -> Vec<OffsetFrd> {
+            let round = |x: f64| (x / 40.0).round() * 40.0;
+            let grid = |o: &OffsetFrd| OffsetFrd::new(round(o.forward_m), round(o.right_m), 0.0);
+            if on_a_grid { list.iter().map(grid).collect() } else { list }
+        };
+        let (from, slots) = (placed(from), placed(slots));
+        let squares = pathfinding::prelude::Matrix::from_fn(60, 60, |(i, j)| {
+            ((from[i].vector() - slots[j].vector()).norm_squared() * 1e6).round() as i64
+        });
+        let (least, _) = pathfinding::prelude::kuhn_munkres_min(&squares);
+        let least_m2 = least as f64 * 1e-6;
+        let sum_m2 = cost_m2(&from, &slots, &assign(&from, &slots));
+        prop_assert!((sum_m2 - least_m2).abs() < 1e-6 * (1.0 + least_m2), "{sum_m2} {least_m2}");
+    }
+
+    #[test]
+    fn the_least_longest_way_is_the_least_that_lets_everyone_through(
+        from in prop::collection::vec(offset(), 40), slots in prop::collection::vec(offset(), 40),
+    ) {
+        let costs = Costs::between(&from, &slots);
+        let found = least_longest(&costs, Total::Squares);
+        prop_assert!(found.slots.iter().all(Option::is_some));
+        // With only shorter ways allowed another solver must use a forbidden one.
+        let without = pathfinding::prelude::Matrix::from_fn(40, 40, |(i, j)| {
+            i64::from(costs.length(i, j) >= found.longest)
+        });
+        let (forbidden, _) = pathfinding::prelude::kuhn_munkres_min(&without);
+        prop_assert!(forbidden >= 1);
+        prop_assert!(found.longest <= least_total(&costs, Total::Squares).longest);
+    }
+}
+
+#[test]
+fn a_thousand_on_a_grid_change_places_the_shortest_way() {
+    // All one cell to the side: the first column of the new places is the only one that is not taken already.
+    let place = |i: usize, shift_m: f64| OffsetFrd::new((i / 32) as f64 * 5.0, (i % 32) as f64 * 5.0 + shift_m, 0.0);
+    let from: Vec<_> = (0..1000).map(|i| place(i, 0.0)).collect();
+    let slots: Vec<_> = (0..1000).rev().map(|i| place(i, 1.0)).collect();
+    let found = least_longest(&Costs::between(&from, &slots), Total::Ways);
+    assert!((found.longest - 1.0).abs() < 1e-9 && (found.total - 1000.0).abs() < 1e-6, "{} {}", found.longest, found.total);
+}
+
+#[test]
+fn pairs_can_be_forbidden_or_made_dearer() {
+    let at = |right_m| OffsetFrd::new(0.0, right_m, 0.0);
+    let places = [at(0.0), at(10.0), at(20.0)];
+    let mut costs = Costs::between(&places, &places);
+    assert_eq!(least_longest(&costs, Total::Ways).slots, [Some(0), Some(1), Some(2)]);
+    costs.add(0, 0, 25.0);
+    assert_eq!(least_longest(&costs, Total::Ways).slots, [Some(1), Some(0), Some(2)]);
+    costs.forbid(2, 2);
+    costs.forbid(2, 1);
+    let found = least_longest(&costs, Total::Ways);
+    assert_eq!((found.slots, found.longest), (vec![Some(1), Some(2), Some(0)], 20.0));
+    for slot in 0..3 {
+        costs.forbid(0, slot);
+    }
+    let found = least_total(&costs, Total::Ways);
+    assert_eq!(found.slots, [None, Some(1), Some(0)]);
+    assert_eq!((found.longest, found.total), (20.0, 20.0));
+}
+
 #[test]
 fn numbers_that_are_not_finite_count_as_far() {
     let good = OffsetFrd::new(1.0, 0.0, 0.0);

@@ -35,7 +35,8 @@ pub(super) fn lifted_m(a: &Vector3<f64>, d: &Vector3<f64>, lift_m: f64, enough_m
     };
     let way_m = d.norm();
     let mut best_m = distance(0.0).min(distance(1.0));
-    let mut open = vec![(0.0, distance(0.0), 1.0, distance(1.0))];
+    let mut open = Vec::with_capacity(32);
+    open.push((0.0, distance(0.0), 1.0, distance(1.0)));
     while let Some((s0, d0, s1, d1)) = open.pop() {
         // Between two points the distance cannot fall faster than the relative motion goes.
         let slope = way_m + lift_m.abs() * bump_slope_between(s0, s1);

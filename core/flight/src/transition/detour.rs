@@ -1,7 +1,7 @@
 //! Vertical detours for members whose straight ways come too close, found by local search over a few heights.
 
-use super::MotionLimits;
-use super::clearance::{TOLERANCE_M, horizontal_m, lifted_m};
+use super::clearance::{TOLERANCE_M, horizontal_m, lifted_m, straight_m};
+use super::task::Task;
 use crate::time_law::{Ability, duration_s};
 use nalgebra::Vector3;
 use skein_domain::{NodeTime, SlotMove};
@@ -30,32 +30,48 @@ pub(super) struct Ways {
     lifts_m: Vec<f64>,
     near: Vec<Vec<Near>>,
     levels_m: Vec<f64>,
+    pinned: usize,
 }
 
 impl Ways {
-    /// Straight ways. A pair must keep `min_distance_m`, or the share `keep` of its distance at the ends if that is less.
-    pub fn new(starts: &[Vector3<f64>], ends: &[Vector3<f64>], min_distance_m: f64, keep: f64) -> Self {
-        let ways: Vec<_> = starts.iter().zip(ends).collect();
-        let near_of = |(i, own): (usize, &(&Vector3<f64>, &Vector3<f64>))| {
-            let near = |(other, way): (usize, &(&Vector3<f64>, &Vector3<f64>))| {
-                let (a, b) = (way.0 - own.0, way.1 - own.1);
-                let required_m = min_distance_m.min(keep * a.norm()).min(keep * b.norm()) - 2.0 * TOLERANCE_M;
-                let d = b - a;
-                (other != i && horizontal_m(&a, &d) < required_m).then_some(Near {
-                    other,
-                    a,
-                    d,
-                    required_m,
-                })
-            };
-            ways.iter().enumerate().filter_map(near).collect()
+    /// Straight ways. A pair must keep the smallest distance, or the share `keep` of its distance at the ends if that is less.
+    pub fn new(task: &Task, ends: Vec<Vector3<f64>>, keep: f64) -> Self {
+        let mut near: Vec<Vec<Near>> = task.starts.iter().map(|_| Vec::new()).collect();
+        let mut pair = |i: usize, j: usize, a: Vector3<f64>, b: Vector3<f64>| {
+            let d = b - a;
+            // Most pairs are out of reach of each other: seen without a root or a division.
+            if too_far(&a, &d, task.min_distance_m) {
+                return;
+            }
+            let ends_m = keep * a.norm().min(b.norm());
+            let required_m = task.min_distance_m.min(ends_m) - 2.0 * TOLERANCE_M;
+            if horizontal_m(&a, &d) >= required_m {
+                return;
+            }
+            for (own, other, sign) in [(i, j, 1.0), (j, i, -1.0)] {
+                if let Some(list) = near.get_mut(own) {
+                    list.push(Near {
+                        other,
+                        a: a * sign,
+                        d: d * sign,
+                        required_m,
+                    });
+                }
+            }
         };
+        let ways = || task.starts.iter().zip(&ends).enumerate();
+        for (i, (start, end)) in ways() {
+            for (j, (other_start, other_end)) in ways().skip(i + 1) {
+                pair(i, j, other_start - start, other_end - end);
+            }
+        }
         Self {
-            near: ways.iter().enumerate().map(near_of).collect(),
-            starts: starts.to_vec(),
-            ends: ends.to_vec(),
-            lifts_m: vec![0.0; starts.len()],
-            levels_m: LEVELS.iter().map(|level| level * min_distance_m).collect(),
+            near,
+            starts: task.starts.clone(),
+            lifts_m: vec![0.0; ends.len()],
+            ends,
+            levels_m: LEVELS.iter().map(|level| level * task.min_distance_m).collect(),
+            pinned: task.pinned,
         }
     }
 
@@ -73,8 +89,8 @@ impl Ways {
                     usize::MAX - moved_at.get(*i).copied().unwrap_or(0),
                 )
             };
-            // The leader (0) stays where it is.
-            let Some(member) = (1..members)
+            // A leader stays where it is.
+            let Some(member) = (self.pinned..members)
                 .filter(|i| conflicts.get(*i).is_some_and(|n| *n > 0))
                 .max_by_key(most)
             else {
@@ -82,13 +98,10 @@ impl Ways {
             };
             let present_m = self.lift_m(member);
             let barred_m = tabu_m.get(member).copied().unwrap_or(f64::NAN);
-            let chosen = self
-                .levels_m
-                .iter()
-                .filter(|level| **level != present_m && **level != barred_m)
-                .map(|level| (self.conflicts(member, *level), *level))
-                .min_by_key(|(count, _)| *count);
-            let Some((_, level_m)) = chosen else { return false };
+            let Some(level_m) = self.best_level_m(member, present_m, barred_m) else {
+                return false;
+            };
+            self.recount(&mut conflicts, member, level_m);
             if let (Some(lift), Some(tabu), Some(at)) = (
                 self.lifts_m.get_mut(member),
                 tabu_m.get_mut(member),
@@ -96,9 +109,43 @@ impl Ways {
             ) {
                 (*tabu, *lift, *at) = (present_m, level_m, step);
             }
-            conflicts = (0..members).map(|i| self.conflicts(i, self.lift_m(i))).collect();
         }
         false
+    }
+
+    /// The height with the fewest conflicts, the first of several.
+    fn best_level_m(&self, member: usize, present_m: f64, barred_m: f64) -> Option<f64> {
+        let mut best: Option<(usize, f64)> = None;
+        for level_m in &self.levels_m {
+            if *level_m == present_m || *level_m == barred_m {
+                continue;
+            }
+            let count = self.conflicts(member, *level_m);
+            if best.is_none_or(|(least, _)| count < least) {
+                best = Some((count, *level_m));
+            }
+            if count == 0 {
+                break;
+            }
+        }
+        best.map(|(_, level_m)| level_m)
+    }
+
+    /// Brings the numbers of conflicts up to date for a member that goes to another height: only those near it can change.
+    fn recount(&self, conflicts: &mut [usize], member: usize, level_m: f64) {
+        let mut own = 0;
+        let present_m = self.lift_m(member);
+        for near in self.near.get(member).map(Vec::as_slice).unwrap_or_default() {
+            let other_m = self.lift_m(near.other);
+            let (before, after) = (too_close(near, other_m - present_m), too_close(near, other_m - level_m));
+            own += usize::from(after);
+            if let Some(count) = conflicts.get_mut(near.other) {
+                *count = (*count + usize::from(after)).saturating_sub(usize::from(before));
+            }
+        }
+        if let Some(count) = conflicts.get_mut(member) {
+            *count = own;
+        }
     }
 
     fn lift_m(&self, member: usize) -> f64 {
@@ -107,13 +154,10 @@ impl Ways {
 
     /// With how many others a member would come too close at this height of its detour.
     fn conflicts(&self, member: usize, lift_m: f64) -> usize {
-        let too_close = |near: &&Near| {
-            lifted_m(&near.a, &near.d, self.lift_m(near.other) - lift_m, near.required_m)
-                < near.required_m - TOLERANCE_M
-        };
+        let conflict = |near: &&Near| too_close(near, self.lift_m(near.other) - lift_m);
         self.near
             .get(member)
-            .map_or(0, |near| near.iter().filter(too_close).count())
+            .map_or(0, |near| near.iter().filter(conflict).count())
     }
 
     /// Smallest distance between any two members over the whole move; infinite for one alone.
@@ -123,25 +167,21 @@ impl Ways {
         for (i, ((start, end), lift_m)) in ways.clone().enumerate() {
             for ((other_start, other_end), other_lift_m) in ways.clone().skip(i + 1) {
                 let (a, b) = (other_start - start, other_end - end);
-                if horizontal_m(&a, &(b - a)) < least_m {
-                    least_m = least_m.min(lifted_m(&a, &(b - a), other_lift_m - lift_m, least_m));
+                let d = b - a;
+                if !too_far(&a, &d, least_m) && horizontal_m(&a, &d) < least_m {
+                    least_m = least_m.min(lifted_m(&a, &d, other_lift_m - lift_m, least_m));
                 }
             }
         }
         least_m
     }
 
-    /// The duration that the slowest member needs.
-    pub fn longest_s(&self, limits: &MotionLimits) -> f64 {
-        let ability = Ability {
-            speed_m_s: limits.speed_m_s,
-            acceleration_m_s2: limits.acceleration_m_s2,
-            climb_m_s: limits.climb_m_s,
-        };
-        let ways = self.starts.iter().zip(&self.ends).zip(&self.lifts_m);
-        ways.fold(0.0, |so_far_s, ((start, end), lift_m)| {
+    /// The duration that the slowest member needs for its way.
+    pub fn longest_s(&self, abilities: &[Ability]) -> f64 {
+        let ways = self.starts.iter().zip(&self.ends).zip(&self.lifts_m).zip(abilities);
+        ways.fold(0.0, |so_far_s, (((start, end), lift_m), ability)| {
             let way = end - start;
-            duration_s([way.x, way.y, -way.z], *lift_m, &ability, so_far_s)
+            duration_s([way.x, way.y, -way.z], *lift_m, ability, so_far_s)
         })
     }
 
@@ -157,4 +197,19 @@ impl Ways {
         })
         .collect()
     }
+}
+
+/// Whether a pair comes too close with this difference of heights.
+fn too_close(near: &Near, lift_m: f64) -> bool {
+    let limit_m = near.required_m - TOLERANCE_M;
+    if lift_m == 0.0 {
+        return straight_m(&near.a, &near.d) < limit_m;
+    }
+    lifted_m(&near.a, &near.d, lift_m, near.required_m) < limit_m
+}
+
+/// Whether `a + s·d` stays further than `reach_m` away on one of the two level axes: then no distance can be smaller.
+fn too_far(a: &Vector3<f64>, d: &Vector3<f64>, reach_m: f64) -> bool {
+    let apart = |from: f64, to: f64| (from > reach_m && to > reach_m) || (from < -reach_m && to < -reach_m);
+    apart(a.x, a.x + d.x) || apart(a.y, a.y + d.y)
 }
