@@ -228,3 +228,6 @@ impl Default for PreflightSettings {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -11,6 +11,8 @@ const STEADY_SHARE: f64 = 0.2;
 pub(super) struct ClockWatch {
     /// Where the offset is expected: it follows no faster than clocks drift.
     expected_s: Option<f64>,
+    /// Since when the offset has been off.
+    off_since: Option<NodeTime>,
     /// An offset and since when it has been steady there.
     steady: Option<(f64, NodeTime)>,
     /// Last call, and the newest time at which a position was measured.
@@ -52,10 +54,16 @@ impl ClockWatch {
             .filter(|(at_s, _)| (offset_s - at_s).abs() <= STEADY_SHARE * rule.clear_s)
             .unwrap_or((offset_s, now));
         self.steady = Some(steady);
-        let is_off = (offset_s - expected_s).abs() > rule.clear_s;
-        if is_off && now.seconds_since(steady.1) >= rule.settled_after_s {
-            // The jump is over: the clock runs on evenly from where it is.
-            expected_s = offset_s;
+        let off_s = (offset_s - expected_s).abs();
+        if off_s <= rule.clear_s {
+            self.off_since = None;
+        } else if off_s > rule.limit_s || self.off_since.is_some() {
+            let off_since = *self.off_since.get_or_insert(now);
+            if now.seconds_since(off_since.max(steady.1)) >= rule.settled_after_s {
+                // The jump is over: the clock runs on evenly from where it is.
+                expected_s = offset_s;
+                self.off_since = None;
+            }
         }
         self.expected_s = Some(expected_s);
         (offset_s - expected_s).abs()

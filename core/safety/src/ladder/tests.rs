@@ -1,5 +1,6 @@
 //! A vehicle in simulated time that obeys, disobeys or is somebody else's, and its ladder.
 
+mod observed;
 mod properties;
 mod rules;
 mod rungs;

@@ -159,9 +159,11 @@ proptest! {
     #[test]
     fn nothing_panics_on_numbers_that_are_none(values in prop::collection::vec(any::<f64>(), 8), times in any::<[u64; 6]>()) {
         let mut ladder = Ladder::new();
-        let mut settings = LadderSettings::default();
-        settings.reaction_within_s = values[0];
-        settings.recovered_after_s = values[1];
+        let mut settings = LadderSettings {
+            reaction_within_s: values[0],
+            recovered_after_s: values[1],
+            ..LadderSettings::default()
+        };
         settings.clock_fault.clear_s = values[2];
         settings.tracking_error.steps[0].after_s = values[3];
         for at in times {

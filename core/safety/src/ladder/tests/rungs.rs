@@ -265,9 +265,24 @@ fn a_clock_that_jumped_once_is_believed_again_when_it_runs_on_evenly() {
     let cleared = rig.of(LadderEventKind::Cleared);
     let after_s = 5.0 + rig.settings.clock_fault.settled_after_s + rig.settings.recovered_after_s;
     assert!(
-        matches!(cleared.as_slice(), [(_, at_s)] if (after_s..after_s + 0.1).contains(at_s)),
+        matches!(cleared.as_slice(), [(_, at_s)] if (after_s..after_s + 0.2).contains(at_s)),
         "{cleared:?}"
     );
+}
+
+#[test]
+fn the_slightest_drift_that_is_no_clocks_nature_is_found() {
+    let drifting = |drift_s_per_s: f64| {
+        let mut rig = Rig::new();
+        rig.run(400.0, |h, t| {
+            h.clock_offset_s = h.clock_offset_s.map(|o| o + drift_s_per_s * t)
+        });
+        rig.order()
+    };
+    assert_eq!(drifting(0.0004), None);
+    for drift_s_per_s in [0.001, -0.001, 0.0015, 0.003, 0.01] {
+        assert!(drifting(drift_s_per_s) >= Some(HOLD), "{drift_s_per_s}");
+    }
 }
 
 #[test]
