@@ -65,7 +65,8 @@ pub struct Health {
     pub gnss: Option<GnssHealth>,
     /// How far two sources of its position are apart, in metres; absent if there are no two.
     pub disagreement_m: Option<f64>,
-    /// Distance from where its setpoint wants it, in metres; while it holds, from where it began to. Absent without a wanted place.
+    /// Distance from where its setpoint wants it, in metres; while it holds, from where it began to. Absent without a wanted place;
+    /// not looked at while the autopilot takes off, returns or lands by itself.
     pub tracking_error_m: Option<f64>,
     /// Its autopilot's clock minus the node's, in seconds.
     pub clock_offset_s: Option<f64>,

@@ -4,7 +4,7 @@ use super::{FenceBreach, Health};
 use crate::gnss::is_good_fix;
 use crate::ladder::tracker::Tracker;
 use skein_domain::ladder::{FenceBreachRule, LadderSettings, Step, TriggerMode};
-use skein_domain::{EnergyLevel, NodeTime, Reaction, Trigger};
+use skein_domain::{EnergyLevel, FlightMode, NodeTime, Reaction, Trigger};
 
 /// What is to be done about a trigger that lasts.
 #[derive(Debug, Clone, Copy)]
@@ -88,6 +88,7 @@ pub(super) fn read<'a>(
             let rule = &settings.tracking_error;
             health
                 .tracking_error_m
+                .filter(|_| !flies_by_itself(health.mode))
                 .map(|value| beyond(value, (rule.limit_m, rule.clear_m), "m", steps))
         }
         Trigger::StaleEstimate => match health.position_time {
@@ -112,6 +113,19 @@ pub(super) fn read<'a>(
         Trigger::OperatorDeadMan => health.operator_heard.or(memory.reacting_since).and_then(age),
         Trigger::Energy => energy(health, settings.energy.after_s),
     }
+}
+
+/// Whether the autopilot is on a way of its own: where a setpoint would have the vehicle means nothing then.
+fn flies_by_itself(mode: FlightMode) -> bool {
+    matches!(
+        mode,
+        FlightMode::TakeOff
+            | FlightMode::Mission
+            | FlightMode::Return
+            | FlightMode::Land
+            | FlightMode::Descend
+            | FlightMode::Termination
+    )
 }
 
 /// A value that is itself the time for which it has been so.

@@ -112,7 +112,11 @@ impl Rig {
         match reaction {
             Reaction::Warn => {}
             Reaction::Hold => self.health.mode = FlightMode::Hold,
-            Reaction::Return => self.health.mode = FlightMode::Return,
+            // Its model flies it home, in OFFBOARD.
+            Reaction::Return => {
+                self.health.mode = FlightMode::Offboard;
+                self.health.state = FlightState::Returning;
+            }
             Reaction::Land => self.health.mode = FlightMode::Land,
             Reaction::Release => self.health.streaming = false,
         }

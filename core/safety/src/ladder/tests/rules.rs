@@ -21,25 +21,25 @@ fn of_several_triggers_the_strongest_is_ordered_and_all_are_reported() {
     rig.run(1.0, |_, _| ());
     rig.run(4.5, |h, t| {
         off_course(h, t);
-        no_fix(h, t);
+        h.clock_offset_s = Some(f64::NAN);
         h.breach = Some(FenceBreach {
-            reaction: Reaction::Land,
+            reaction: Reaction::Return,
             outside_m: 2.0,
             zone: "field".into(),
         });
     });
     assert_eq!(
         rig.orders().iter().map(|(r, _)| *r).collect::<Vec<_>>(),
-        [Reaction::Land]
+        [Reaction::Return]
     );
     let alarms = rig.ladder.state(&rig.settings).alarms;
     let triggers: Vec<_> = alarms.iter().map(|a| (a.trigger, a.reaction)).collect();
     assert_eq!(
         triggers,
         [
-            (Trigger::GnssLoss, Reaction::Hold),
             (Trigger::TrackingError, Reaction::Hold),
-            (Trigger::FenceBreach, Reaction::Land)
+            (Trigger::ClockFault, Reaction::Hold),
+            (Trigger::FenceBreach, Reaction::Return)
         ]
     );
 }
@@ -150,6 +150,16 @@ fn a_vehicle_that_leaves_its_hold_by_itself_is_sent_home() {
     rig.obeys_after_s = None;
     rig.run(3.0, |h, t| off_course(h, t + 5.0));
     assert_eq!(rig.order(), Some(Reaction::Return));
+}
+
+#[test]
+fn a_setpoint_means_nothing_while_the_autopilot_flies_by_itself() {
+    for mode in [FlightMode::TakeOff, FlightMode::Return, FlightMode::Land] {
+        let mut rig = Rig::new();
+        rig.health.mode = mode;
+        rig.run(40.0, off_course);
+        assert_eq!(rig.events, [], "{mode}");
+    }
 }
 
 #[test]
