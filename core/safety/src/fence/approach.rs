@@ -245,3 +245,6 @@ impl Limits<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

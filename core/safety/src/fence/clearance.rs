@@ -2,7 +2,7 @@
 
 use super::ON_EDGE_M;
 use super::fences::Fences;
-use super::plane::{edges_distance_m, even_odd};
+use super::plane::edges_distance_m;
 use super::zone::{Zone, share_between};
 use skein_domain::{PositionNed, Refusal, ZoneKind};
 
@@ -64,7 +64,7 @@ impl Fences {
         let over_or_under = self.of_kind(ZoneKind::Exclusion).find(|zone| {
             let volume = &zone.volume;
             let part = volume.share_in_band(h0, h1, grown_m);
-            part.is_some_and(|[start, _]| even_odd(&volume.vertices, at(start)))
+            part.is_some_and(|[start, _]| volume.depth_m(at(start)) > ON_EDGE_M)
         });
         if over_or_under.is_some() {
             return over_or_under;

@@ -324,3 +324,6 @@ pub(super) fn refusal(zone: &Zone, position: &PositionNed, excess: &Excess) -> R
         detail: format!("\"{}\": {detail}", zone.name),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -142,3 +142,6 @@ fn circle(centre_m: [f64; 2], radius_m: f64, kind: ZoneKind) -> Vec<[f64; 2]> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests;

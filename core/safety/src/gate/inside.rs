@@ -1,6 +1,6 @@
 //! What the gate asks of the fences: where a setpoint leads, whether the vehicle can still stop, and the way up at a take-off.
 
-use super::{Gate, MAX_BRAKING_M_S2, ROUNDING, braking_m_s2, driven_share_s};
+use super::{Gate, MAX_BRAKING_M_S2, braking_m_s2, driven_share_s};
 use crate::fence::Approach;
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{PositionNed, Refusal, Setpoint};
@@ -48,13 +48,11 @@ impl Gate {
         Ok(())
     }
 
-    /// A vehicle that comes in too fast to stop may only be given a velocity that lets it.
+    /// A vehicle that comes in too fast to stop may only be given a velocity from which it could: what follows a refusal is braking
+    /// straight on, so that it must come before that is too late, however slantingly the boundary is approached.
     fn can_stop(&self, own: &VehicleKinematics, setpoint: &Setpoint) -> Result<(), Refusal> {
         let approach = self.approach();
         let Err(refusal) = self.fences.stops_inside(&own.position, &own.velocity, &approach) else {
-            return Ok(());
-        };
-        let Some(asked) = setpoint.velocity.map(|v| v.vector()) else {
             return Ok(());
         };
         // A setpoint that is ahead of the vehicle brakes for the place where it is itself: no reaction to be added.
@@ -62,10 +60,8 @@ impl Gate {
             reaction_s: 0.0,
             ..approach
         };
-        let limits = self.fences.velocity_limits(&own.position, &at_once);
-        let yields = limits
-            .iter()
-            .all(|half| half.normal.dot(&asked) <= half.limit_m_s * ROUNDING + f64::EPSILON);
+        let asked = setpoint.velocity.unwrap_or_default();
+        let yields = self.fences.stops_inside(&own.position, &asked, &at_once).is_ok();
         if yields { Ok(()) } else { Err(refusal) }
     }
 
@@ -83,3 +79,6 @@ impl Gate {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;
