@@ -5,14 +5,21 @@ use super::task::Task;
 use crate::time_law::{Ability, duration_s};
 use nalgebra::Vector3;
 use skein_domain::{NodeTime, SlotMove};
+use std::cell::Cell;
 
 /// Heights of detours that are tried, as multiples of the smallest distance, lowest effort first. Upwards before downwards: there
 /// is more room above than below.
 const LEVELS: [f64; 19] = [
     0.0, 1.1, -1.1, 1.4, -1.4, 1.8, -1.8, 2.3, -2.3, 2.9, -2.9, 3.6, -3.6, 4.5, -4.5, 5.5, -5.5, 7.0, -7.0,
 ];
+/// The index in [`LEVELS`] of no detour.
+const STRAIGHT: usize = 0;
 /// Search steps per member before a set of ways is given up.
 const STEPS_PER_MEMBER: usize = 8;
+/// It is given up too when so many steps have not made it better.
+const STEPS_IN_VAIN: usize = 300;
+/// Words of a set of bits for every two levels.
+const WORDS: usize = (LEVELS.len() * LEVELS.len()).div_ceil(64);
 
 /// A pair whose ways come close enough horizontally that heights matter.
 struct Near {
@@ -21,13 +28,37 @@ struct Near {
     a: Vector3<f64>,
     d: Vector3<f64>,
     required_m: f64,
+    /// For which two levels it is known whether the pair comes too close, and whether it does: a bit each.
+    known: Cell<[u64; WORDS]>,
+    close: Cell<[u64; WORDS]>,
+}
+
+impl Near {
+    fn is_too_close(&self, level: usize, other: usize, levels_m: &[f64]) -> bool {
+        let at = level * LEVELS.len() + other;
+        let (word, bit) = (at / 64, 1_u64 << (at % 64));
+        let has = |set: &Cell<[u64; WORDS]>| set.get().get(word).is_some_and(|bits| bits & bit != 0);
+        if has(&self.known) {
+            return has(&self.close);
+        }
+        let height_m = |level: usize| levels_m.get(level).copied().unwrap_or(0.0);
+        let close = too_close(self, height_m(other) - height_m(level));
+        for (set, add) in [(&self.known, true), (&self.close, close)] {
+            let mut bits = set.get();
+            if let Some(bits) = bits.get_mut(word).filter(|_| add) {
+                *bits |= bit;
+            }
+            set.set(bits);
+        }
+        close
+    }
 }
 
 /// The ways of all members with their detours.
 pub(super) struct Ways {
     starts: Vec<Vector3<f64>>,
     ends: Vec<Vector3<f64>>,
-    lifts_m: Vec<f64>,
+    levels: Vec<usize>,
     near: Vec<Vec<Near>>,
     levels_m: Vec<f64>,
     pinned: usize,
@@ -55,6 +86,8 @@ impl Ways {
                         a: a * sign,
                         d: d * sign,
                         required_m,
+                        known: Cell::default(),
+                        close: Cell::default(),
                     });
                 }
             }
@@ -68,7 +101,7 @@ impl Ways {
         Self {
             near,
             starts: task.starts.clone(),
-            lifts_m: vec![0.0; ends.len()],
+            levels: vec![STRAIGHT; ends.len()],
             ends,
             levels_m: LEVELS.iter().map(|level| level * task.min_distance_m).collect(),
             pinned: task.pinned,
@@ -80,9 +113,14 @@ impl Ways {
         let members = self.starts.len();
         // When a member was last moved: of two with as many conflicts the one that rested longer is moved.
         let mut moved_at = vec![0_usize; members];
-        let mut tabu_m = vec![f64::NAN; members];
-        let mut conflicts: Vec<usize> = (0..members).map(|i| self.conflicts(i, self.lift_m(i))).collect();
+        let mut barred = vec![usize::MAX; members];
+        let mut conflicts: Vec<usize> = (0..members).map(|i| self.conflicts(i, self.level(i))).collect();
+        let (mut fewest, mut found_at) = (usize::MAX, 0);
         for step in 1..=STEPS_PER_MEMBER * members + 1 {
+            let left: usize = conflicts.iter().sum();
+            if left < fewest {
+                (fewest, found_at) = (left, step);
+            }
             let most = |i: &usize| {
                 (
                     conflicts.get(*i).copied().unwrap_or(0),
@@ -96,48 +134,47 @@ impl Ways {
             else {
                 return true;
             };
-            let present_m = self.lift_m(member);
-            let barred_m = tabu_m.get(member).copied().unwrap_or(f64::NAN);
-            let Some(level_m) = self.best_level_m(member, present_m, barred_m) else {
+            let present = self.level(member);
+            let barred_here = barred.get(member).copied().unwrap_or(usize::MAX);
+            let Some(level) = self.best_level(member, present, barred_here).filter(|_| step - found_at < STEPS_IN_VAIN)
+            else {
                 return false;
             };
-            self.recount(&mut conflicts, member, level_m);
-            if let (Some(lift), Some(tabu), Some(at)) = (
-                self.lifts_m.get_mut(member),
-                tabu_m.get_mut(member),
+            self.recount(&mut conflicts, member, level);
+            if let (Some(own), Some(barred), Some(at)) = (
+                self.levels.get_mut(member),
+                barred.get_mut(member),
                 moved_at.get_mut(member),
             ) {
-                (*tabu, *lift, *at) = (present_m, level_m, step);
+                (*barred, *own, *at) = (present, level, step);
             }
         }
         false
     }
 
     /// The height with the fewest conflicts, the first of several.
-    fn best_level_m(&self, member: usize, present_m: f64, barred_m: f64) -> Option<f64> {
-        let mut best: Option<(usize, f64)> = None;
-        for level_m in &self.levels_m {
-            if *level_m == present_m || *level_m == barred_m {
-                continue;
-            }
-            let count = self.conflicts(member, *level_m);
+    fn best_level(&self, member: usize, present: usize, barred: usize) -> Option<usize> {
+        let mut best: Option<(usize, usize)> = None;
+        for level in (0..self.levels_m.len()).filter(|level| *level != present && *level != barred) {
+            let count = self.conflicts(member, level);
             if best.is_none_or(|(least, _)| count < least) {
-                best = Some((count, *level_m));
+                best = Some((count, level));
             }
             if count == 0 {
                 break;
             }
         }
-        best.map(|(_, level_m)| level_m)
+        best.map(|(_, level)| level)
     }
 
     /// Brings the numbers of conflicts up to date for a member that goes to another height: only those near it can change.
-    fn recount(&self, conflicts: &mut [usize], member: usize, level_m: f64) {
+    fn recount(&self, conflicts: &mut [usize], member: usize, level: usize) {
         let mut own = 0;
-        let present_m = self.lift_m(member);
+        let present = self.level(member);
         for near in self.near.get(member).map(Vec::as_slice).unwrap_or_default() {
-            let other_m = self.lift_m(near.other);
-            let (before, after) = (too_close(near, other_m - present_m), too_close(near, other_m - level_m));
+            let other = self.level(near.other);
+            let before = near.is_too_close(present, other, &self.levels_m);
+            let after = near.is_too_close(level, other, &self.levels_m);
             own += usize::from(after);
             if let Some(count) = conflicts.get_mut(near.other) {
                 *count = (*count + usize::from(after)).saturating_sub(usize::from(before));
@@ -148,13 +185,18 @@ impl Ways {
         }
     }
 
-    fn lift_m(&self, member: usize) -> f64 {
-        self.lifts_m.get(member).copied().unwrap_or(0.0)
+    fn level(&self, member: usize) -> usize {
+        self.levels.get(member).copied().unwrap_or(STRAIGHT)
+    }
+
+    /// The height of every member's detour.
+    fn lifts_m(&self) -> impl Iterator<Item = f64> + Clone {
+        self.levels.iter().map(|level| self.levels_m.get(*level).copied().unwrap_or(0.0))
     }
 
     /// With how many others a member would come too close at this height of its detour.
-    fn conflicts(&self, member: usize, lift_m: f64) -> usize {
-        let conflict = |near: &&Near| too_close(near, self.lift_m(near.other) - lift_m);
+    fn conflicts(&self, member: usize, level: usize) -> usize {
+        let conflict = |near: &&Near| near.is_too_close(level, self.level(near.other), &self.levels_m);
         self.near
             .get(member)
             .map_or(0, |near| near.iter().filter(conflict).count())
@@ -163,7 +205,7 @@ impl Ways {
     /// Smallest distance between any two members over the whole move; infinite for one alone.
     pub fn min_distance_m(&self) -> f64 {
         let mut least_m = f64::INFINITY;
-        let ways = self.starts.iter().zip(&self.ends).zip(&self.lifts_m);
+        let ways = self.starts.iter().zip(&self.ends).zip(self.lifts_m());
         for (i, ((start, end), lift_m)) in ways.clone().enumerate() {
             for ((other_start, other_end), other_lift_m) in ways.clone().skip(i + 1) {
                 let (a, b) = (other_start - start, other_end - end);
@@ -178,20 +220,20 @@ impl Ways {
 
     /// The duration that the slowest member needs for its way.
     pub fn longest_s(&self, abilities: &[Ability]) -> f64 {
-        let ways = self.starts.iter().zip(&self.ends).zip(&self.lifts_m).zip(abilities);
+        let ways = self.starts.iter().zip(&self.ends).zip(self.lifts_m()).zip(abilities);
         ways.fold(0.0, |so_far_s, (((start, end), lift_m), ability)| {
             let way = end - start;
-            duration_s([way.x, way.y, -way.z], *lift_m, ability, so_far_s)
+            duration_s([way.x, way.y, -way.z], lift_m, ability, so_far_s)
         })
     }
 
     /// The ways as moves over one common time.
     pub fn moves(&self, start: NodeTime, duration_s: f64) -> Vec<SlotMove> {
-        let ways = self.starts.iter().zip(&self.ends).zip(&self.lifts_m);
+        let ways = self.starts.iter().zip(&self.ends).zip(self.lifts_m());
         ways.map(|((from, to), lift_m)| SlotMove {
             from: (*from).into(),
             to: (*to).into(),
-            detour_up_m: *lift_m,
+            detour_up_m: lift_m,
             start,
             duration_s,
         })
