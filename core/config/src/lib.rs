@@ -61,7 +61,7 @@ pub enum ConfigError {
         /// Which configuration.
         path: PathBuf,
         /// What is wrong.
-        source: FenceFileError,
+        source: Box<FenceFileError>,
     },
 }
 
@@ -91,7 +91,7 @@ impl NodeConfig {
         }
         config.fences().map_err(|source| ConfigError::Fences {
             path: path.to_owned(),
-            source,
+            source: Box::new(source),
         })?;
         Ok(config)
     }

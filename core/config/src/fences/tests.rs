@@ -144,6 +144,10 @@ fn what_is_wrong_is_said_with_file_feature_and_reason() {
         assert!(error.contains("field.geojson: feature 1: "), "{error}");
         assert!(error.contains(reason), "{error} does not say {reason}");
     }
+}
+
+#[test]
+fn what_is_no_geojson_is_refused() {
     for text in ["", "{", "[]", "{\"type\": \"Topology\"}", "null"] {
         let error = parse_fences(text, Path::new("x.json"))
             .expect_err("refused")

@@ -175,7 +175,7 @@ fn crosses(a: Point, b: Point, length_m: f64) -> bool {
         return false;
     }
     let along_m = a[0] + (b[0] - a[0]) * (a[1] / (a[1] - b[1]));
-    0.0 < along_m && along_m < length_m
+    ROUNDING_M < along_m && along_m < length_m - ROUNDING_M
 }
 
 fn distance_m(wall: [Point; 2], p: Point) -> f64 {
