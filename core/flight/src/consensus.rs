@@ -116,7 +116,8 @@ fn see(
     let kinematics = &peer.kinematics;
     let age_s = now.seconds_since(kinematics.measured);
     // One from the future is of another clock: as wrong as one too old.
-    if !(age_s.abs() <= tuning.max_age_s) {
+    let young = age_s.abs() <= tuning.max_age_s;
+    if !young {
         return None;
     }
     let there = kinematics.position.after(&kinematics.velocity, age_s.max(0.0));
@@ -143,7 +144,9 @@ fn formation_velocity(seen: &[Seen], own_hops: Option<u16>) -> Vector3<f64> {
         let (count, sum) = seen
             .iter()
             .filter(|s| nearer(s))
-            .fold((0.0, Vector3::zeros()), |(count, sum), s| (count + 1.0, sum + s.velocity));
+            .fold((0.0, Vector3::zeros()), |(count, sum), s| {
+                (count + 1.0, sum + s.velocity)
+            });
         (count > 0.0).then(|| sum / count)
     };
     let leader = mean(&|s| s.hops == Some(0));

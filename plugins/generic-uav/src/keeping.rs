@@ -4,7 +4,7 @@
 
 use crate::blend::Motion;
 use crate::flight::{Fly, Flying, Phase, Plan, Purpose};
-use crate::model::GenericUav;
+use crate::model::{GenericUav, LONGEST_STEP_S};
 use crate::plan::Sample;
 use minicbor::{Decode, Encode};
 use skein_domain::exchange::Severity;
@@ -125,12 +125,14 @@ impl GenericUav {
         }
     }
 
-    /// Where the trajectory wants the vehicle. A period that began just before the start counts as the start.
+    /// Where the trajectory wants the vehicle. A period that began just before the start was on the way to it.
     pub(crate) fn trajectory_sample(&self, fly: &Fly, now: NodeTime) -> Sample {
-        let at = trajectory::sample(&fly.trajectory, now.max(fly.trajectory.start));
+        let start = fly.trajectory.start;
+        let at = trajectory::sample(&fly.trajectory, now.max(start));
+        let early_s = start.seconds_since(now).clamp(0.0, LONGEST_STEP_S);
         Sample {
             motion: Motion {
-                position: at.position,
+                position: at.position.after(&at.velocity, -early_s),
                 velocity: at.velocity,
                 acceleration: at.acceleration,
             },

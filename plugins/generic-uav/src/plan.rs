@@ -156,12 +156,7 @@ impl GenericUav {
                     velocity,
                     acceleration,
                 };
-                Sample {
-                    motion,
-                    yaw: None,
-                    course_rad: None,
-                    finished,
-                }
+                standing(motion, finished)
             }
             (Plan::Route { .. }, Some(Track::Route(way))) => {
                 let at = way.sample(flying.elapsed_s);
@@ -187,15 +182,12 @@ impl GenericUav {
                 },
                 _,
             ) => {
-                let (position, velocity, acceleration) = (*position, *velocity, *acceleration);
-                standing(
-                    Motion {
-                        position,
-                        velocity,
-                        acceleration,
-                    },
-                    false,
-                )
+                let motion = Motion {
+                    position: *position,
+                    velocity: *velocity,
+                    acceleration: *acceleration,
+                };
+                standing(motion, false)
             }
             (Plan::Kept(kept), _) => standing(kept.motion(), false),
             (Plan::Trajectory, _) => match &flying.purpose {

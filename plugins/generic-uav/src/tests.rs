@@ -3,6 +3,7 @@
 mod autopilot;
 mod commands;
 mod flights;
+mod keeping;
 mod pilot;
 mod properties;
 pub(crate) mod rig;

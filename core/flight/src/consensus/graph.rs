@@ -25,10 +25,9 @@ pub fn neighbours(slots: &[OffsetFrd], per_vehicle: usize) -> Vec<Vec<usize>> {
     loop {
         let mut graph = nearest(&order, each);
         connect(slots, &mut graph);
-        let enough =
-            complete.is_none_or(|(distances, bearings)| {
-                distance_rank(slots, &graph) >= distances && bearing_rank(slots, &graph) >= bearings
-            });
+        let enough = complete.is_none_or(|(distances, bearings)| {
+            distance_rank(slots, &graph) >= distances && bearing_rank(slots, &graph) >= bearings
+        });
         if enough || each >= others {
             return graph;
         }
@@ -129,11 +128,7 @@ pub fn bearing_rank(slots: &[OffsetFrd], graph: &[Vec<usize>]) -> usize {
 
 /// Rank of the Laplacian whose edges are weighted with a matrix of their direction: the same as that of the rigidity matrix, whose product
 /// with its transpose it is.
-fn rank(
-    slots: &[OffsetFrd],
-    graph: &[Vec<usize>],
-    weight: impl Fn(Vector3<f64>) -> nalgebra::Matrix3<f64>,
-) -> usize {
+fn rank(slots: &[OffsetFrd], graph: &[Vec<usize>], weight: impl Fn(Vector3<f64>) -> nalgebra::Matrix3<f64>) -> usize {
     let mut laplacian = DMatrix::<f64>::zeros(3 * slots.len(), 3 * slots.len());
     for (i, list) in graph.iter().enumerate().take(slots.len()) {
         for j in list.iter().filter(|j| **j < slots.len() && **j != i) {

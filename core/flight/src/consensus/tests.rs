@@ -21,7 +21,9 @@ fn neighbours_are_mutual_connected_and_enough() {
             assert!(list.is_sorted() && !list.contains(&i));
             assert!(list.iter().all(|j| graph[*j].contains(&i)), "mutual");
         }
-        let all: Vec<Vec<usize>> = (0..slots.len()).map(|i| (0..slots.len()).filter(|j| *j != i).collect()).collect();
+        let all: Vec<Vec<usize>> = (0..slots.len())
+            .map(|i| (0..slots.len()).filter(|j| *j != i).collect())
+            .collect();
         assert_eq!(distance_rank(&slots, &graph), distance_rank(&slots, &all));
         assert_eq!(bearing_rank(&slots, &graph), bearing_rank(&slots, &all));
     }
@@ -41,7 +43,13 @@ fn ranks_are_those_of_rigid_shapes() {
 #[test]
 fn far_groups_are_joined() {
     let slots: Vec<OffsetFrd> = (0..10)
-        .map(|i| OffsetFrd::new(if i < 5 { 0.0 } else { 1_000.0 } + f64::from(i % 5), f64::from(i % 3), 0.0))
+        .map(|i| {
+            OffsetFrd::new(
+                if i < 5 { 0.0 } else { 1_000.0 } + f64::from(i % 5),
+                f64::from(i % 3),
+                0.0,
+            )
+        })
         .collect();
     let graph = neighbours(&slots, 2);
     let apart = |i: usize, j: usize| (i < 5) != (j < 5);
@@ -51,7 +59,11 @@ fn far_groups_are_joined() {
 #[test]
 fn steps_from_the_leader_are_counted() {
     let slots = line(9);
-    let members: Vec<_> = slots.iter().enumerate().map(|(i, s)| (VehicleId(i as u16 + 1), *s)).collect();
+    let members: Vec<_> = slots
+        .iter()
+        .enumerate()
+        .map(|(i, s)| (VehicleId(i as u16 + 1), *s))
+        .collect();
     let all = keepings(&members, Some(VehicleId(1)), 0.3, KeepingLaw::Bearings, NodeTime(7));
     assert_eq!(all.len(), 8, "all but the leader");
     for (id, keeping) in &all {
@@ -65,12 +77,21 @@ fn steps_from_the_leader_are_counted() {
 #[test]
 fn both_laws_bring_a_perturbed_shape_back() {
     for law in laws() {
-        for (slots, name) in [(wedge(7), "wedge"), (grid(9), "grid"), (swarm::cube(8), "cube"), (line(5), "line")] {
+        for (slots, name) in [
+            (wedge(7), "wedge"),
+            (grid(9), "grid"),
+            (swarm::cube(8), "cube"),
+            (line(5), "line"),
+        ] {
             let mut swarm = Swarm::new(&slots, law, World::quiet(11));
             swarm.perturb(4.0);
             assert!(swarm.shape_error_m() > 1.5, "{name}: it is not perturbed");
             swarm.run(120.0, |_| VelocityNed::default());
-            assert!(swarm.shape_error_m() < 0.1, "{name} {law:?}: {:.2} m", swarm.shape_error_m());
+            assert!(
+                swarm.shape_error_m() < 0.1,
+                "{name} {law:?}: {:.2} m",
+                swarm.shape_error_m()
+            );
         }
     }
 }
@@ -89,7 +110,11 @@ fn a_shape_follows_its_leader_through_turns_with_losses() {
             swarm.run(80.0, with_turns);
             // Spacing 6 m, position noise 5 % of it, every fifth message lost, 200 ms old.
             assert!(swarm.worst_m < 2.5, "{name} {law:?}: {:.2} m at worst", swarm.worst_m);
-            assert!(swarm.shape_error_m() < 0.7, "{name} {law:?}: {:.2} m at the end", swarm.shape_error_m());
+            assert!(
+                swarm.shape_error_m() < 0.7,
+                "{name} {law:?}: {:.2} m at the end",
+                swarm.shape_error_m()
+            );
             assert!(swarm.nearest_m > 3.0, "{name} {law:?}: {:.2} m apart", swarm.nearest_m);
         }
     }
@@ -114,7 +139,11 @@ fn without_a_leader_it_comes_to_rest() {
         assert!(swarm.slowest_m_s() > 4.5);
         swarm.silence(0);
         swarm.run(60.0, |_| VelocityNed::default());
-        assert!(swarm.fastest_follower_m_s() < 0.2, "{law:?}: {:.2} m/s", swarm.fastest_follower_m_s());
+        assert!(
+            swarm.fastest_follower_m_s() < 0.2,
+            "{law:?}: {:.2} m/s",
+            swarm.fastest_follower_m_s()
+        );
         assert!(swarm.shape_error_m() < 0.5, "{law:?}: {:.2} m", swarm.shape_error_m());
     }
 }

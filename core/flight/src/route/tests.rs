@@ -238,3 +238,49 @@ fn odd_times_are_answered() {
     }
     assert!(trajectory.sample(f64::INFINITY).finished);
 }
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(96))]
+
+    #[test]
+    fn a_route_from_a_motion_is_continuous_and_within_its_limits(
+        start in place(), waypoints in waypoints(), speed_m_s in 1.0..12.0, corner_radius_m in 0.0..30.0,
+        acceleration in 0.5..4.0, moving in (-8.0..8.0, -8.0..8.0, -1.0..1.0),
+    ) {
+        let route = Route { waypoints, speed_m_s, corner_radius_m };
+        let limits = PathLimits::level(acceleration);
+        let velocity = VelocityNed::new(moving.0, moving.1, moving.2);
+        let Ok(way) = RouteTrajectory::from_motion(start, &velocity, &route, &limits) else { return Ok(()) };
+        prop_assert!(way.sample(0.0).position.distance_m(&start) < 1e-6);
+        let samples = walk(&way, 3_000);
+        for pair in samples.windows(2) {
+            let [(t0, a), (t1, b)] = pair else { continue };
+            let moved = a.position.distance_m(&b.position);
+            prop_assert!(moved <= speed_m_s * (t1 - t0) + 1e-6, "{moved} m in {} s", t1 - t0);
+            let change = (b.velocity.vector() - a.velocity.vector()).norm();
+            prop_assert!(change <= 1.5 * acceleration * (t1 - t0) + 0.02, "{change} m/s in {} s", t1 - t0);
+        }
+        let last = route.waypoints.last().expect("has one");
+        prop_assert!(way.sample(f64::INFINITY).position.distance_m(last) < 0.5);
+    }
+}
+
+#[test]
+fn a_route_begins_as_fast_as_its_leader_is() {
+    let limits = PathLimits::level(2.0);
+    let velocity = VelocityNed::new(8.0, 0.0, 0.0);
+    for (north_m, east_m) in [(200.0, 0.0), (150.0, 100.0), (50.0, 150.0), (-100.0, 5.0)] {
+        let route = Route {
+            waypoints: vec![PositionNed::new(north_m, east_m, 0.0)],
+            speed_m_s: 8.0,
+            corner_radius_m: 10.0,
+        };
+        let way = RouteTrajectory::from_motion(PositionNed::default(), &velocity, &route, &limits).expect("can be");
+        let first = way.sample(0.0);
+        assert!(
+            (first.velocity.vector() - velocity.vector()).norm() < 0.5,
+            "{north_m} {east_m}: {:?}",
+            first.velocity
+        );
+    }
+}

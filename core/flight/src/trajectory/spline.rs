@@ -153,14 +153,21 @@ pub(super) fn through(
             node
         })
         .collect();
-    let pieces = nodes.windows(2).zip(durations_s).filter_map(|(ends, duration_s)| match ends {
-        [from, to] => {
-            let place = from.row(0).transpose();
-            let piece = basis.piece(&placed(from, &zero), &placed(to, &(to.row(0).transpose() - place)), *duration_s);
-            Some(moved(piece, &place))
-        }
-        _ => None,
-    });
+    let pieces = nodes
+        .windows(2)
+        .zip(durations_s)
+        .filter_map(|(ends, duration_s)| match ends {
+            [from, to] => {
+                let place = from.row(0).transpose();
+                let piece = basis.piece(
+                    &placed(from, &zero),
+                    &placed(to, &(to.row(0).transpose() - place)),
+                    *duration_s,
+                );
+                Some(moved(piece, &place))
+            }
+            _ => None,
+        });
     Some(pieces.collect())
 }
 

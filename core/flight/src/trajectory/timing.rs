@@ -138,7 +138,8 @@ impl Vehicle {
         let mut at = start.position.vector();
         for (waypoint, place) in places.iter().enumerate() {
             // A day's flight at the speed of sound: beyond that it is a slip, and squares would overflow much later.
-            if !((place - at).norm() < 3e7) {
+            let usable = (place - at).norm() < 3e7;
+            if !usable {
                 return Err(TrajectoryError::WaypointNotUsable { index, waypoint });
             }
             at = *place;
@@ -267,7 +268,11 @@ impl Vehicle {
         let time_s = |leg: usize| durations_s.get(leg).copied().unwrap_or(f64::INFINITY);
         let before = leg.checked_sub(1);
         let before_s = before.map_or(f64::INFINITY, time_s);
-        let after_s = if leg + 1 < self.places.len() { time_s(leg + 1) } else { f64::INFINITY };
+        let after_s = if leg + 1 < self.places.len() {
+            time_s(leg + 1)
+        } else {
+            f64::INFINITY
+        };
         let first = if before_s < after_s { before } else { Some(leg) };
         let second = if before_s < after_s { Some(leg) } else { before };
         [first, second].into_iter().flatten().any(|at| self.stop_at(at))
@@ -378,23 +383,27 @@ fn look(vehicles: &[Vehicle], basis: &Basis, durations_s: &[f64]) -> Result<Look
     Ok(look)
 }
 
-/// Durations that suit all.
-fn settle(vehicles: &[Vehicle], basis: &Basis) -> Result<Settled, TrajectoryError> {
-    let least_s = |leg: usize| {
-        let braking_s = vehicles.iter().map(Vehicle::braking_s).fold(0.0, f64::max);
-        SHORTEST_LEG_S + if leg == 0 { braking_s } else { 0.0 }
-    };
+/// The shortest a leg may be: nobody sets out before everybody has braked who has to.
+fn least_s(vehicles: &[Vehicle], leg: usize) -> f64 {
+    let braking_s = vehicles.iter().map(Vehicle::braking_s).fold(0.0, f64::max);
+    SHORTEST_LEG_S + if leg == 0 { braking_s } else { 0.0 }
+}
+
+/// Durations from the limits alone.
+fn guess(vehicles: &[Vehicle]) -> Vec<f64> {
     let legs = vehicles.iter().map(|v| v.places.len()).max().unwrap_or(0);
-    let mut durations_s: Vec<f64> = (0..legs).map(least_s).collect();
+    let mut durations_s: Vec<f64> = (0..legs).map(|leg| least_s(vehicles, leg)).collect();
     for vehicle in vehicles {
-        durations_s
-            .iter_mut()
-            .zip(vehicle.first_guess())
-            .enumerate()
-            .for_each(|(leg, (most_s, own_s))| {
-                *most_s = most_s.max(own_s + if leg == 0 { vehicle.braking_s() } else { 0.0 })
-            });
+        for (leg, (most_s, own_s)) in durations_s.iter_mut().zip(vehicle.first_guess()).enumerate() {
+            let braking_s = if leg == 0 { vehicle.braking_s() } else { 0.0 };
+            *most_s = most_s.max(own_s + braking_s);
+        }
     }
+    durations_s
+}
+
+/// Durations adapted leg by leg to what the trajectories turn out to need: the ones with the least total, were they scaled.
+fn adapt(vehicles: &[Vehicle], basis: &Basis, mut durations_s: Vec<f64>) -> Result<Vec<f64>, TrajectoryError> {
     let mut best = (f64::INFINITY, durations_s.clone());
     let mut since_better = 0;
     for _ in 0..ROUNDS {
@@ -411,13 +420,20 @@ fn settle(vehicles: &[Vehicle], basis: &Basis) -> Result<Settled, TrajectoryErro
             break;
         }
         for (leg, (duration_s, haste)) in durations_s.iter_mut().zip(&seen.legs).enumerate() {
-            *duration_s = (*duration_s * haste.powf(0.8).clamp(0.6, 4.0)).clamp(least_s(leg), LONGEST_S);
+            let adapted_s = *duration_s * haste.powf(0.8).clamp(0.6, 4.0);
+            *duration_s = adapted_s.max(least_s(vehicles, leg)).min(LONGEST_S);
         }
     }
-    let mut durations_s = best.1;
+    Ok(best.1)
+}
+
+/// Durations that suit all.
+fn settle(vehicles: &[Vehicle], basis: &Basis) -> Result<Settled, TrajectoryError> {
+    let mut durations_s = adapt(vehicles, basis, guess(vehicles))?;
     for _ in 0..SLOWER_ROUNDS {
         let seen = look(vehicles, basis, &durations_s)?;
-        if !(durations_s.iter().sum::<f64>() < LONGEST_S) {
+        let possible = durations_s.iter().sum::<f64>() < LONGEST_S;
+        if !possible {
             break;
         }
         if seen.haste() <= 1.0 {
@@ -430,7 +446,7 @@ fn settle(vehicles: &[Vehicle], basis: &Basis) -> Result<Settled, TrajectoryErro
         let by = seen.haste().min(2.0) * (1.0 + 1e-6);
         for (leg, duration_s) in durations_s.iter_mut().enumerate() {
             // What is spent on braking is not what has to become slower.
-            let fixed_s = least_s(leg) - SHORTEST_LEG_S;
+            let fixed_s = least_s(vehicles, leg) - SHORTEST_LEG_S;
             *duration_s = fixed_s + (*duration_s - fixed_s) * by;
         }
     }

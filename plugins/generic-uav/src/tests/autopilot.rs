@@ -177,7 +177,9 @@ impl Autopilot {
             AutopilotCommand::TakeOff { .. } => &mut self.take_off,
             AutopilotCommand::Land => &mut self.land,
             AutopilotCommand::EnterOffboard => &mut self.offboard,
-            AutopilotCommand::ReturnToLaunch | AutopilotCommand::SetMode { .. } => &mut Answer::Obeys,
+            AutopilotCommand::ReturnToLaunch | AutopilotCommand::SetMode { .. } | AutopilotCommand::EmergencyStop => {
+                &mut Answer::Obeys
+            }
         };
         let refusal = match how {
             Answer::Silent => return,
@@ -198,7 +200,7 @@ impl Autopilot {
     fn obey(&mut self, command: AutopilotCommand) {
         match command {
             AutopilotCommand::Arm => self.armed = true,
-            AutopilotCommand::Disarm => self.armed = false,
+            AutopilotCommand::Disarm | AutopilotCommand::EmergencyStop => self.armed = false,
             AutopilotCommand::TakeOff { height_m } => {
                 self.take_off_to_m = height_m;
                 self.change_mode(FlightMode::TakeOff, true);

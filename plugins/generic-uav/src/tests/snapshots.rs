@@ -1,6 +1,7 @@
 //! Restarts: a restored instance goes on as if nothing had happened.
 
 use super::autopilot::PERIOD_S;
+use super::keeping::{keep_beside, peer, trajectory_from};
 use super::rig::{Rig, create, setpoints_of};
 use super::tasks::{COURSE, lead, slot};
 use proptest::prelude::*;
@@ -63,12 +64,29 @@ fn flight() -> (Vec<EventBatch>, Vec<Vec<Effect>>) {
         anchor.position = anchor.position.after(&anchor.velocity, PERIOD_S);
     }
     rig.run(2.0); // The leader is lost.
+    among_neighbours_and_along_a_trajectory(&mut rig);
     end_of_flight(&mut rig);
 
     // What it answered, batch by batch, from a straight run over what it was given.
     let mut model = create(None, 1, rig.given[0].now);
     let answers = rig.given.iter().map(|batch| answer(&mut model, batch)).collect();
     (rig.given, answers)
+}
+
+fn among_neighbours_and_along_a_trajectory(rig: &mut Rig) {
+    rig.task(keep_beside(rig.now));
+    let beside = rig.here().moved([0.0, 8.0, 0.0].into());
+    for _ in 0..150 {
+        rig.inbox.push(peer(beside, VelocityNed::default(), rig.now));
+        rig.tick();
+    }
+    let task = trajectory_from(rig, [[15.0, 0.0, 0.0], [15.0, 10.0, 0.0]], 0.3);
+    rig.task(task);
+    for _ in 0..30 {
+        rig.inbox.push(peer(beside, VelocityNed::default(), rig.now));
+        rig.tick();
+    }
+    rig.run(5.0);
 }
 
 /// A hold, a pilot, the way home, and a second take-off.
@@ -89,7 +107,10 @@ fn end_of_flight(rig: &mut Rig) {
 fn answer(model: &mut impl UavModel, batch: &EventBatch) -> Vec<Effect> {
     let mut effects = Effects::default();
     model.handle(batch.now, &batch.events, &mut effects);
-    effects.take()
+    let mut answers = effects.take();
+    // Every new instance says them first.
+    answers.retain(|effect| !matches!(effect, Effect::Limits(_)));
+    answers
 }
 
 #[test]

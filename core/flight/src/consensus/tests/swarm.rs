@@ -32,7 +32,9 @@ pub fn wedge(count: usize) -> Vec<OffsetFrd> {
 }
 
 pub fn line(count: usize) -> Vec<OffsetFrd> {
-    (0..count).map(|i| OffsetFrd::new(-(i as f64) * SPACING_M, 0.0, 0.0)).collect()
+    (0..count)
+        .map(|i| OffsetFrd::new(-(i as f64) * SPACING_M, 0.0, 0.0))
+        .collect()
 }
 
 pub fn grid(count: usize) -> Vec<OffsetFrd> {
@@ -59,12 +61,22 @@ pub struct World {
 
 impl World {
     pub fn quiet(seed: u64) -> Self {
-        Self { seed, loss: 0.0, late_periods: 1, noise_m: 0.0 }
+        Self {
+            seed,
+            loss: 0.0,
+            late_periods: 1,
+            noise_m: 0.0,
+        }
     }
 
     /// One in five lost, 200 ms late, 5 % of the spacing of noise.
     pub fn harsh(seed: u64) -> Self {
-        Self { seed, loss: 0.2, late_periods: 10, noise_m: 0.05 * SPACING_M }
+        Self {
+            seed,
+            loss: 0.2,
+            late_periods: 10,
+            noise_m: 0.05 * SPACING_M,
+        }
     }
 
     /// From 0 to 1 (splitmix64).
@@ -101,7 +113,11 @@ pub struct Swarm {
 impl Swarm {
     pub fn new(slots: &[OffsetFrd], law: KeepingLaw, world: World) -> Self {
         let count = slots.len();
-        let members: Vec<_> = slots.iter().enumerate().map(|(i, slot)| (VehicleId(i as u16 + 1), *slot)).collect();
+        let members: Vec<_> = slots
+            .iter()
+            .enumerate()
+            .map(|(i, slot)| (VehicleId(i as u16 + 1), *slot))
+            .collect();
         let mut own = vec![None; count];
         for (id, keeping) in keepings(&members, Some(VehicleId(1)), 0.0, law, NodeTime(0)) {
             own[id.0 as usize - 1] = Some(keeping);
@@ -155,7 +171,9 @@ impl Swarm {
                 };
                 let peers: Vec<PeerState> = self.known[i].iter().flatten().copied().collect();
                 let here = PositionNed::from(self.positions[i]);
-                command(keeping, &here, &peers, now, &LIMITS, &KeepingTuning::default()).velocity.vector()
+                command(keeping, &here, &peers, now, &LIMITS, &KeepingTuning::default())
+                    .velocity
+                    .vector()
             })
             .collect();
         for (i, wanted) in wanted.into_iter().enumerate() {
@@ -173,7 +191,7 @@ impl Swarm {
     fn exchange(&mut self, now: NodeTime) {
         let mut sent = Vec::new();
         for from in 0..self.positions.len() {
-            if self.silent[from] || (self.ticks + from as u64) % MESSAGE_PERIODS != 0 {
+            if self.silent[from] || !(self.ticks + from as u64).is_multiple_of(MESSAGE_PERIODS) {
                 continue;
             }
             let noise = self.world.noise() * self.world.noise_m;
@@ -207,8 +225,12 @@ impl Swarm {
 
     fn nearest(&self) -> f64 {
         let heard = self.heard();
-        let pairs = heard.iter().flat_map(|i| heard.iter().filter(move |j| *j < i).map(move |j| (*i, *j)));
-        pairs.map(|(i, j)| (self.positions[i] - self.positions[j]).norm()).fold(f64::INFINITY, f64::min)
+        let pairs = heard
+            .iter()
+            .flat_map(|i| heard.iter().filter(move |j| *j < i).map(move |j| (*i, *j)));
+        pairs
+            .map(|(i, j)| (self.positions[i] - self.positions[j]).norm())
+            .fold(f64::INFINITY, f64::min)
     }
 
     /// The mean over all vehicles that are heard of how far they are from their places in the shape, moved and turned about the vertical
