@@ -16,6 +16,8 @@ const ELBOW_ROOM_M_S: f64 = 2.0;
 /// follow late, and half of a lack, asked for again and again, closes too slowly.
 const SHARE_OF_ROOM: f64 = 0.5;
 const SHARE_OF_LACK: f64 = 1.5;
+/// The same for who does it all.
+const LACK_ALONE: f64 = 3.0;
 /// Who is led past passes by this much more than the keep-out distance, in metres.
 const PASSING_MARGIN_M: f64 = 0.15;
 /// Until the closest approach, but no longer than this in seconds, the other may turn towards one with this acceleration.
@@ -181,7 +183,8 @@ impl Side {
     /// The own part of it as a condition on the own velocity, in real coordinates.
     fn row(&self, own: &Own, shares: bool, squeeze: f64, yields: f64) -> Row {
         let part = match (shares, self.room > 0.0) {
-            (false, _) => self.room,
+            (false, true) => self.room,
+            (false, false) => LACK_ALONE * self.room,
             (true, true) => SHARE_OF_ROOM * self.room,
             (true, false) => SHARE_OF_LACK * self.room,
         };

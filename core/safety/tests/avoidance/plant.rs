@@ -13,6 +13,8 @@ pub const DT_S: f64 = 0.02;
 /// States are sent every second period: 25 Hz.
 const SENT_EVERY: usize = 2;
 const HISTORY: usize = 32;
+/// The others learn this long after it that a vehicle does not answer any more (its mode says so), in seconds.
+const KNOWN_AFTER_S: f64 = 0.3;
 
 /// What disturbs the flight.
 #[derive(Debug, Clone, Copy)]
@@ -40,8 +42,14 @@ pub enum Silent {
 pub enum Kind {
     /// Filters its setpoints.
     Ours { goal: Vector3<f64> },
-    /// Does so until that moment; the others learn of it a second later.
-    Fails { goal: Vector3<f64>, at_s: f64, then: Silent },
+    /// Does so until that moment; the others learn of it a little later.
+    Fails {
+        goal: Vector3<f64>,
+        at_s: f64,
+        then: Silent,
+    },
+    /// Keeps a place in a formation that flies north.
+    Slot { at: Vector3<f64>, speed_m_s: f64 },
     /// Flies straight on for ever; known as such.
     Foreign,
 }
@@ -200,8 +208,8 @@ impl World {
                 let craft = &self.craft[j];
                 let state = craft.sent[self.known[i * count + j].unwrap()];
                 let (id, shares) = match craft.kind {
-                    Kind::Ours { .. } => (NeighbourId::Vehicle(VehicleId(j as u16)), true),
-                    Kind::Fails { at_s, .. } => (NeighbourId::Vehicle(VehicleId(j as u16)), t_s < at_s + 1.0),
+                    Kind::Ours { .. } | Kind::Slot { .. } => (NeighbourId::Vehicle(VehicleId(j as u16)), true),
+                    Kind::Fails { at_s, .. } => (NeighbourId::Vehicle(VehicleId(j as u16)), t_s < at_s + KNOWN_AFTER_S),
                     Kind::Foreign => (NeighbourId::Foreign(j as u64), false),
                 };
                 Neighbour {
@@ -210,7 +218,11 @@ impl World {
                     velocity: state.velocity,
                     measured: state.measured,
                     uncertainty_m: self.disturbance.noise_m,
-                    cooperation: if shares { Cooperation::Shares } else { Cooperation::DoesNot },
+                    cooperation: if shares {
+                        Cooperation::Shares
+                    } else {
+                        Cooperation::DoesNot
+                    },
                     airborne: true,
                 }
             })
@@ -221,19 +233,22 @@ impl World {
     fn control(&mut self, outcome: &mut Outcome) {
         let t_s = self.step as f64 * DT_S;
         for i in 0..self.craft.len() {
-            let goal = match self.craft[i].kind {
+            let wanted = match self.craft[i].kind {
                 Kind::Foreign => continue,
-                Kind::Ours { goal } => goal,
+                Kind::Ours { goal } => Setpoint::hold(goal.into(), None),
+                Kind::Slot { at, speed_m_s } => Setpoint {
+                    velocity: Some(Vector3::new(speed_m_s, 0.0, 0.0).into()),
+                    ..Setpoint::hold((at + Vector3::x() * (speed_m_s * t_s)).into(), None)
+                },
                 Kind::Fails { goal, at_s, then } => {
                     if t_s >= at_s {
                         self.fail(i, then);
                         continue;
                     }
-                    goal
+                    Setpoint::hold(goal.into(), None)
                 }
             };
             let own = self.measured(i);
-            let wanted = Setpoint::hold(goal.into(), None);
             let neighbours = self.neighbours(i, t_s);
             let id = VehicleId(i as u16);
             let filtered = filter(id, &own, &wanted, &neighbours, &[], &self.settings, self.now());
@@ -323,7 +338,7 @@ impl World {
 
     fn has_failed(&self, i: usize) -> bool {
         match self.craft[i].kind {
-            Kind::Ours { .. } => false,
+            Kind::Ours { .. } | Kind::Slot { .. } => false,
             Kind::Foreign => true,
             Kind::Fails { at_s, .. } => self.step as f64 * DT_S >= at_s,
         }
@@ -343,7 +358,10 @@ impl World {
             least_m: f64::INFINITY,
             ..Outcome::default()
         };
-        let foreign = self.craft.iter().any(|c| matches!(c.kind, Kind::Foreign));
+        let lasting = self
+            .craft
+            .iter()
+            .any(|c| matches!(c.kind, Kind::Foreign | Kind::Slot { .. }));
         let mut there_since = None;
         for step in 0..(seconds / DT_S) as usize {
             self.step = step;
@@ -353,7 +371,7 @@ impl World {
             self.least_distance(&mut outcome);
             outcome.not_arrived = self.away();
             // Foreign ones pass about eight seconds after the start.
-            if outcome.not_arrived > 0 || foreign && step < 600 {
+            if outcome.not_arrived > 0 || lasting && step < 600 {
                 there_since = None;
                 continue;
             }
