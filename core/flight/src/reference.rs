@@ -133,9 +133,8 @@ impl ReferenceTracker {
         heading_rad: Option<f64>,
         time: NodeTime,
     ) -> Result<(), ReferenceError> {
-        let finite = position.is_finite()
-            && velocity.is_none_or(|v| v.is_finite())
-            && heading_rad.is_none_or(f64::is_finite);
+        let finite =
+            position.is_finite() && velocity.is_none_or(|v| v.is_finite()) && heading_rad.is_none_or(f64::is_finite);
         if !finite {
             return Err(ReferenceError::NotFinite);
         }
@@ -230,7 +229,10 @@ impl ReferenceTracker {
         Aim {
             position,
             velocity,
-            course_rad: last.heading_rad.or_else(|| course(&velocity)).unwrap_or(held_course_rad),
+            course_rad: last
+                .heading_rad
+                .or_else(|| course(&velocity))
+                .unwrap_or(held_course_rad),
             time,
         }
     }
@@ -241,7 +243,12 @@ impl ReferenceTracker {
         let age_s = |told: &Told| told.time.seconds_since(last.time);
         let mean_s = self.told.iter().map(age_s).sum::<f64>() / count;
         // Relative to the last one, so that large coordinates cost no digits.
-        let mean = self.told.iter().map(|told| told.position - last.position).sum::<Vector3<f64>>() / count;
+        let mean = self
+            .told
+            .iter()
+            .map(|told| told.position - last.position)
+            .sum::<Vector3<f64>>()
+            / count;
         let spread = self.told.iter().map(|told| (age_s(told) - mean_s).powi(2)).sum::<f64>();
         let span_s = self.told.front().map_or(0.0, |first| -age_s(first));
         if span_s < LEAST_SPAN_S {

@@ -8,8 +8,8 @@ mod clearance;
 mod detour;
 mod task;
 
-use crate::formation::FormationError;
 use crate::assignment;
+use crate::formation::FormationError;
 use crate::time_law::{bump_over_time, progress};
 use nalgebra::Vector3;
 use skein_domain::{FlightLimits, NodeTime, OffsetFrd, SlotMove};

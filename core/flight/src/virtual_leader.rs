@@ -116,7 +116,10 @@ impl VirtualLeader {
         };
         turn.map_or((0.0, 0.0), |turn| {
             let since_s = t_s - turn.at_step as f64 * STEP_S;
-            (wrap_angle_rad(turn.heading_rad + turn.rate_rad_s * since_s), turn.rate_rad_s)
+            (
+                wrap_angle_rad(turn.heading_rad + turn.rate_rad_s * since_s),
+                turn.rate_rad_s,
+            )
         })
     }
 }

@@ -1,6 +1,7 @@
 //! `skein bench`: hands over to the bench library, which measures this program from outside, as its own child processes.
 
-use skein_bench::{FleetBenchArgs, run_fleet_bench};
+use skein_bench::{AssignmentBenchArgs, FleetBenchArgs, run_assignment_bench, run_fleet_bench};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// The whole program against a load generator, beside a bare loop.
@@ -14,6 +15,20 @@ pub fn fleet(vehicles: u8, seconds: u32, json: bool) -> anyhow::Result<ExitCode>
         println!("{}", serde_json::to_string_pretty(&report)?);
     } else {
         println!("{report}");
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Assignments of vehicles to slots, beside SciPy's.
+///
+/// # Errors
+/// When Python cannot be started or lacks SciPy, or when the two sides' totals differ.
+pub fn assignment(python: PathBuf, json: bool) -> anyhow::Result<ExitCode> {
+    let report = run_assignment_bench(&AssignmentBenchArgs { python })?;
+    if json {
+        println!("{}", serde_json::to_string_pretty(&report)?);
+    } else {
+        print!("{report}");
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -61,6 +61,7 @@ fn bench(what: Bench) -> anyhow::Result<ExitCode> {
             seconds,
             json,
         } => skein::bench::fleet(vehicles, seconds, json),
+        Bench::Assignment { python, json } => skein::bench::assignment(python, json),
         Bench::LoadGenerator { settings } => skein::bench::load_generator(&settings),
         Bench::BareLoop { settings } => skein::bench::bare_loop(&settings),
     }

@@ -1,11 +1,14 @@
 //! Measures the whole program from outside: its own process against a load generator in another, beside a bare loop that receives,
 //! parses and sends without any logic, in the same run on the same machine.
 //!
+//! Assignments of vehicles to slots are measured beside SciPy's ([`run_assignment_bench`]).
+//!
 //! The cost of plugins' calls is measured from inside, in a program of their own ([`run_plugin_bench`]).
 //!
 //! Must never do: reach into the program measured. What counts is what leaves its sockets and what the system charges it.
 #![forbid(unsafe_code)]
 
+mod assignment;
 mod bare;
 mod error;
 mod fleet;
@@ -18,6 +21,7 @@ mod program;
 mod report;
 mod wire;
 
+pub use assignment::{AssignmentBenchArgs, AssignmentBenchReport, AssignmentFigures, run_assignment_bench};
 pub use bare::{BareLoopSettings, run_bare_loop};
 pub use error::BenchError;
 pub use fleet::{FleetBenchArgs, run_fleet_bench};

@@ -11,7 +11,12 @@ const WORD: usize = u64::BITS as usize;
 
 /// The smallest length for which the ways that are not longer give as many vehicles a slot as all ways do.
 pub(super) fn threshold(costs: &Costs) -> f64 {
-    let longest = costs.lengths.iter().copied().filter(|length| length.is_finite()).fold(0.0, f64::max);
+    let longest = costs
+        .lengths
+        .iter()
+        .copied()
+        .filter(|length| length.is_finite())
+        .fold(0.0, f64::max);
     let mut all = Matching::none(costs);
     let most = if costs.lengths.iter().all(|length| length.is_finite()) {
         costs.vehicles.min(costs.slots)

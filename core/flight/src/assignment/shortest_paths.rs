@@ -21,7 +21,14 @@ const FINEST: f64 = (1_u64 << 32) as f64;
 /// The share of rows left by the first bids, as one over it, from which on bids in steps pay.
 const MANY_LEFT: usize = 8;
 /// Steps of bids (Bertsekas, *The auction algorithm*, Annals of Operations Research 14, 1988), in shares of the dearest.
-const STEPS: [f64; 6] = [1.0 / 16.0, 1.0 / 64.0, 1.0 / 256.0, 1.0 / 1024.0, 1.0 / 4096.0, 1.0 / 32768.0];
+const STEPS: [f64; 6] = [
+    1.0 / 16.0,
+    1.0 / 64.0,
+    1.0 / 256.0,
+    1.0 / 1024.0,
+    1.0 / 4096.0,
+    1.0 / 32768.0,
+];
 /// Bids per vehicle before the rest is left to shortest paths.
 const BIDS: usize = 6;
 
@@ -36,7 +43,13 @@ pub(super) fn solve(costs: &Costs, total: Total, longest: f64) -> Vec<Option<usi
         Total::Ways => length,
         Total::Squares => length * length,
     };
-    let dearest = costs.lengths.iter().copied().filter(|l| allowed(*l)).map(cost).fold(0.0, f64::max);
+    let dearest = costs
+        .lengths
+        .iter()
+        .copied()
+        .filter(|l| allowed(*l))
+        .map(cost)
+        .fold(0.0, f64::max);
     let finest = FINEST.min(LARGEST_SUM / ((size + 1) * (size + 1)) as f64).floor();
     let unit = if dearest > 0.0 { finest / dearest } else { 0.0 };
     // A vehicle without slot is worse than all ways together.
@@ -107,13 +120,17 @@ impl<'a> Solver<'a> {
     }
 
     fn bid_twice(&mut self) -> Vec<usize> {
-        let free: Vec<usize> = (0..self.size).filter(|row| self.column_of.get(*row) == Some(&NOBODY)).collect();
+        let free: Vec<usize> = (0..self.size)
+            .filter(|row| self.column_of.get(*row) == Some(&NOBODY))
+            .collect();
         let left = self.bid(free, 0.0);
         self.bid(left, 0.0)
     }
 
     fn row(&self, row: usize) -> &'a [f64] {
-        self.costs.get(row * self.size..(row + 1) * self.size).unwrap_or_default()
+        self.costs
+            .get(row * self.size..(row + 1) * self.size)
+            .unwrap_or_default()
     }
 
     fn price(&self, column: usize) -> f64 {
@@ -122,7 +139,10 @@ impl<'a> Solver<'a> {
 
     /// Row and column become partners; gives the row that had the column.
     fn join(&mut self, row: usize, column: usize) -> usize {
-        let before = self.row_of.get_mut(column).map_or(NOBODY, |holder| std::mem::replace(holder, row));
+        let before = self
+            .row_of
+            .get_mut(column)
+            .map_or(NOBODY, |holder| std::mem::replace(holder, row));
         if let Some(own) = self.column_of.get_mut(row) {
             *own = column;
         }
@@ -163,7 +183,8 @@ impl<'a> Solver<'a> {
             if gain <= 0.0 && self.row_of.get(column) != Some(&NOBODY) && second.0 != NOBODY {
                 column = second.0;
             }
-            if gain > 0.0 && gain.is_finite()
+            if gain > 0.0
+                && gain.is_finite()
                 && let Some(price) = self.prices.get_mut(column)
             {
                 *price -= gain;
@@ -353,20 +374,36 @@ impl<'a> Search<'a> {
             *entered = through;
         }
         if core.others < f64::INFINITY {
-            self.queue.push(Reverse(((through + core.others) as i64, What::Row, row)));
+            self.queue
+                .push(Reverse(((through + core.others) as i64, What::Row, row)));
         }
         let columns = &core.columns;
-        relax(&mut self.columns, &mut self.queue, self.number, row, columns.iter().map(|(column, cost)| {
-            (*column, through + (cost - prices.get(*column).copied().unwrap_or(0.0)))
-        }));
+        relax(
+            &mut self.columns,
+            &mut self.queue,
+            self.number,
+            row,
+            columns
+                .iter()
+                .map(|(column, cost)| (*column, through + (cost - prices.get(*column).copied().unwrap_or(0.0)))),
+        );
     }
 
     /// Looks at all columns of a row, and gives it a larger core for the next time.
     fn enter_fully(&mut self, row: usize, prices: &[f64]) {
         let through = self.entered.get(row).copied().unwrap_or(0.0);
-        let costs = self.costs.get(row * self.size..(row + 1) * self.size).unwrap_or_default();
+        let costs = self
+            .costs
+            .get(row * self.size..(row + 1) * self.size)
+            .unwrap_or_default();
         let distances = costs.iter().zip(prices).map(|(cost, price)| through + (cost - price));
-        relax(&mut self.columns, &mut self.queue, self.number, row, distances.enumerate());
+        relax(
+            &mut self.columns,
+            &mut self.queue,
+            self.number,
+            row,
+            distances.enumerate(),
+        );
         if let Some(core) = self.cores.get_mut(row) {
             *core = Core::of(costs, prices, 2 * core.columns.len(), &mut self.scratch);
         }
@@ -399,7 +436,9 @@ fn relax(
     distances: impl Iterator<Item = (usize, f64)>,
 ) {
     for (column, distance) in distances {
-        let Some(reached) = columns.get_mut(column) else { continue };
+        let Some(reached) = columns.get_mut(column) else {
+            continue;
+        };
         if reached.search != search || (!reached.taken && distance < reached.distance) {
             *reached = Reached {
                 distance,

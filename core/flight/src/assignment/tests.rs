@@ -76,26 +76,58 @@ proptest! {
 /// All ways to give as many vehicles as possible a slot, tried one by one: the fewest without, then the least longest (if asked
 /// for), then the least total.
 fn by_trying_all(costs: &Costs, total: Total, longest_first: bool) -> (usize, f64, f64) {
-    fn go(costs: &Costs, total: Total, vehicle: usize, taken: &mut Vec<bool>, so_far: (usize, f64, f64), all: &mut Vec<(usize, f64, f64)>) {
+    fn go(
+        costs: &Costs,
+        total: Total,
+        vehicle: usize,
+        taken: &mut Vec<bool>,
+        so_far: (usize, f64, f64),
+        all: &mut Vec<(usize, f64, f64)>,
+    ) {
         if vehicle == costs.vehicles() {
             all.push(so_far);
             return;
         }
-        go(costs, total, vehicle + 1, taken, (so_far.0 + 1, so_far.1, so_far.2), all);
+        go(
+            costs,
+            total,
+            vehicle + 1,
+            taken,
+            (so_far.0 + 1, so_far.1, so_far.2),
+            all,
+        );
         for slot in 0..costs.slots() {
             let length = costs.length(vehicle, slot);
             if length.is_finite() && !taken[slot] {
                 taken[slot] = true;
                 let cost = if total == Total::Ways { length } else { length * length };
-                go(costs, total, vehicle + 1, taken, (so_far.0, so_far.1.max(length), so_far.2 + cost), all);
+                go(
+                    costs,
+                    total,
+                    vehicle + 1,
+                    taken,
+                    (so_far.0, so_far.1.max(length), so_far.2 + cost),
+                    all,
+                );
                 taken[slot] = false;
             }
         }
     }
     let mut all = Vec::new();
-    go(costs, total, 0, &mut vec![false; costs.slots()], (0, 0.0, 0.0), &mut all);
+    go(
+        costs,
+        total,
+        0,
+        &mut vec![false; costs.slots()],
+        (0, 0.0, 0.0),
+        &mut all,
+    );
     let order = |a: &(usize, f64, f64), b: &(usize, f64, f64)| {
-        let longest = if longest_first { a.1.total_cmp(&b.1) } else { std::cmp::Ordering::Equal };
+        let longest = if longest_first {
+            a.1.total_cmp(&b.1)
+        } else {
+            std::cmp::Ordering::Equal
+        };
         a.0.cmp(&b.0).then(longest).then(a.2.total_cmp(&b.2))
     };
     all.into_iter().min_by(order).unwrap()
@@ -186,7 +218,12 @@ fn a_thousand_on_a_grid_change_places_the_shortest_way() {
     let from: Vec<_> = (0..1000).map(|i| place(i, 0.0)).collect();
     let slots: Vec<_> = (0..1000).rev().map(|i| place(i, 1.0)).collect();
     let found = least_longest(&Costs::between(&from, &slots), Total::Ways);
-    assert!((found.longest - 1.0).abs() < 1e-9 && (found.total - 1000.0).abs() < 1e-6, "{} {}", found.longest, found.total);
+    assert!(
+        (found.longest - 1.0).abs() < 1e-9 && (found.total - 1000.0).abs() < 1e-6,
+        "{} {}",
+        found.longest,
+        found.total
+    );
 }
 
 #[test]

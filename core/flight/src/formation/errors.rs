@@ -74,7 +74,9 @@ pub enum FormationError {
         offsets: usize,
     },
     /// Two offsets of a free shape are at one place.
-    #[error("offsets {first} and {second} (counted from 0) are {distance_m:.2} m apart; at least {least_m} m are needed")]
+    #[error(
+        "offsets {first} and {second} (counted from 0) are {distance_m:.2} m apart; at least {least_m} m are needed"
+    )]
     OffsetsTooClose {
         /// The one's place in the list, from 0.
         first: usize,

@@ -65,10 +65,7 @@ pub(super) fn diamond(count: usize, unit_m: f64) -> Places {
     }
     let place = |&(a, b): &(usize, usize)| {
         let (a, b) = (a as f64, b as f64);
-        level(
-            0.0 - (a + b) * FRAC_1_SQRT_2 * unit_m,
-            (a - b) * FRAC_1_SQRT_2 * unit_m,
-        )
+        level(0.0 - (a + b) * FRAC_1_SQRT_2 * unit_m, (a - b) * FRAC_1_SQRT_2 * unit_m)
     };
     cells.iter().take(count).map(place).collect()
 }
@@ -109,10 +106,7 @@ fn radius_for(step_rad: f64, unit_m: f64) -> f64 {
 fn on_circle(angle_rad: f64, radius_m: f64) -> Vector3<f64> {
     let half_sin = (0.5 * angle_rad).sin();
     // cos - 1 in the form that does not cancel on a large circle.
-    level(
-        0.0 - 2.0 * radius_m * half_sin * half_sin,
-        radius_m * angle_rad.sin(),
-    )
+    level(0.0 - 2.0 * radius_m * half_sin * half_sin, radius_m * angle_rad.sin())
 }
 
 /// Evenly along the sides of a square that is as small as the corners allow; the leader in the middle of the front, the others
@@ -142,12 +136,7 @@ pub(super) fn grid(count: usize, unit_m: f64) -> Places {
 
 fn rows(count: usize, columns: usize, unit_m: f64) -> Places {
     let columns = columns.max(1);
-    let place = |i: usize| {
-        level(
-            0.0 - (i / columns) as f64 * unit_m,
-            alternating(i % columns) * unit_m,
-        )
-    };
+    let place = |i: usize| level(0.0 - (i / columns) as f64 * unit_m, alternating(i % columns) * unit_m);
     (0..count).map(place).collect()
 }
 
@@ -222,5 +211,8 @@ fn widened(places: Places, unit_m: f64) -> Places {
     let Some(pair) = closest_pair(&flat) else {
         return places.iter().map(|_| Vector3::zeros()).collect();
     };
-    places.into_iter().map(|place| place * (unit_m / pair.distance_m)).collect()
+    places
+        .into_iter()
+        .map(|place| place * (unit_m / pair.distance_m))
+        .collect()
 }

@@ -193,7 +193,10 @@ fn unusable_numbers_are_refused() {
         let refused = line(&|asked| asked.rotation_deg = value);
         assert!(matches!(refused, FormationError::InvalidRotation { .. }));
     }
-    assert_eq!(line(&|asked| (asked.spacing_m, asked.scale) = (1e300, 1e300)), FormationError::TooLarge);
+    assert_eq!(
+        line(&|asked| (asked.spacing_m, asked.scale) = (1e300, 1e300)),
+        FormationError::TooLarge
+    );
 }
 
 #[test]
@@ -216,7 +219,10 @@ fn unusable_parameters_of_a_shape_are_refused() {
             ..request(Shape::Helix, 5.0)
         };
         let refused = slots(&asked, 3);
-        assert!(matches!(refused, Err(FormationError::InvalidPitch { least_m: 7.5, .. })));
+        assert!(matches!(
+            refused,
+            Err(FormationError::InvalidPitch { least_m: 7.5, .. })
+        ));
     }
     let sunk = FormationRequest {
         altitude_step_m: -0.8,
@@ -249,14 +255,17 @@ fn unusable_offsets_are_refused() {
     );
     assert!(matches!(
         free(Some(vec![at(0.0), at(7.0), at(0.05)])),
-        Err(FormationError::OffsetsTooClose { first: 0, second: 2, .. })
+        Err(FormationError::OffsetsTooClose {
+            first: 0,
+            second: 2,
+            ..
+        })
     ));
     // A scale can bring them together; what is not used is not looked at.
-    assert_eq!(free(Some(vec![at(4.0), at(5.0), at(7.0), at(7.0)])).unwrap(), [
-        at(0.0),
-        at(1.0),
-        at(3.0)
-    ]);
+    assert_eq!(
+        free(Some(vec![at(4.0), at(5.0), at(7.0), at(7.0)])).unwrap(),
+        [at(0.0), at(1.0), at(3.0)]
+    );
 }
 
 #[test]

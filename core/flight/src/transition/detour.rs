@@ -136,7 +136,9 @@ impl Ways {
             };
             let present = self.level(member);
             let barred_here = barred.get(member).copied().unwrap_or(usize::MAX);
-            let Some(level) = self.best_level(member, present, barred_here).filter(|_| step - found_at < STEPS_IN_VAIN)
+            let Some(level) = self
+                .best_level(member, present, barred_here)
+                .filter(|_| step - found_at < STEPS_IN_VAIN)
             else {
                 return false;
             };
@@ -191,7 +193,9 @@ impl Ways {
 
     /// The height of every member's detour.
     fn lifts_m(&self) -> impl Iterator<Item = f64> + Clone {
-        self.levels.iter().map(|level| self.levels_m.get(*level).copied().unwrap_or(0.0))
+        self.levels
+            .iter()
+            .map(|level| self.levels_m.get(*level).copied().unwrap_or(0.0))
     }
 
     /// With how many others a member would come too close at this height of its detour.

@@ -175,10 +175,18 @@ impl Task {
 
     /// How long every member's way into every slot is, as if all were as quick as the quickest: a slow one's way counts for more.
     fn costs(&self, around_the_leader: bool) -> Costs {
-        let quickest_m_s = self.abilities.iter().map(|ability| ability.speed_m_s).fold(0.0, f64::max);
+        let quickest_m_s = self
+            .abilities
+            .iter()
+            .map(|ability| ability.speed_m_s)
+            .fold(0.0, f64::max);
         let followers = self.starts.get(self.pinned..).unwrap_or_default();
         let free = self.slots.get(self.pinned..).unwrap_or_default();
-        let farthest_m = followers.iter().chain(free).map(|place| place.norm()).fold(1.0, f64::max);
+        let farthest_m = followers
+            .iter()
+            .chain(free)
+            .map(|place| place.norm())
+            .fold(1.0, f64::max);
         let length = |i: usize, j: usize| {
             let (Some(a), Some(b), Some(ability)) =
                 (followers.get(i), free.get(j), self.abilities.get(i + self.pinned))

@@ -18,7 +18,11 @@ const START: NodeTime = NodeTime(7_000_000);
 
 /// All shapes that need nothing but a spacing.
 fn shapes() -> Vec<Shape> {
-    Shape::ALL.iter().copied().filter(|shape| *shape != Shape::Free).collect()
+    Shape::ALL
+        .iter()
+        .copied()
+        .filter(|shape| *shape != Shape::Free)
+        .collect()
 }
 
 fn slots(shape: Shape, count: usize, spacing_m: f64, altitude_step_m: f64) -> Result<Vec<OffsetFrd>, FormationError> {

@@ -12,7 +12,15 @@ fn leader(heading: FormationHeading, heading_rad: f64, radius_m: f64) -> Virtual
         speed_m_s: 5.0,
         corner_radius_m: radius_m,
     };
-    VirtualLeader::new(place(0.0, 0.0), &route, &PathLimits::level(2.0), heading, heading_rad, START).unwrap()
+    VirtualLeader::new(
+        place(0.0, 0.0),
+        &route,
+        &PathLimits::level(2.0),
+        heading,
+        heading_rad,
+        START,
+    )
+    .unwrap()
 }
 
 fn at(seconds: f64) -> NodeTime {
@@ -68,9 +76,20 @@ fn it_stands_before_the_start_and_after_the_end() {
     for after_s in [60.0, 1e4] {
         let anchor = leader.anchor(leader.end().plus_seconds(after_s));
         assert_eq!(anchor.position, PositionNed::new(0.0, 10.0, -30.0));
-        assert_eq!((anchor.velocity.norm(), anchor.acceleration.norm(), anchor.heading_rate_rad_s), (0.0, 0.0, 0.0));
+        assert_eq!(
+            (
+                anchor.velocity.norm(),
+                anchor.acceleration.norm(),
+                anchor.heading_rate_rad_s
+            ),
+            (0.0, 0.0, 0.0)
+        );
         // The last leg leads west.
-        assert!((anchor.heading_rad + std::f64::consts::FRAC_PI_2).abs() < 0.01, "{}", anchor.heading_rad);
+        assert!(
+            (anchor.heading_rad + std::f64::consts::FRAC_PI_2).abs() < 0.01,
+            "{}",
+            anchor.heading_rad
+        );
     }
 }
 
@@ -79,7 +98,10 @@ fn a_fixed_heading_stays() {
     let leader = leader(FormationHeading::Fixed { heading_rad: 0.3 }, 1.0, 10.0);
     for t_s in [-1.0, 0.0, 20.0, 500.0] {
         let anchor = leader.anchor(at(t_s));
-        assert_eq!((anchor.heading_rad, anchor.heading_rate_rad_s), (wrap_angle_rad(0.3), 0.0));
+        assert_eq!(
+            (anchor.heading_rad, anchor.heading_rate_rad_s),
+            (wrap_angle_rad(0.3), 0.0)
+        );
     }
 }
 

@@ -47,7 +47,13 @@ fn rings_have_their_outline() {
     let diamond = [(0.0, 0.0), (-7.07, 7.07), (-7.07, -7.07), (-14.14, 0.0)];
     assert_eq!(at(Shape::Diamond, 4), level(&diamond));
     // Five: the corners and the middle.
-    let five = [(0.0, 0.0), (-14.14, 14.14), (-14.14, -14.14), (-28.28, 0.0), (-14.14, 0.0)];
+    let five = [
+        (0.0, 0.0),
+        (-14.14, 14.14),
+        (-14.14, -14.14),
+        (-28.28, 0.0),
+        (-14.14, 0.0),
+    ];
     assert_eq!(at(Shape::Diamond, 5), level(&five));
     // A half circle: neighbours at 90 degrees, and the ends beside the middle.
     assert_eq!(at(Shape::Arc, 3), level(&[(0.0, 0.0), (-7.07, 7.07), (-7.07, -7.07)]));
@@ -74,7 +80,12 @@ fn rings_have_their_outline() {
 #[test]
 fn solid_shapes_have_their_outline() {
     let layer = |up_m: f64| {
-        [(0.0, 0.0, up_m), (0.0, 10.0, up_m), (-10.0, 0.0, up_m), (-10.0, 10.0, up_m)]
+        [
+            (0.0, 0.0, up_m),
+            (0.0, 10.0, up_m),
+            (-10.0, 0.0, up_m),
+            (-10.0, 10.0, up_m),
+        ]
     };
     assert_eq!(at(Shape::Box, 8), [layer(0.0), layer(15.0)].concat());
     let three = FormationRequest {
@@ -98,7 +109,14 @@ fn solid_shapes_have_their_outline() {
 
 #[test]
 fn both_sides_are_alike() {
-    let even_sided = [Shape::Circle, Shape::Square, Shape::Wedge, Shape::Line, Shape::Arc, Shape::Diamond];
+    let even_sided = [
+        Shape::Circle,
+        Shape::Square,
+        Shape::Wedge,
+        Shape::Line,
+        Shape::Arc,
+        Shape::Diamond,
+    ];
     for shape in even_sided {
         let counts: &[usize] = match shape {
             Shape::Circle | Shape::Square => &[1, 2, 3, 8, 50, 199, 200],
@@ -123,9 +141,7 @@ fn both_sides_are_alike() {
 fn an_anchor_that_is_no_vehicle_is_in_the_middle() {
     let mut asked = request(Shape::Column, 10.0);
     assert_eq!(anchored_slots(&asked, 3), slots(&asked, 3));
-    asked.anchor = FormationAnchor::Reference {
-        name: "truck".into(),
-    };
+    asked.anchor = FormationAnchor::Reference { name: "truck".into() };
     let places = rounded(&anchored_slots(&asked, 3).unwrap());
     assert_eq!(places, level(&[(10.0, 0.0), (0.0, 0.0), (-10.0, 0.0)]));
     // What was drawn relative to the anchor stays there.
@@ -134,7 +150,10 @@ fn an_anchor_that_is_no_vehicle_is_in_the_middle() {
         offsets: Some(vec![OffsetFrd::new(5.0, 1.0, -2.0), OffsetFrd::new(9.0, 1.0, -2.0)]),
         ..request(Shape::Free, 10.0)
     };
-    assert_eq!(rounded(&anchored_slots(&free, 2).unwrap()), [(5.0, 1.0, 2.0), (9.0, 1.0, 2.0)]);
+    assert_eq!(
+        rounded(&anchored_slots(&free, 2).unwrap()),
+        [(5.0, 1.0, 2.0), (9.0, 1.0, 2.0)]
+    );
     assert_eq!(rounded(&slots(&free, 2).unwrap()), [(0.0, 0.0, 0.0), (4.0, 0.0, 0.0)]);
 }
 
@@ -177,21 +196,37 @@ fn a_table_that_is_none_is_refused_with_its_line() {
     assert_eq!(refused(""), OffsetsError::Empty);
     assert_eq!(refused("forward_m,right_m,down_m\n"), OffsetsError::Empty);
     assert_eq!(refused("0,0,0\n\n1,2\n"), OffsetsError::Fields { line: 3, fields: 2 });
-    for (text, bad) in [("0,0,0\n1,x,3\n", "x"), ("0,0,0\n1,NaN,3\n", "NaN"), ("0,0,0\n1,inf,3", "inf")] {
-        assert_eq!(refused(text), OffsetsError::NotANumber {
-            line: 2,
-            text: bad.into()
-        });
+    for (text, bad) in [
+        ("0,0,0\n1,x,3\n", "x"),
+        ("0,0,0\n1,NaN,3\n", "NaN"),
+        ("0,0,0\n1,inf,3", "inf"),
+    ] {
+        assert_eq!(
+            refused(text),
+            OffsetsError::NotANumber {
+                line: 2,
+                text: bad.into()
+            }
+        );
     }
-    assert_eq!(refused("1,x,3\n"), OffsetsError::NotANumber {
-        line: 1,
-        text: "x".into()
-    });
-    assert_eq!(refused("forward_m,right_m,east\n1,2,3"), OffsetsError::UnknownColumn {
-        line: 1,
-        column: "east".into()
-    });
-    assert_eq!(refused("forward_m,right_m,right_m\n1,2,3"), OffsetsError::Columns { line: 1 });
+    assert_eq!(
+        refused("1,x,3\n"),
+        OffsetsError::NotANumber {
+            line: 1,
+            text: "x".into()
+        }
+    );
+    assert_eq!(
+        refused("forward_m,right_m,east\n1,2,3"),
+        OffsetsError::UnknownColumn {
+            line: 1,
+            column: "east".into()
+        }
+    );
+    assert_eq!(
+        refused("forward_m,right_m,right_m\n1,2,3"),
+        OffsetsError::Columns { line: 1 }
+    );
     assert_eq!(refused("forward_m,right_m\n1,2"), OffsetsError::Columns { line: 1 });
     let many = "0,0,0\n".repeat(10_001);
     assert_eq!(refused(&many), OffsetsError::TooMany { most: 10_000 });

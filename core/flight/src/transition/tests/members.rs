@@ -110,7 +110,13 @@ fn a_slow_member_gets_the_short_way() {
 
 #[test]
 fn a_camera_gets_a_slot_with_nobody_ahead() {
-    for shape in [Shape::Wedge, Shape::Grid, Shape::Line, Shape::EchelonLeft, Shape::Circle] {
+    for shape in [
+        Shape::Wedge,
+        Shape::Grid,
+        Shape::Line,
+        Shape::EchelonLeft,
+        Shape::Circle,
+    ] {
         let slots = formation::slots(&FormationRequest::new(shape, 5.0), 20).unwrap();
         let free = views(&slots);
         let from: Vec<OffsetFrd> = (0..20).map(|i| OffsetFrd::new(f64::from(-i) * 4.0, 6.0, 0.0)).collect();
@@ -130,7 +136,11 @@ fn a_camera_gets_a_slot_with_nobody_ahead() {
 #[test]
 fn without_a_leader_the_first_moves_too() {
     let slots = formation::centred_slots(&FormationRequest::new(Shape::Line, 10.0), 3).unwrap();
-    let from = [OffsetFrd::new(0.0, 30.0, 0.0), OffsetFrd::new(0.0, 40.0, 0.0), OffsetFrd::new(0.0, 50.0, 0.0)];
+    let from = [
+        OffsetFrd::new(0.0, 30.0, 0.0),
+        OffsetFrd::new(0.0, 40.0, 0.0),
+        OffsetFrd::new(0.0, 50.0, 0.0),
+    ];
     let plan = plan_members(&from, &slots, &LIMITS, &[], false, START).unwrap();
     let rights: Vec<f64> = plan.moves.iter().map(|slot| slot.to.right_m.round()).collect();
     assert_eq!(rights, [-10.0, 0.0, 10.0]);
@@ -158,7 +168,10 @@ fn lists_of_members_that_do_not_fit_are_refused() {
     assert_eq!(refused(&[], Some(&[0])), entries("held slots"));
     assert!(matches!(
         refused(&[able(5.0), able(f64::NAN)], None),
-        FormationError::InvalidLimit { limit: "max_speed_m_s", .. }
+        FormationError::InvalidLimit {
+            limit: "max_speed_m_s",
+            ..
+        }
     ));
     // Held slots that cannot be are none.
     let apart = [zero, OffsetFrd::new(9.0, 0.0, 0.0)];
