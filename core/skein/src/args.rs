@@ -167,6 +167,15 @@ pub enum Bench {
         #[arg(long)]
         json: bool,
     },
+    /// Assignments of vehicles to slots, beside SciPy's `linear_sum_assignment` in the same run.
+    Assignment {
+        /// A Python that has SciPy (`python3 -m venv DIR && DIR/bin/pip install scipy`, then `DIR/bin/python`).
+        #[arg(long, default_value = "python3", value_name = "PROGRAM")]
+        python: PathBuf,
+        /// Print the report as JSON.
+        #[arg(long)]
+        json: bool,
+    },
     /// Part of `fleet`: the load generator, as its own process.
     #[command(hide = true)]
     LoadGenerator {
