@@ -168,13 +168,14 @@ fn free(request: &FormationRequest, count: usize) -> Result<Vec<Vector3<f64>>, F
     }
     let places: Vec<_> = used.iter().map(|offset| offset.vector() * request.scale).collect();
     match distance::closest_pair(&places) {
-        // Written so that a distance that is not a number is too small.
-        Some(pair) if !(pair.distance_m >= LEAST_FREE_DISTANCE_M) => Err(FormationError::OffsetsTooClose {
-            first: pair.first,
-            second: pair.second,
-            distance_m: pair.distance_m,
-            least_m: LEAST_FREE_DISTANCE_M,
-        }),
+        Some(pair) if pair.distance_m.is_nan() || pair.distance_m < LEAST_FREE_DISTANCE_M => {
+            Err(FormationError::OffsetsTooClose {
+                first: pair.first,
+                second: pair.second,
+                distance_m: pair.distance_m,
+                least_m: LEAST_FREE_DISTANCE_M,
+            })
+        }
         _ => Ok(places),
     }
 }

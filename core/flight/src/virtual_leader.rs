@@ -64,8 +64,7 @@ impl VirtualLeader {
         let route = RouteTrajectory::within(from, route, limits)?;
         let most_s = MOST_STEPS as f64 * STEP_S - MOST_SETTLING_S;
         let duration_s = route.duration_s();
-        // Written so that a duration that is not a number is too long.
-        if !(duration_s <= most_s) {
+        if duration_s.is_nan() || duration_s > most_s {
             return Err(VirtualLeaderError::TooLong { duration_s, most_s });
         }
         let turns = turns(&route, HeadingFollower::new(heading, heading_rad));
