@@ -375,6 +375,8 @@ pub struct PeerEntry {
     pub limits: Option<FlightLimits>,
     /// A reaction of its ladder is in force: it takes no slot.
     pub under_order: bool,
+    /// Its ladder took it out of the formation, and what that was for is over.
+    pub may_rejoin: bool,
     /// Its charge against its way home.
     pub energy: Option<EnergyState>,
 }

@@ -273,6 +273,7 @@ impl CoordinatorState {
         };
         if formation.request.members.is_none() {
             self.joins.extend(newcomers);
+            self.take_back(&peers);
         }
         self.relieve(&formation, &peers);
         if self.regrouping || now < self.not_before {

@@ -87,9 +87,9 @@ fn beat(board: &Board) {
             let published = cell.state.lock();
             (published.flight_state, published.anchor, published.limits)
         };
-        let (under_order, energy) = {
+        let (under_order, may_rejoin, energy) = {
             let watch = cell.watch.lock();
-            (watch.is_under_order(), watch.energy)
+            (watch.is_under_order(), watch.may_rejoin(), watch.energy)
         };
         entries.push(PeerEntry {
             id: cell.id,
@@ -102,6 +102,7 @@ fn beat(board: &Board) {
             anchor,
             limits,
             under_order,
+            may_rejoin,
             energy,
         });
     }

@@ -105,14 +105,16 @@ impl Swarm {
         .await
     }
 
-    /// Waits until all vehicles are found and ready to arm.
+    /// Waits until all vehicles are found, ready to arm, and nothing in the preflight report keeps them from it.
     ///
     /// # Panics
     /// If they are not in time.
     pub async fn ready(&self) -> FleetSnapshot {
         let count = self.vehicles;
+        let node = self.node();
         let wanted = |fleet: &FleetSnapshot| {
-            fleet.vehicles.len() == count && fleet.vehicles.iter().all(|v| v.ready_to_arm == Some(true))
+            let all_ready = fleet.vehicles.iter().all(|v| v.ready_to_arm == Some(true));
+            fleet.vehicles.len() == count && all_ready && is_green(&node.preflight())
         };
         self.until("all vehicles found and ready to arm", Duration::ZERO, wanted)
             .await
@@ -152,4 +154,10 @@ impl Swarm {
         self.simulation.stop();
         self.running.stop().await;
     }
+}
+
+/// Whether no item of a preflight report keeps from arming.
+fn is_green(preflight: &skein_runtime::PreflightAnswer) -> bool {
+    let mut reports = preflight.vehicles.iter().chain([&preflight.swarm]);
+    reports.all(|report| report.blocking().next().is_none())
 }

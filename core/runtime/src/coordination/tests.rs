@@ -26,6 +26,7 @@ fn peers(count: u16) -> PeerSnapshot {
         home: None,
         limits: None,
         under_order: false,
+        may_rejoin: false,
         energy: None,
     };
     PeerSnapshot {

@@ -1,4 +1,4 @@
-//! Relief: a member that will soon have to return for its charge is sent home before it becomes urgent, and the others close up.
+//! Relief, and coming back: a member that will soon have to return for its charge is sent home before it becomes urgent, and the others close up.
 //!
 //! Must never do: keep a vehicle in the formation that has to return; its ladder sends it home by itself then.
 
@@ -12,6 +12,15 @@ use skein_domain::exchange::Severity;
 use skein_domain::{EnergyLevel, VehicleCommand};
 
 impl CoordinatorState {
+    /// Takes those back whose ladder held them and whose trouble is over.
+    pub(super) fn take_back(&mut self, peers: &PeerSnapshot) {
+        for entry in peers.entries.iter().filter(|e| e.may_rejoin) {
+            if self.board.withdrawn.lock().remove(&entry.id) && !self.joins.contains(&entry.id) {
+                self.joins.push(entry.id);
+            }
+        }
+    }
+
     /// Sends members home whose charge comes to an end.
     pub(super) fn relieve(&self, formation: &Formation, peers: &PeerSnapshot) {
         let now = self.board.now();

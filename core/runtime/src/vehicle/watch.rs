@@ -9,7 +9,7 @@ use crate::snapshot::EventKind;
 use crate::ways;
 use skein_domain::exchange::Severity;
 use skein_domain::{
-    AutopilotCommand, EnergyState, FlightMode, LadderEvent, LadderEventKind, NodeTime, Reaction, Refusal, RequestId,
+    AutopilotCommand, EnergyState, FlightMode, LadderEvent, LadderEventKind, NodeTime, Order, Reaction, Refusal, RequestId,
     Task, VehicleCommand,
 };
 use skein_safety::Ladder;
@@ -18,6 +18,8 @@ use skein_safety::ladder::{Health, TakenUpBy};
 
 /// Time between two looks in seconds.
 const LOOK_S: f64 = 0.05;
+/// A battery report older than this says nothing of now, in seconds.
+const BATTERY_TOLD_S: f64 = 5.0;
 /// Request id of what the watch asks the autopilot for, beyond what models use.
 const WATCH_REQUEST: RequestId = RequestId(u32::MAX - 2);
 
@@ -27,14 +29,26 @@ pub struct Watch {
     ladder: Ladder,
     estimator: EnergyEstimator,
     next: NodeTime,
+    /// It was the watch that took the vehicle out of its formation.
+    withdrew: bool,
     /// Charge against the way home.
     pub energy: Option<EnergyState>,
 }
 
+/// Only a hold is left, and what it was for is over.
+fn is_over(order: &Order) -> bool {
+    order.recovered && order.reaction == Reaction::Hold
+}
+
 impl Watch {
-    /// Whether a reaction is in force.
+    /// Whether a reaction is in force that the coordinator cannot end.
     pub fn is_under_order(&self) -> bool {
-        self.ladder.order().is_some()
+        self.ladder.order().is_some_and(|order| !is_over(order))
+    }
+
+    /// Whether it may come back into the formation that the watch took it out of.
+    pub fn may_rejoin(&self) -> bool {
+        self.withdrew && self.ladder.order().is_some_and(is_over)
     }
 }
 
@@ -68,8 +82,12 @@ impl VehicleState {
 
     fn assess(&self, estimator: &mut EnergyEstimator, entry: &PeerEntry, now: NodeTime) -> Option<EnergyState> {
         let settings = &self.board.config.safety.energy;
+        let told_s = now.seconds_since(entry.telemetry.heard.battery);
         let sample = EnergySample {
-            battery: entry.telemetry.battery,
+            // An old report is none: the estimator carries the charge on by itself.
+            battery: Some(entry.telemetry.battery)
+                .filter(|_| told_s <= BATTERY_TOLD_S)
+                .unwrap_or_default(),
             airborne: entry.airborne,
             velocity: entry.telemetry.velocity,
             wind: entry.telemetry.wind,
@@ -139,7 +157,7 @@ impl VehicleState {
             Reaction::Land => (VehicleCommand::Land, AutopilotCommand::Land),
             Reaction::Release => return self.release(now),
         };
-        self.board.withdrawn.lock().insert(self.cell.id);
+        self.cell.watch.lock().withdrew = self.board.withdrawn.lock().insert(self.cell.id);
         let id = self.board.next_command_id();
         let legs = ways::legs(&self.board, self.cell.id, &command).unwrap_or_default();
         let taken_up = self.model.life.is_running() && self.command(id, command, legs, now).await.is_ok();
@@ -161,7 +179,11 @@ impl VehicleState {
     /// An operator's command that was accepted takes the vehicle up again.
     pub(super) fn taken_up_by_operator(&mut self) {
         self.released = false;
-        let told = self.cell.watch.lock().ladder.take_up(TakenUpBy::Operator);
+        let told = {
+            let mut watch = self.cell.watch.lock();
+            watch.withdrew = false;
+            watch.ladder.take_up(TakenUpBy::Operator)
+        };
         if let Ok(Some(event)) = told {
             self.tell_ladder(&event);
         }

@@ -92,7 +92,8 @@ pub(super) fn read<'a>(
                 .map(|value| beyond(value, (rule.limit_m, rule.clear_m), "m", steps))
         }
         Trigger::StaleEstimate => match health.position_time {
-            Some(at) => age(at),
+            // While nothing at all is heard, that is the link's trouble.
+            Some(at) => by_age(health.last_heard.seconds_since(at).max(0.0), steps),
             None if health.airborne => by_age(f64::INFINITY, steps),
             None => None,
         },

@@ -109,11 +109,7 @@ fn link_rungs() -> Vec<Rung> {
             &[(WARN, 0.3), (HOLD, 0.5), (RELEASE, 2.0)],
             stale,
         ),
-        // Heard, but it says nothing of its place; without stale estimates it would be 5 s.
-        Rung {
-            orders: Some(&[(HOLD, 0.5), (RELEASE, 2.0)]),
-            ..rung(Trigger::LinkLoss, &[(WARN, 1.5), (RELEASE, 5.0)], silent)
-        },
+        rung(Trigger::LinkLoss, &[(WARN, 1.5), (RELEASE, 5.0)], silent),
         rung(
             Trigger::CoordinatorLoss,
             &[(WARN, 2.0), (HOLD, 20.0), (RETURN, 120.0)],
@@ -245,12 +241,11 @@ fn a_link_that_is_heard_but_for_its_positions_is_not_lost() {
 #[test]
 fn a_silent_link_alone_releases_the_vehicle_after_five_seconds() {
     let mut rig = Rig::new();
-    rig.settings.stale_estimate.mode = TriggerMode::WarnOnly;
     rig.run(8.0, silent);
     assert_times("link", &rig.orders(), &[(RELEASE, 5.0)], 0.0);
-    // The receiver is no older than the last frame: it is not blamed for the link.
+    // Receiver and position are no older than the last frame: they are not blamed for the link.
     assert!(
-        rig.events.iter().all(|e| e.trigger != Trigger::GnssLoss),
+        rig.events.iter().all(|e| e.trigger == Trigger::LinkLoss),
         "{:?}",
         rig.events
     );
