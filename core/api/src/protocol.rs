@@ -321,9 +321,9 @@ pub enum ServerMessage {
         node: String,
     },
     /// The slow part of the fleet's state, whole; sent at the start and when it has changed.
-    Fleet(FleetInfo),
+    Fleet(Box<FleetInfo>),
     /// Something happened.
-    Event(EventRecord),
+    Event(Box<EventRecord>),
     /// Events were lost, because this client was too slow or had been away for too long.
     Gap {
         /// How many.

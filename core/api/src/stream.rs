@@ -228,7 +228,8 @@ impl Client {
                 self.say(&ServerMessage::Gap { missed }).await?;
             }
             self.last_event = event.seq;
-            self.say(&ServerMessage::Event(event.as_ref().clone())).await?;
+            self.say(&ServerMessage::Event(Box::new(event.as_ref().clone())))
+                .await?;
         }
         Ok(())
     }

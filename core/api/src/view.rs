@@ -63,7 +63,7 @@ impl View {
         {
             return fleet.text.clone();
         }
-        let text = text(&ServerMessage::Fleet(fleet_info(&snapshot, node.config())));
+        let text = text(&ServerMessage::Fleet(Box::new(fleet_info(&snapshot, node.config()))));
         *kept = Some(Fleet {
             sequence: snapshot.sequence,
             text: text.clone(),

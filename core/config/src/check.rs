@@ -109,14 +109,6 @@ impl NodeConfig {
             ("safety.max_descent_m_s", safety.max_descent_m_s, 0.1, 30.0),
             ("safety.min_separation_m", safety.min_separation_m, 0.0, 100.0),
             ("safety.separation_horizon_s", safety.separation_horizon_s, 0.0, 10.0),
-            ("safety.returning.height_m", safety.returning.height_m, 1.0, 500.0),
-            ("safety.returning.layer_gap_m", safety.returning.layer_gap_m, 0.5, 100.0),
-            (
-                "safety.returning.landing_spacing_m",
-                safety.returning.landing_spacing_m,
-                0.5,
-                100.0,
-            ),
             (
                 "coordinator.take_off_stagger_s",
                 coordinator.take_off_stagger_s,
@@ -155,11 +147,26 @@ impl NodeConfig {
             ),
         ];
         ranges.extend(self.plugin_ranges());
+        ranges.extend(self.returning_ranges());
         if let Some(fence) = &safety.fence {
             ranges.push(("safety.fence.floor_m", fence.floor_m, -1000.0, fence.ceiling_m));
             ranges.push(("safety.fence.ceiling_m", fence.ceiling_m, fence.floor_m, 20_000.0));
         }
         ranges
+    }
+
+    fn returning_ranges(&self) -> [(&'static str, f64, f64, f64); 3] {
+        let returning = &self.safety.returning;
+        [
+            ("safety.returning.height_m", returning.height_m, 1.0, 500.0),
+            ("safety.returning.layer_gap_m", returning.layer_gap_m, 0.5, 100.0),
+            (
+                "safety.returning.landing_spacing_m",
+                returning.landing_spacing_m,
+                0.5,
+                100.0,
+            ),
+        ]
     }
 
     fn plugin_ranges(&self) -> [(&'static str, f64, f64, f64); 4] {

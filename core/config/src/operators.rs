@@ -26,7 +26,10 @@ impl OperatorSettings {
         }
         let is_digest = self.token_sha256.len() == 64 && self.token_sha256.chars().all(|c| c.is_ascii_hexdigit());
         if !is_digest {
-            return Err(("token_sha256", "must be 64 hexadecimal digits: the SHA-256 of the operator's secret"));
+            return Err((
+                "token_sha256",
+                "must be 64 hexadecimal digits: the SHA-256 of the operator's secret",
+            ));
         }
         Ok(())
     }

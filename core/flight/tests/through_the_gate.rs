@@ -4,7 +4,8 @@
 use nalgebra::Vector3;
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{
-    AccelerationNed, AnchorReference, FormationRequest, NodeTime, OffsetFrd, PositionNed, Route, Shape, SlotMove, VehicleId, VelocityNed,
+    AccelerationNed, AnchorReference, FormationRequest, NodeTime, OffsetFrd, PositionNed, Route, Shape, SlotMove,
+    VehicleId, VelocityNed,
 };
 use skein_flight::formation;
 use skein_flight::transition::{MotionLimits, plan};

@@ -156,7 +156,9 @@ fn own_now(
     now: NodeTime,
 ) -> Option<Own> {
     let usable = kinematics.position.is_finite() && kinematics.velocity.is_finite() && wanted.is_well_formed();
-    if !usable || !(settings.min_separation_m > 0.0) {
+    // Written so that a distance that is not a number turns the filter off like none.
+    let is_on = settings.min_separation_m > 0.0;
+    if !usable || !is_on {
         return None;
     }
     let age_s = surroundings::age_s(kinematics.measured, now);

@@ -13,9 +13,9 @@ fn settings(ceiling_down_m: Option<f64>) -> ReturnSettings {
 }
 
 fn homing() -> impl Strategy<Value = Vec<Homing>> {
-    let place = || (-80.0..80.0_f64, -80.0..80.0_f64, -60.0..-2.0_f64);
-    proptest::collection::vec((place(), -3.0..3.0_f64, -3.0..3.0_f64), 1..60).prop_map(|all| {
-        let one = |(i, ((n, e, d), home_n, home_e)): (usize, ((f64, f64, f64), f64, f64))| Homing {
+    let coordinates = [-80.0..80.0_f64, -80.0..80.0, -60.0..-2.0, -3.0..3.0, -3.0..3.0];
+    proptest::collection::vec(coordinates, 1..60).prop_map(|all| {
+        let one = |(i, [n, e, d, home_n, home_e]): (usize, [f64; 5])| Homing {
             vehicle: VehicleId(i as u16 + 1),
             position: PositionNed::new(n, e, d),
             home: PositionNed::new(home_n, home_e, 0.0),

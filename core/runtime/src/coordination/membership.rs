@@ -78,7 +78,11 @@ impl Judging<'_> {
     #[must_use]
     pub fn strays(&self, formation: &Formation) -> Vec<VehicleId> {
         let flies_along = |state| matches!(state, FlightState::Following | FlightState::Leading);
-        let entries = self.peers.entries.iter().filter(|e| flies_along(e.flight_state) && !e.under_order);
+        let entries = self
+            .peers
+            .entries
+            .iter()
+            .filter(|e| flies_along(e.flight_state) && !e.under_order);
         let stray = |id: &VehicleId| !formation.members.contains(id) && !self.withdrawn.contains(id);
         entries.map(|e| e.id).filter(stray).collect()
     }

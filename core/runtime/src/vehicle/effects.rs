@@ -40,25 +40,7 @@ impl VehicleState {
                 }
                 Effect::Autopilot { request, command } => self.autopilot(request, command),
                 Effect::CommandProgress { id, progress } => self.progress(id, progress),
-                Effect::State { state, detail } => {
-                    let now = self.board.now();
-                    let state = self.shown_state(state);
-                    {
-                        let mut published = self.cell.state.lock();
-                        published.flight_state = state;
-                        published.detail.clone_from(&detail);
-                        published.since = now;
-                        if state != FlightState::Leading {
-                            // Who leads again starts from its own yaw, not from where it once turned a formation to.
-                            published.anchor = None;
-                        }
-                    }
-                    let text = match detail.as_str() {
-                        "" => format!("{}: {state}", self.cell.name),
-                        detail => format!("{}: {state} ({detail})", self.cell.name),
-                    };
-                    self.record(Severity::Info, EventKind::FlightState { state }, text);
-                }
+                Effect::State { state, detail } => self.state_changed(state, &detail),
                 Effect::Anchor(anchor) => self.cell.state.lock().anchor = Some(anchor),
                 Effect::Notice { severity, text } => {
                     self.record(severity, EventKind::Notice, format!("{}: {text}", self.cell.name));
@@ -94,6 +76,25 @@ impl VehicleState {
                 Effect::Mavlink(_) | Effect::Transmit { .. } | Effect::Frame(_) => {}
             }
         }
+    }
+
+    fn state_changed(&self, state: FlightState, detail: &str) {
+        let state = self.shown_state(state);
+        {
+            let mut published = self.cell.state.lock();
+            published.flight_state = state;
+            detail.clone_into(&mut published.detail);
+            published.since = self.board.now();
+            if state != FlightState::Leading {
+                // Who leads again starts from its own yaw, not from where it once turned a formation to.
+                published.anchor = None;
+            }
+        }
+        let text = match detail {
+            "" => format!("{}: {state}", self.cell.name),
+            detail => format!("{}: {state} ({detail})", self.cell.name),
+        };
+        self.record(Severity::Info, EventKind::FlightState { state }, text);
     }
 
     pub(super) fn progress(&mut self, id: skein_domain::CommandId, progress: CommandProgress) {

@@ -9,8 +9,8 @@ use crate::snapshot::EventKind;
 use crate::ways;
 use skein_domain::exchange::Severity;
 use skein_domain::{
-    AutopilotCommand, EnergyState, FlightMode, LadderEvent, LadderEventKind, NodeTime, Order, Reaction, Refusal, RequestId,
-    Task, VehicleCommand,
+    AutopilotCommand, EnergyState, FlightMode, LadderEvent, LadderEventKind, NodeTime, Order, Reaction, Refusal,
+    RequestId, Task, VehicleCommand,
 };
 use skein_safety::Ladder;
 use skein_safety::energy::{EnergyEstimator, EnergySample, WayHome};

@@ -158,7 +158,7 @@ pub(super) fn demand(own: &Own, peer: &Carried, settings: &AvoidanceSettings) ->
 fn passing_margin_m(shares: bool, there: &Vector3<f64>, relative: &Vector3<f64>) -> f64 {
     let square = relative.norm_squared();
     let left_s = if square > 0.0 {
-        (there.dot(relative) / square).max(0.0).min(PASSING_MAX_S)
+        (there.dot(relative) / square).clamp(0.0, PASSING_MAX_S)
     } else {
         0.0
     };
@@ -200,7 +200,8 @@ impl Side {
 
 /// The side of the collision cone along which the two lead past each other; none inside the keep-out volume.
 fn passing(own: &Own, peer: &Carried, sight: &Vector3<f64>, relative: &Vector3<f64>, sine: f64) -> Option<Side> {
-    if !(sine < 1.0) {
+    let outside = sine < 1.0;
+    if !outside {
         return None;
     }
     let cosine = (1.0 - sine * sine).sqrt();

@@ -206,7 +206,7 @@ impl World {
             .filter(|j| *j != i)
             .map(|j| {
                 let craft = &self.craft[j];
-                let state = craft.sent[self.known[i * count + j].unwrap()];
+                let state = craft.sent[self.known[i * count + j].expect("is known")];
                 let (id, shares) = match craft.kind {
                     Kind::Ours { .. } | Kind::Slot { .. } => (NeighbourId::Vehicle(VehicleId(j as u16)), true),
                     Kind::Fails { at_s, .. } => (NeighbourId::Vehicle(VehicleId(j as u16)), t_s < at_s + KNOWN_AFTER_S),

@@ -128,7 +128,7 @@ pub fn failing(count: usize, seed: u64) -> Vec<Start> {
 /// Vehicles that hold or fly, and foreign ones that cross right through them.
 pub fn foreign(count: usize, seed: u64) -> Vec<Start> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0xA8);
-    let mut starts = if seed % 2 == 0 {
+    let mut starts = if seed.is_multiple_of(2) {
         random(count, seed)
     } else {
         swaps(count, seed).iter().map(|s| ours(s.0 * 1.6, s.0 * 1.6)).collect()

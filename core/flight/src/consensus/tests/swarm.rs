@@ -26,7 +26,7 @@ const LAG_S: f64 = 0.3;
 pub fn wedge(count: usize) -> Vec<OffsetFrd> {
     let arm = |i: usize| {
         let step = i.div_ceil(2) as f64 * SPACING_M * std::f64::consts::FRAC_1_SQRT_2;
-        OffsetFrd::new(-step, if i % 2 == 0 { -step } else { step }, 0.0)
+        OffsetFrd::new(-step, if i.is_multiple_of(2) { -step } else { step }, 0.0)
     };
     (0..count).map(arm).collect()
 }
