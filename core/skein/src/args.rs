@@ -60,10 +60,13 @@ pub enum Command {
 /// `skein demo`
 #[derive(Debug, Clone, Args)]
 pub struct DemoArguments {
-    /// How many vehicles fly.
-    #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u8).range(2..=100))]
-    pub vehicles: u8,
-    /// The flight is laid out to be over within so many seconds [default: what the number of vehicles needs].
+    /// What is flown; each scenario has criteria of its own.
+    #[arg(long, value_enum, default_value_t = Scenario::Tour, value_name = "NAME")]
+    pub scenario: Scenario,
+    /// How many vehicles fly [default: 6; 8 in `formations`].
+    #[arg(long, value_parser = clap::value_parser!(u8).range(2..=100))]
+    pub vehicles: Option<u8>,
+    /// The tour is laid out to be over within so many seconds [default: what the number of vehicles needs].
     #[arg(long, value_name = "S")]
     pub seconds: Option<u32>,
     /// No dashboard for people: fly, report, exit.
@@ -91,6 +94,38 @@ pub struct DemoArguments {
     /// Another directory of plugins, beside `plugins` where this program is; may be given several times.
     #[arg(long, value_name = "DIR")]
     pub plugins: Vec<PathBuf>,
+}
+
+impl DemoArguments {
+    /// How many vehicles fly.
+    #[must_use]
+    pub fn count(&self) -> u8 {
+        let usual = match self.scenario {
+            Scenario::Formations => 8,
+            _ => 6,
+        };
+        self.vehicles.unwrap_or(usual)
+    }
+}
+
+/// What the demonstration flies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scenario {
+    /// Take off, form up, follow a leader along a route and back, land each on its spot.
+    Tour,
+    /// Every shape, morphed in flight; anchored to the leader, a virtual leader's path, a moving reference and a place.
+    Formations,
+    /// The leader falls silent on its route: another leads; then the leader is replaced on purpose, at speed.
+    LeaderLoss,
+    /// Vehicles leave and join in flight, swap roles, and one is lost.
+    JoinLeave,
+    /// Vehicles with different limits, some of them camera carriers: nobody is left behind, nobody flies in a camera's view.
+    Mixed,
+    /// A fence and two no-fly zones: refused goals, ways around, stops at the boundary.
+    Fence,
+    /// The coordinator is taken away: the formation keeps its shape by its neighbours' states alone.
+    NoCoordinator,
 }
 
 /// What fails in the demonstration.

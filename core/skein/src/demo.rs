@@ -1,23 +1,26 @@
 //! `skein demo`: simulated vehicles and a node in one process, joined by real MAVLink over real sockets. A director gives the
 //! commands an operator would give; a referee watches the simulator's truth, not what the node believes.
 
-mod director;
 mod drills;
 mod fleet;
 mod layout;
 mod referee;
 pub mod report;
+mod scenario;
+mod stage;
+mod steps;
 
-use crate::args::DemoArguments;
+use crate::args::{DemoArguments, Scenario};
 use crate::build::{Running, build, plugins_beside_program};
 use crate::run::stop_asked;
 use anyhow::{Context, bail};
-use director::Director;
 use drills::Drills;
 use layout::Layout;
 use referee::Referee;
+use scenario::{Chosen, Flight, Setup};
 use skein_config::{EndpointSettings, NodeConfig, PluginSettings};
 use skein_sim::{PayloadPlan, PortPlan, SimSettings, Simulation};
+use stage::Stage;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -31,19 +34,35 @@ const ENDPOINT: &str = "simulation";
 /// # Errors
 /// When the node or the simulation cannot be started, or the flight breaks off.
 pub async fn demo(arguments: DemoArguments) -> anyhow::Result<ExitCode> {
-    let layout = Layout::plan(usize::from(arguments.vehicles), arguments.seconds.map(f64::from));
-    let running = build(configuration(&arguments, &layout)).await?;
-    let simulation = simulate(&arguments, &running)?;
+    let layout = Layout::plan(usize::from(arguments.count()), arguments.seconds.map(f64::from));
+    let described = layout.describe();
+    let mut setup = Setup {
+        vehicles: arguments.count(),
+        node: configuration(&arguments, &layout),
+        simulation: simulation(&arguments),
+    };
+    let take_off_stagger_s = layout.take_off_stagger_s;
+    let mut flight = Chosen::new(arguments.scenario, layout);
+    flight.prepare(&mut setup);
+    let running = build(setup.node).await?;
+    let simulation = simulate(setup.simulation, &running)?;
     println!("Dashboard: http://{}", running.web_address());
     let outcome = if arguments.manual {
         println!(
             "{} simulated vehicles are yours to fly. Stop with Ctrl-C.",
-            arguments.vehicles
+            arguments.count()
         );
         stop_asked().await.map(|()| ExitCode::SUCCESS)
     } else {
         tokio::select! {
-            flown = fly(&arguments, &layout, &running, &simulation) => flown,
+            flown = async {
+                if arguments.scenario == Scenario::Tour {
+                    println!("{described}");
+                }
+                let referee = Referee::watch(&simulation, running.handle())?;
+                let stage = Stage::new(running.handle(), &simulation, &referee, usize::from(arguments.count()), take_off_stagger_s);
+                fly(&arguments, &mut flight, &stage).await
+            } => flown,
             asked = stop_asked() => asked.and_then(|()| bail!("stopped before the flight was over")),
         }
     };
@@ -66,7 +85,7 @@ fn configuration(arguments: &DemoArguments, layout: &Layout) -> NodeConfig {
             name: Some(ENDPOINT.into()),
             address: "udp-listen://127.0.0.1:0".into(),
         }],
-        adopt: fleet::rules(arguments.vehicles, arguments.model.as_deref(), arguments.faults),
+        adopt: fleet::rules(arguments.count(), arguments.model.as_deref(), arguments.faults),
         plugins: PluginSettings {
             directories: plugin_directories(&arguments.plugins),
             ..PluginSettings::default()
@@ -77,7 +96,7 @@ fn configuration(arguments: &DemoArguments, layout: &Layout) -> NodeConfig {
     config.web.listen = SocketAddr::from(([127, 0, 0, 1], port));
     config.coordinator.take_off_stagger_s = layout.take_off_stagger_s;
     config.coordinator.transition_speed_m_s = layout::TRANSITION_SPEED_M_S;
-    config.faults.enabled = arguments.faults.is_some() || arguments.manual;
+    config.faults.enabled = arguments.faults.is_some() || arguments.manual || arguments.scenario != Scenario::Tour;
     config
 }
 
@@ -92,37 +111,42 @@ fn plugin_directories(asked: &[PathBuf]) -> Vec<PathBuf> {
     directories
 }
 
-fn simulate(arguments: &DemoArguments, running: &Running) -> anyhow::Result<Simulation> {
-    let address = running.handle().endpoint_addresses().get(ENDPOINT).copied();
-    let address = address.context("the demo's endpoint is not bound")?;
-    let settings = SimSettings {
-        vehicles: usize::from(arguments.vehicles),
+fn simulation(arguments: &DemoArguments) -> SimSettings {
+    SimSettings {
+        vehicles: usize::from(arguments.count()),
         seed: arguments.seed,
         spacing_m: layout::SPACING_M,
-        ports: PortPlan::SendTo(address),
         payloads: PayloadPlan::all(),
+        parameters: fleet::parameters(),
         ..SimSettings::default()
-    };
-    Ok(Simulation::start(settings)?)
+    }
 }
 
-async fn fly(
-    arguments: &DemoArguments,
-    layout: &Layout,
-    running: &Running,
-    simulation: &Simulation,
-) -> anyhow::Result<ExitCode> {
-    println!("{}", layout.describe());
-    let referee = Referee::watch(simulation, running.handle())?;
+fn simulate(settings: SimSettings, running: &Running) -> anyhow::Result<Simulation> {
+    let address = running.handle().endpoint_addresses().get(ENDPOINT).copied();
+    let address = address.context("the demo's endpoint is not bound")?;
+    Ok(Simulation::start(SimSettings {
+        ports: PortPlan::SendTo(address),
+        ..settings
+    })?)
+}
+
+async fn fly(arguments: &DemoArguments, flight: &mut Chosen, stage: &Stage<'_>) -> anyhow::Result<ExitCode> {
     let drills = arguments
         .faults
-        .map(|plan| Drills::start(plan, running.handle(), arguments.seed));
-    let mut director = Director::new(running.handle(), layout, &referee);
-    let flown = director.fly().await;
-    let faults_injected = drills.map_or(0, Drills::stop);
+        .map(|plan| Drills::start(plan, stage.node.clone(), arguments.seed));
+    let flown = flight.fly(stage).await;
+    let flight_s = flown.is_ok().then(|| stage.elapsed_s());
+    let faults = drills.map_or(0, Drills::stop);
     // The last frames of the truth are in when the referee has seen one more.
     tokio::time::sleep(Duration::from_millis(100)).await;
-    let report = report::make(arguments, &director, &referee, faults_injected, flown.as_ref().err());
+    let outcome = report::Outcome {
+        criteria: flight.criteria(stage.referee),
+        flight_s,
+        faults,
+        broke_off: flown.as_ref().err(),
+    };
+    let report = report::make(arguments, &stage.node, stage.referee, outcome);
     if let Some(file) = &arguments.report {
         let json = serde_json::to_string_pretty(&report)?;
         std::fs::write(file, json + "\n").with_context(|| format!("cannot write the report to {}", file.display()))?;

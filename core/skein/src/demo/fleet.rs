@@ -4,6 +4,15 @@
 use crate::args::FaultPlan;
 use skein_config::{AdoptionRule, Isolation, PayloadRule, SystemIdSet};
 use skein_domain::SystemId;
+use skein_sim::vehicle::ParameterValue;
+
+/// How fast the quadrotors climb and descend at most in a formation, in metres per second.
+const VERTICAL_M_S: f64 = 2.5;
+
+/// Parameters of the simulated vehicles that differ from the autopilot's defaults.
+pub fn parameters() -> Vec<(String, ParameterValue)> {
+    vec![("MPC_Z_VEL_MAX_DN".into(), ParameterValue::Real(3.0))]
+}
 
 /// The adoption rules, one per vehicle.
 pub fn rules(vehicles: u8, model: Option<&str>, faults: Option<FaultPlan>) -> Vec<AdoptionRule> {
@@ -26,6 +35,8 @@ fn rule(system_id: u8, model: Option<&str>, mixed_isolation: bool) -> AdoptionRu
     AdoptionRule {
         system_ids: SystemIdSet::one(SystemId(system_id)),
         model: model.into(),
+        // Numbers in a table of tables: nothing in it that the other form could not hold.
+        model_config: serde_json::from_value(quick(model)).unwrap_or_default(),
         model_isolation: isolation(usize::from(system_id)),
         payloads: carries
             .iter()
@@ -36,6 +47,19 @@ fn rule(system_id: u8, model: Option<&str>, mixed_isolation: bool) -> AdoptionRu
             })
             .collect(),
         ..AdoptionRule::default()
+    }
+}
+
+/// The demonstration's quadrotors climb and descend quicker than a model assumes of a vehicle it knows nothing of: a detour over another
+/// vehicle takes as long as the slower of both. The simulated ones are built for it.
+fn quick(model: &str) -> serde_json::Value {
+    let flight =
+        serde_json::json!({ "climb_m_s": VERTICAL_M_S, "descent_m_s": VERTICAL_M_S, "acceleration_m_s2": 3.0 });
+    match model {
+        "generic-uav" => flight,
+        "coordinator-uav" | "observation-uav" => serde_json::json!({ "flight": flight }),
+        // Somebody's own model has settings of its own.
+        _ => serde_json::json!({}),
     }
 }
 

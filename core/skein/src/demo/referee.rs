@@ -10,6 +10,7 @@ use skein_domain::{Geodetic, LandedState, PositionNed, SwarmFrame, VehicleId};
 use skein_flight::transition;
 use skein_runtime::{FormationSlots, NodeHandle};
 use skein_sim::{ModeCause, Simulation, TruthFrame, VehicleTruth};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// A leader within this of the route's speed, in metres per second, flies at it.
@@ -47,6 +48,13 @@ pub struct Figures {
     pub pointing: Errors,
     /// Landing spots.
     pub landings: Vec<Landing>,
+    /// Speed at which straight flight counts, in metres per second.
+    pub cruise_m_s: f64,
+    /// System ids of vehicles with which something was done that takes them out of the swarm's hands: neither their modes nor their
+    /// setpoints count.
+    pub excused: BTreeSet<u8>,
+    /// System ids of vehicles that are not expected to land.
+    pub lost: BTreeSet<u8>,
     looks: Option<pointing::Looks>,
     steady_since_s: Option<f64>,
     airborne: bool,
@@ -70,7 +78,8 @@ pub struct Errors {
 }
 
 impl Errors {
-    fn add(&mut self, error: f64) {
+    /// One more.
+    pub fn add(&mut self, error: f64) {
         self.samples += 1;
         self.sum_squares += error * error;
         self.largest = self.largest.max(error);
@@ -95,7 +104,10 @@ impl Referee {
     /// # Errors
     /// When the simulation has ended.
     pub fn watch(simulation: &Simulation, node: NodeHandle) -> anyhow::Result<Self> {
-        let figures = Arc::new(Mutex::new(Figures::default()));
+        let figures = Arc::new(Mutex::new(Figures {
+            cruise_m_s: super::layout::SPEED_M_S,
+            ..Figures::default()
+        }));
         let last = Arc::new(Mutex::new(TruthFrame::default()));
         let (seen, newest, handle) = (figures.clone(), last.clone(), node.clone());
         simulation.observe(Box::new(move |truth: &TruthFrame| {
@@ -118,6 +130,26 @@ impl Referee {
     /// All vehicles are up: from here on formation errors count.
     pub fn airborne(&self) {
         self.figures.lock().airborne = true;
+    }
+
+    /// From now on straight flight counts at this speed.
+    pub fn cruise(&self, speed_m_s: f64) {
+        self.figures.lock().cruise_m_s = speed_m_s;
+    }
+
+    /// Modes and setpoint gaps of this vehicle do not count: something is done to it from outside.
+    pub fn excuse(&self, system_id: u8) {
+        self.figures.lock().excused.insert(system_id);
+    }
+
+    /// Begins the next part of a flight: gives the formation errors, straight and turning, of the one that ends.
+    pub fn next_part(&self) -> (Errors, Errors) {
+        let mut figures = self.figures.lock();
+        figures.steady_since_s = None;
+        (
+            std::mem::take(&mut figures.straight),
+            std::mem::take(&mut figures.turning),
+        )
     }
 
     /// Measures how far each vehicle is from its slot now; gives the largest distance in metres.
@@ -171,7 +203,7 @@ fn look(figures: &mut Figures, truth: &TruthFrame, node: &NodeHandle) {
         return;
     };
     let speed_m_s = velocity.xy().norm();
-    let at_speed = (speed_m_s - super::layout::SPEED_M_S).abs() < AT_SPEED_M_S;
+    let at_speed = (speed_m_s - figures.cruise_m_s).abs() < AT_SPEED_M_S;
     let turning = slots.anchor.heading_rate_rad_s.abs() > STRAIGHT_RAD_S || turns(&velocity, &acceleration);
     let errors = slot_errors(truth, &slots, now);
     if turning && speed_m_s > UNDER_WAY_M_S {
@@ -221,7 +253,7 @@ fn watch_distances(figures: &mut Figures, truth: &TruthFrame) {
 }
 
 /// Each follower's true distance from its slot behind the true leader, or about the anchor, in metres.
-fn slot_errors(truth: &TruthFrame, slots: &FormationSlots, now: skein_domain::NodeTime) -> Vec<f64> {
+pub fn slot_errors(truth: &TruthFrame, slots: &FormationSlots, now: skein_domain::NodeTime) -> Vec<f64> {
     let age_s = now.seconds_since(slots.anchor.time);
     let carried_on = || slots.anchor.position.after(&slots.anchor.velocity, age_s);
     let base = match slots.leader {
@@ -236,17 +268,13 @@ fn slot_errors(truth: &TruthFrame, slots: &FormationSlots, now: skein_domain::No
         .filter_map(|(id, slot)| {
             let follower = vehicle(truth, *id)?;
             let offset = transition::sample(slot, now).offset;
-            Some(
-                follower
-                    .position
-                    .distance_m(&base.moved(offset.rotated(heading_rad))),
-            )
+            Some(follower.position.distance_m(&base.moved(offset.rotated(heading_rad))))
         })
         .collect()
 }
 
 /// In the demonstration a vehicle's id is its system id.
-fn vehicle(truth: &TruthFrame, id: VehicleId) -> Option<&VehicleTruth> {
+pub fn vehicle(truth: &TruthFrame, id: VehicleId) -> Option<&VehicleTruth> {
     u8::try_from(id.0)
         .ok()
         .and_then(|system_id| truth.vehicle(system_id))
@@ -272,12 +300,13 @@ pub fn landing_errors(truth: &TruthFrame, landings: &[Landing]) -> Vec<(VehicleI
         .collect()
 }
 
-fn is_down(vehicle: &VehicleTruth) -> bool {
+/// Whether it stands on the ground, disarmed, and knows it.
+pub fn is_down(vehicle: &VehicleTruth) -> bool {
     vehicle.touches_ground && !vehicle.armed && vehicle.landed == LandedState::OnGround
 }
 
-/// Changes of mode that nobody had planned, in words.
-pub fn unplanned_mode_changes(truth: &TruthFrame) -> Vec<String> {
+/// Changes of mode that nobody had planned, in words, with the system id.
+pub fn unplanned_mode_changes(truth: &TruthFrame) -> Vec<(u8, String)> {
     let mut found = Vec::new();
     for vehicle in &truth.vehicles {
         for change in vehicle.mode_changes.iter() {
@@ -286,10 +315,11 @@ pub fn unplanned_mode_changes(truth: &TruthFrame) -> Vec<String> {
                 ModeCause::Failsafe | ModeCause::Recovered | ModeCause::Pilot | ModeCause::Rebooted
             ) {
                 let (id, at_s, cause) = (vehicle.system_id, change.time_s, change.cause);
-                found.push(format!(
+                let text = format!(
                     "system id {id} at {at_s:.1} s: {} to {} ({cause:?})",
                     change.from, change.to
-                ));
+                );
+                found.push((id, text));
             }
         }
     }

@@ -1,18 +1,25 @@
 //! The report of a demonstration: each figure with its limit, and whether the flight met all of them.
 
-use super::director::Director;
+mod criterion;
+mod restarts;
+
+pub use criterion::{Criterion, at_least, at_most};
+pub use restarts::PluginRestarts;
+
 use super::layout;
 use super::referee::{self, Figures, Referee};
-use crate::args::{DemoArguments, FaultPlan};
+use crate::args::{DemoArguments, FaultPlan, Scenario};
 use serde::Serialize;
 use skein_config::Isolation;
-use skein_runtime::{RestartRecord, Restored};
+use skein_runtime::NodeHandle;
 use skein_sim::TruthFrame;
 use std::fmt::Write;
 
 /// The report, as it is written to the file.
 #[derive(Debug, Serialize)]
 pub struct Report {
+    /// What was flown.
+    pub scenario: Scenario,
     /// All criteria were met.
     pub passed: bool,
     /// Why the flight broke off, if it did.
@@ -45,72 +52,6 @@ pub struct Report {
     pub simulation_longest_stall_s: f64,
 }
 
-/// One criterion.
-#[derive(Debug, Serialize)]
-pub struct Criterion {
-    /// What is measured.
-    pub name: &'static str,
-    /// What was measured; `None` if nothing could be.
-    pub value: Option<f64>,
-    /// What it is compared with.
-    pub limit: f64,
-    /// `at_most` or `at_least`.
-    pub comparison: &'static str,
-    /// Unit of both.
-    pub unit: &'static str,
-    /// Whether it is met. Nothing measured is not met.
-    pub met: bool,
-}
-
-/// How plugin instances came back, in one isolation.
-#[derive(Debug, Serialize)]
-pub struct PluginRestarts {
-    /// Where they run.
-    pub isolation: Isolation,
-    /// How many restarts.
-    pub count: usize,
-    /// Half of them took no longer, in milliseconds, from the failure until the state was back; a deliberate wait not counted.
-    pub p50_ms: f64,
-    /// All but one in a hundred took no longer, in milliseconds.
-    pub p99_ms: f64,
-    /// The longest, in milliseconds.
-    pub max_ms: f64,
-    /// What p99 should not exceed, in milliseconds.
-    pub p99_target_ms: f64,
-    /// After so many the state was the former one, byte for byte.
-    pub restored_exactly: usize,
-    /// After so many there was no state yet to restore.
-    pub without_state: usize,
-    /// After so many it was another.
-    pub restored_differently: usize,
-    /// So many waited on purpose before, since they had failed in quick succession.
-    pub backed_off: usize,
-}
-
-/// The restarts of one isolation.
-fn plugin_restarts(restarts: &[RestartRecord], isolation: Isolation, p99_target_ms: f64) -> PluginRestarts {
-    let of: Vec<&RestartRecord> = restarts.iter().filter(|r| r.isolation == isolation).collect();
-    let mut took_ms: Vec<f64> = of.iter().map(|r| r.took_s * 1e3).collect();
-    took_ms.sort_by(f64::total_cmp);
-    let quantile = |share: f64| {
-        let rank = (took_ms.len() as f64 * share).ceil().max(1.0) as usize;
-        took_ms.get(rank - 1).copied().unwrap_or(0.0)
-    };
-    let restored = |how: Restored| of.iter().filter(|r| r.restored == how).count();
-    PluginRestarts {
-        isolation,
-        count: of.len(),
-        p50_ms: quantile(0.5),
-        p99_ms: quantile(0.99),
-        max_ms: quantile(1.0),
-        p99_target_ms,
-        restored_exactly: restored(Restored::Exactly),
-        without_state: restored(Restored::Fresh),
-        restored_differently: restored(Restored::Differently),
-        backed_off: of.iter().filter(|r| r.backoff_s > 0.0).count(),
-    }
-}
-
 /// How well a formation was reached.
 #[derive(Debug, Serialize)]
 pub struct SlotsReached {
@@ -120,49 +61,31 @@ pub struct SlotsReached {
     pub farthest_m: Option<f64>,
 }
 
-fn at_most(name: &'static str, value: Option<f64>, limit: f64, unit: &'static str) -> Criterion {
-    let value = value.filter(|v| v.is_finite());
-    Criterion {
-        name,
-        value,
-        limit,
-        comparison: "at_most",
-        unit,
-        met: value.is_some_and(|v| v <= limit),
-    }
+/// How a flight went, beside what the referee saw.
+pub struct Outcome<'a> {
+    /// The criteria of its own.
+    pub criteria: Vec<Criterion>,
+    /// Seconds from the start to the last disarming.
+    pub flight_s: Option<f64>,
+    /// Faults that were injected.
+    pub faults: u64,
+    /// Why it broke off, if it did.
+    pub broke_off: Option<&'a anyhow::Error>,
 }
 
-fn at_least(name: &'static str, value: Option<f64>, limit: f64, unit: &'static str) -> Criterion {
-    let value = value.filter(|v| v.is_finite());
-    Criterion {
-        name,
-        value,
-        limit,
-        comparison: "at_least",
-        unit,
-        met: value.is_some_and(|v| v >= limit),
-    }
-}
-
-/// Each criterion with what was measured.
-fn criteria(arguments: &DemoArguments, figures: &Figures, truth: &TruthFrame, unplanned: usize) -> Vec<Criterion> {
-    let landings = referee::landing_errors(truth, &figures.landings);
+/// What every flight has to meet.
+fn common(figures: &Figures, truth: &TruthFrame, unplanned: usize) -> Vec<Criterion> {
     let farthest = |values: &mut dyn Iterator<Item = f64>| values.reduce(f64::max);
-    let gap_s = farthest(&mut truth.vehicles.iter().map(|v| v.offboard_gap_max_s));
-    let landed = landings.iter().filter(|(_, error_m)| error_m.is_finite()).count();
-    vec![
-        at_most(
-            "formation error in straight legs, root mean square",
-            figures.straight.rms(),
-            0.5,
-            "m",
-        ),
-        at_most(
-            "formation error in turns, root mean square",
-            figures.turning.rms(),
-            1.5,
-            "m",
-        ),
+    let judged = || {
+        truth
+            .vehicles
+            .iter()
+            .filter(|v| !figures.excused.contains(&v.system_id))
+    };
+    let to_land = truth.vehicles.iter().filter(|v| !figures.lost.contains(&v.system_id));
+    let landed = truth.vehicles.iter().filter(|v| v.alive && referee::is_down(v)).count();
+    let gap_s = farthest(&mut judged().map(|v| v.offboard_gap_max_s));
+    let mut criteria = vec![
         at_least(
             "smallest distance between two vehicles",
             figures.smallest_distance.map(|(d, ..)| d),
@@ -177,82 +100,80 @@ fn criteria(arguments: &DemoArguments, figures: &Figures, truth: &TruthFrame, un
         ),
         at_most("longest setpoint gap", gap_s, 0.2, "s"),
         at_most("unplanned changes of mode", Some(unplanned as f64), 0.0, ""),
-        at_most(
+    ];
+    if !figures.landings.is_empty() {
+        let landings = referee::landing_errors(truth, &figures.landings);
+        criteria.push(at_most(
             "farthest landing from its spot",
             farthest(&mut landings.iter().map(|(_, m)| *m)),
             1.0,
             "m",
-        ),
-        at_least(
-            "vehicles landed and disarmed",
-            Some(landed as f64),
-            f64::from(arguments.vehicles),
-            "",
-        ),
-    ]
-}
-
-/// What must be the case when plugins were ended during the whole flight.
-fn restart_criteria(restarts: &[RestartRecord], faults: u64) -> Vec<Criterion> {
-    let wrong = restarts.iter().filter(|r| r.restored == Restored::Differently).count();
-    // An end that comes while the same plugin is still away finds nothing to end.
-    let least = faults as f64 * 0.9;
-    vec![
-        at_most("restarts with another state than before", Some(wrong as f64), 0.0, ""),
-        at_least("plugins that came back", Some(restarts.len() as f64), least.floor(), ""),
-    ]
+        ));
+    }
+    criteria.push(at_least(
+        "vehicles landed and disarmed",
+        Some(landed as f64),
+        to_land.count() as f64,
+        "",
+    ));
+    criteria
 }
 
 /// Makes the report from the referee's figures.
-pub fn make(
-    arguments: &DemoArguments,
-    director: &Director<'_>,
-    referee: &Referee,
-    faults: u64,
-    broke_off: Option<&anyhow::Error>,
-) -> Report {
+pub fn make(arguments: &DemoArguments, node: &NodeHandle, referee: &Referee, outcome: Outcome<'_>) -> Report {
     let figures = referee.figures();
     let truth = referee.truth();
-    let unplanned = referee::unplanned_mode_changes(&truth);
-    let restarts = director.plugin_restarts();
-    let mut criteria = criteria(arguments, &figures, &truth, unplanned.len());
-    if figures.expects_gimbals() {
-        criteria.push(at_most(
-            "gimbals off what they look at, root mean square",
-            figures.pointing.rms().map(f64::to_degrees),
-            5.0,
-            "deg",
-        ));
-    }
+    let mut unplanned = referee::unplanned_mode_changes(&truth);
+    unplanned.retain(|(system_id, _)| !figures.excused.contains(system_id));
+    let restarts = node.restarts();
+    let mut criteria = outcome.criteria;
+    criteria.extend(common(&figures, &truth, unplanned.len()));
     if arguments.faults == Some(FaultPlan::Plugins) {
-        criteria.extend(restart_criteria(&restarts, faults));
+        criteria.extend(restarts::restart_criteria(&restarts, outcome.faults));
     }
+    let slots = figures.slots.into_iter().map(|(shape, m)| SlotsReached {
+        shape,
+        farthest_m: Some(m).filter(|m| m.is_finite()),
+    });
     Report {
-        passed: broke_off.is_none() && criteria.iter().all(|c| c.met),
-        broke_off: broke_off.map(|e| format!("{e:#}")),
+        scenario: arguments.scenario,
+        passed: outcome.broke_off.is_none() && criteria.iter().all(|c| c.met),
+        broke_off: outcome.broke_off.map(|e| format!("{e:#}")),
         version: env!("CARGO_PKG_VERSION"),
-        vehicles: arguments.vehicles,
+        vehicles: arguments.count(),
         seed: arguments.seed,
-        faults,
-        flight_s: director.flight_s,
+        faults: outcome.faults,
+        flight_s: outcome.flight_s,
         spacing_m: layout::SPACING_M,
-        speed_m_s: layout::SPEED_M_S,
+        speed_m_s: figures.cruise_m_s,
         criteria,
-        slots: figures
-            .slots
-            .into_iter()
-            .map(|(shape, m)| SlotsReached {
-                shape,
-                farthest_m: Some(m).filter(|m| m.is_finite()),
-            })
-            .collect(),
-        unplanned_mode_changes: unplanned,
-        restarts: director.restarts(),
+        slots: slots.collect(),
+        unplanned_mode_changes: unplanned.into_iter().map(|(_, text)| text).collect(),
+        restarts: restarted(node),
         plugin_restarts: [(Isolation::InProcess, 10.0), (Isolation::Child, 150.0)]
-            .map(|(isolation, target_ms)| plugin_restarts(&restarts, isolation, target_ms))
+            .map(|(isolation, target_ms)| restarts::plugin_restarts(&restarts, isolation, target_ms))
             .into(),
         simulation_longest_stall_s: truth.longest_stall_s,
     }
+}
+
+/// Actors and plugins that were started more than once, in words.
+fn restarted(node: &NodeHandle) -> Vec<String> {
+    let fleet = node.snapshot();
+    let vehicles = fleet.vehicles.iter().flat_map(|v| {
+        let payloads = v.payloads.iter().map(|payload| payload.plugin.as_actor());
+        [v.actor.clone(), v.model.as_actor()].into_iter().chain(payloads)
+    });
+    vehicles
+        .chain(fleet.actors.iter().cloned())
+        .filter(|health| health.incarnation.0 > 1)
+        .map(|h| {
+            format!(
+                "{} (incarnation {}, last error: {})",
+                h.name, h.incarnation, h.last_error
+            )
+        })
+        .collect()
 }
 
 impl Report {
@@ -292,7 +213,7 @@ impl Report {
     pub fn describe(&self) -> String {
         let mut text = String::new();
         // Writing to a string does not fail.
-        let _ = writeln!(text, "\n{:<52} {:>9}   {:>14}", "criterion", "measured", "limit");
+        let _ = writeln!(text, "\n{:<66} {:>9}   {:>14}", "criterion", "measured", "limit");
         for c in &self.criteria {
             let value = c
                 .value
@@ -301,7 +222,7 @@ impl Report {
             let mark = if c.met { "met" } else { "NOT MET" };
             let _ = writeln!(
                 text,
-                "{:<52} {value:>9}   {sign} {:>5} {:<3} {mark}",
+                "{:<66} {value:>9}   {sign} {:>5} {:<3} {mark}",
                 c.name, c.limit, c.unit
             );
         }

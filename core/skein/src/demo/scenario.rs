@@ -1,0 +1,120 @@
+//! What the demonstration can fly: one file per scenario, each with its own criteria, judged by the simulator's truth.
+
+mod car;
+mod fence;
+mod formations;
+mod join_leave;
+mod leader_loss;
+mod mixed;
+mod no_coordinator;
+mod tour;
+
+use super::layout::Layout;
+use super::referee::Referee;
+use super::report::Criterion;
+use super::stage::Stage;
+use crate::args::Scenario;
+use skein_config::NodeConfig;
+use skein_sim::SimSettings;
+
+/// What a scenario may change of node and simulation before they are started.
+pub struct Setup {
+    /// How many vehicles.
+    pub vehicles: u8,
+    /// The node's configuration.
+    pub node: NodeConfig,
+    /// The simulation's settings; the ports are filled in later.
+    pub simulation: SimSettings,
+}
+
+/// A scenario.
+pub trait Flight {
+    /// Before node and simulation are started.
+    fn prepare(&self, _setup: &mut Setup) {}
+
+    /// The whole flight.
+    ///
+    /// # Errors
+    /// When something that should happen does not, or is refused.
+    async fn fly(&mut self, stage: &Stage<'_>) -> anyhow::Result<()>;
+
+    /// What it has to meet beside what every flight has to; also after a flight that broke off.
+    fn criteria(&self, referee: &Referee) -> Vec<Criterion>;
+}
+
+/// The swarm's origin, fixed to the simulation's: positions of the node and of the truth are then the same, whichever vehicle is heard
+/// first.
+fn swarm_origin() -> skein_domain::Geodetic {
+    SimSettings::default().origin
+}
+
+/// The scenario that was asked for.
+pub enum Chosen {
+    /// The tour.
+    Tour(tour::Tour),
+    /// Formations.
+    Formations(formations::Formations),
+    /// Leader lost and replaced.
+    LeaderLoss(leader_loss::LeaderLoss),
+    /// Members change.
+    JoinLeave(join_leave::JoinLeave),
+    /// Different vehicles.
+    Mixed(mixed::Mixed),
+    /// Where not to fly.
+    Fence(fence::Fence),
+    /// Without a coordinator.
+    NoCoordinator(no_coordinator::NoCoordinator),
+}
+
+impl Chosen {
+    /// By its name.
+    pub fn new(scenario: Scenario, layout: Layout) -> Self {
+        match scenario {
+            Scenario::Tour => Self::Tour(tour::Tour::new(layout)),
+            Scenario::LeaderLoss => Self::LeaderLoss(leader_loss::LeaderLoss::default()),
+            Scenario::NoCoordinator => Self::NoCoordinator(no_coordinator::NoCoordinator::default()),
+            Scenario::Formations => Self::Formations(formations::Formations::default()),
+            Scenario::JoinLeave => Self::JoinLeave(join_leave::JoinLeave::default()),
+            Scenario::Mixed => Self::Mixed(mixed::Mixed::default()),
+            Scenario::Fence => Self::Fence(fence::Fence::default()),
+        }
+    }
+}
+
+impl Flight for Chosen {
+    fn prepare(&self, setup: &mut Setup) {
+        match self {
+            Self::Tour(flight) => flight.prepare(setup),
+            Self::Formations(flight) => flight.prepare(setup),
+            Self::LeaderLoss(flight) => flight.prepare(setup),
+            Self::JoinLeave(flight) => flight.prepare(setup),
+            Self::Mixed(flight) => flight.prepare(setup),
+            Self::Fence(flight) => flight.prepare(setup),
+            Self::NoCoordinator(flight) => flight.prepare(setup),
+        }
+    }
+
+    async fn fly(&mut self, stage: &Stage<'_>) -> anyhow::Result<()> {
+        match self {
+            Self::Tour(flight) => flight.fly(stage).await,
+            Self::Formations(flight) => flight.fly(stage).await,
+            Self::LeaderLoss(flight) => flight.fly(stage).await,
+            Self::JoinLeave(flight) => flight.fly(stage).await,
+            Self::Mixed(flight) => flight.fly(stage).await,
+            Self::Fence(flight) => flight.fly(stage).await,
+            Self::NoCoordinator(flight) => flight.fly(stage).await,
+        }
+    }
+
+    fn criteria(&self, referee: &Referee) -> Vec<Criterion> {
+        match self {
+            Self::Tour(flight) => flight.criteria(referee),
+            Self::Formations(flight) => flight.criteria(referee),
+            Self::LeaderLoss(flight) => flight.criteria(referee),
+            Self::JoinLeave(flight) => flight.criteria(referee),
+            Self::Mixed(flight) => flight.criteria(referee),
+            Self::Fence(flight) => flight.criteria(referee),
+            Self::NoCoordinator(flight) => flight.criteria(referee),
+        }
+    }
+}

@@ -1,0 +1,203 @@
+//! Who takes part changes while the formation flies: one is told to hold, two take off and join, another leads, one lands, one falls
+//! silent, and the one that holds is called back. Everyone who remains is in its slot each time.
+
+use super::{Flight, Setup, swarm_origin};
+use crate::demo::layout::{HEIGHT_M, SETTLE_S, SPACING_M};
+use crate::demo::referee::Referee;
+use crate::demo::report::{Criterion, at_least, at_most};
+use crate::demo::stage::Stage;
+use crate::demo::steps::{Step, StepWatch};
+use anyhow::{Context, bail};
+use skein_domain::{FormationRequest, Route, Shape, VehicleCommand, VehicleId};
+use skein_sim::Fault;
+
+/// Speed of the leader in metres per second: slow, so that all of it happens not far from the field.
+const SPEED_M_S: f64 = 3.0;
+/// Radius of corners in metres.
+const CORNER_RADIUS_M: f64 = 12.0;
+/// So many stay on the ground at first.
+const ON_GROUND: usize = 2;
+/// Fewer would leave no formation.
+const FEWEST: usize = 5;
+
+/// The flight and what it showed.
+#[derive(Default)]
+pub struct JoinLeave {
+    left_s: Option<f64>,
+    joined_s: Option<f64>,
+    lost_s: Option<f64>,
+    roles_swapped: bool,
+    at_swap: Option<Step>,
+    gatherings: usize,
+}
+
+impl JoinLeave {
+    /// Waits until exactly these take part and the change is over, then looks where they are; gives the seconds until they took part.
+    async fn gathered(&mut self, stage: &Stage<'_>, label: &str, expected: &[VehicleId]) -> anyhow::Result<f64> {
+        let asked_s = stage.elapsed_s();
+        let mut expected = expected.to_vec();
+        expected.sort_unstable();
+        let take_part = |fleet: &skein_runtime::FleetSnapshot| {
+            fleet.formation.as_ref().is_some_and(|f| {
+                let mut members = f.members.clone();
+                members.sort_unstable();
+                members == expected
+            })
+        };
+        stage
+            .until(30.0, &format!("formation of {expected:?}: {label}"), take_part)
+            .await?;
+        let took_s = stage.elapsed_s() - asked_s;
+        let settled = |fleet: &skein_runtime::FleetSnapshot| {
+            let formation = fleet.formation.as_ref();
+            formation.is_some_and(|f| fleet.time.seconds_since(f.settled_at) > SETTLE_S)
+        };
+        stage.until(30.0, "everyone in its slot", settled).await?;
+        let worst_m = stage.referee.slots_reached(label);
+        stage.say(&format!(
+            "{label}: {took_s:.1} s; of {} the farthest is {worst_m:.2} m from its slot",
+            expected.len()
+        ));
+        self.gatherings += 1;
+        Ok(took_s)
+    }
+
+    /// Followers as the formation has them now, the last first.
+    fn followers(stage: &Stage<'_>) -> anyhow::Result<(VehicleId, Vec<VehicleId>)> {
+        let fleet = stage.node.snapshot();
+        let formation = fleet.formation.as_ref().context("no formation is flown")?;
+        let leader = formation.leader.context("nobody leads")?;
+        let mut followers: Vec<VehicleId> = formation.members.iter().copied().filter(|id| *id != leader).collect();
+        followers.sort_unstable_by(|a, b| b.cmp(a));
+        Ok((leader, followers))
+    }
+
+    /// One holds, two come up from the ground.
+    async fn leave_and_join(&mut self, stage: &Stage<'_>, newcomers: &[VehicleId]) -> anyhow::Result<VehicleId> {
+        let (leader, followers) = Self::followers(stage)?;
+        let holds = *followers.first().context("nobody follows")?;
+        stage.say(&format!("vehicle {holds} is told to hold: it leaves"));
+        stage.command(&[holds], VehicleCommand::Hold).await?;
+        let mut members: Vec<VehicleId> = followers.iter().copied().filter(|id| *id != holds).collect();
+        members.push(leader);
+        self.left_s = Some(self.gathered(stage, "without the one that holds", &members).await?);
+        stage.say(&format!("vehicles {newcomers:?} take off to join"));
+        stage.take_off(newcomers, HEIGHT_M).await?;
+        members.extend(newcomers);
+        let up_s = stage.elapsed_s();
+        self.gathered(stage, "with two more", &members).await?;
+        self.joined_s = Some(stage.elapsed_s() - up_s);
+        Ok(holds)
+    }
+
+    /// Another leads; the former leader takes a slot.
+    async fn swap_roles(&mut self, stage: &Stage<'_>) -> anyhow::Result<()> {
+        let (leader, followers) = Self::followers(stage)?;
+        let next = *followers.last().context("nobody follows")?;
+        stage.say(&format!("vehicle {next} is to lead instead of {leader}"));
+        let request = FormationRequest {
+            leader: Some(next),
+            members: Some(followers.iter().copied().chain([leader]).collect()),
+            ..FormationRequest::new(Shape::Wedge, SPACING_M)
+        };
+        let watch = StepWatch::begin(&stage.node, None, SPEED_M_S);
+        stage.form("Wedge, roles swapped", request).await?;
+        self.at_swap = watch.end(stage);
+        let (now, others) = Self::followers(stage)?;
+        self.roles_swapped = now == next && others.contains(&leader);
+        Ok(())
+    }
+
+    /// One lands where it is, one falls silent; gives the silent one.
+    async fn land_and_lose(&mut self, stage: &Stage<'_>) -> anyhow::Result<VehicleId> {
+        let (leader, followers) = Self::followers(stage)?;
+        let (lands, falls_silent) = match followers.as_slice() {
+            [first, second, ..] => (*first, *second),
+            _ => bail!("too few follow"),
+        };
+        stage.say(&format!("vehicle {lands} is told to land: it leaves"));
+        stage.command(&[lands], VehicleCommand::Land).await?;
+        let without = |gone: &[VehicleId]| -> Vec<VehicleId> {
+            let stay = followers.iter().copied().filter(|id| !gone.contains(id));
+            stay.chain([leader]).collect()
+        };
+        self.gathered(stage, "without the one that lands", &without(&[lands]))
+            .await?;
+        let fleet = stage.node.snapshot();
+        let silent = fleet.vehicles.iter().find(|v| v.id == falls_silent);
+        let system_id = silent.context("the vehicle is not in the picture")?.system_id.0;
+        stage.say(&format!("vehicle {falls_silent} falls silent"));
+        stage.referee.excuse(system_id);
+        stage.simulation.inflict(system_id, Fault::Silent(true))?;
+        let stay = without(&[lands, falls_silent]);
+        self.lost_s = Some(self.gathered(stage, "without the silent one", &stay).await?);
+        Ok(falls_silent)
+    }
+}
+
+impl Flight for JoinLeave {
+    fn prepare(&self, setup: &mut Setup) {
+        setup.node.swarm.origin = Some(swarm_origin());
+    }
+
+    async fn fly(&mut self, stage: &Stage<'_>) -> anyhow::Result<()> {
+        if stage.vehicles < FEWEST {
+            bail!("this scenario needs {FEWEST} vehicles at least");
+        }
+        stage.referee.cruise(SPEED_M_S);
+        stage.find_all().await?;
+        let ids = stage.ids();
+        let (first, newcomers) = ids.split_at(stage.vehicles - ON_GROUND);
+        stage.say(&format!("{} take off, {ON_GROUND} stay on the ground", first.len()));
+        stage.take_off(first, HEIGHT_M).await?;
+        stage.referee.airborne();
+        stage
+            .form("Wedge", FormationRequest::new(Shape::Wedge, SPACING_M))
+            .await?;
+        let start = stage.leader_position()?;
+        let at = |north: f64, east: f64| start.moved(nalgebra::Vector3::new(north, east, 0.0));
+        let route = Route {
+            waypoints: vec![at(70.0, 0.0), at(70.0, 50.0), at(20.0, 50.0)],
+            speed_m_s: SPEED_M_S,
+            corner_radius_m: CORNER_RADIUS_M,
+        };
+        stage.begin_route("round the field", &route).await?;
+        stage.pause(5.0).await;
+        let holds = self.leave_and_join(stage, newcomers).await?;
+        self.swap_roles(stage).await?;
+        let silent = self.land_and_lose(stage).await?;
+        let (leader, mut members) = Self::followers(stage)?;
+        members.extend([leader, holds]);
+        stage.say(&format!("vehicle {holds} is called back"));
+        let request = FormationRequest {
+            members: Some(members.clone()),
+            ..FormationRequest::new(Shape::Wedge, SPACING_M)
+        };
+        stage.form("Wedge, with the one that held", request).await?;
+        self.gathered(stage, "with the one that held", &members).await?;
+        stage.route_end(60.0).await?;
+        stage.bring_back(silent).await?;
+        stage.land_in_grid().await
+    }
+
+    fn criteria(&self, _referee: &Referee) -> Vec<Criterion> {
+        vec![
+            at_least("changes of who takes part", Some(self.gatherings as f64), 5.0, ""),
+            at_most("told to hold until the others regroup", self.left_s, 2.0, "s"),
+            at_most(
+                "from hovering until in a slot of the formation",
+                self.joined_s,
+                25.0,
+                "s",
+            ),
+            at_most("fallen silent until the others regroup", self.lost_s, 3.0, "s"),
+            at_least("roles swapped", Some(f64::from(u8::from(self.roles_swapped))), 1.0, ""),
+            at_most(
+                "largest jump of a setpoint when roles were swapped",
+                self.at_swap.map(|s| s.beyond_m),
+                1.0,
+                "m",
+            ),
+        ]
+    }
+}
