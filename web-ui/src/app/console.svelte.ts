@@ -3,10 +3,13 @@
 import { createContext } from 'svelte';
 import { MapState } from '../features/map/mapState.svelte';
 import { Commander } from '../model/commander.svelte';
+import { EmergencyStop } from '../model/emergencyStop.svelte';
 import { FormationDraft } from '../model/formationDraft.svelte';
 import { Journal } from '../model/journal.svelte';
 import { Session } from '../model/session.svelte';
 import { Targets } from '../model/targets.svelte';
+import { Watch } from '../model/watch.svelte';
+import { Navigation } from './navigation.svelte';
 import { Theme } from './theme.svelte';
 
 export class Console {
@@ -15,7 +18,10 @@ export class Console {
   readonly commander = new Commander();
   readonly session = new Session(this.commander, this.journal);
   readonly targets = new Targets(() => this.session.rows);
-  readonly formation = new FormationDraft(this.session, this.targets, this.journal);
+  readonly watch = new Watch(this.session);
+  readonly emergency = new EmergencyStop(this.watch, this.journal);
+  readonly formation = new FormationDraft(this.session, this.targets, this.journal, () => this.watch.references);
+  readonly navigation = new Navigation();
   readonly map = new MapState();
 }
 

@@ -1,20 +1,25 @@
-// The formation and the route an operator is putting together, and what the server said to the last one sent.
-// Must never decide feasibility: the server's answer is shown as it came.
+// The formation and the route an operator is putting together, where the server says its places would be, and what it said to the
+// last one sent. Must never decide feasibility or lay out slots: the server's answers are shown as they came.
 
 import { FLAG } from '../protocol/frame';
-import { ApiError, endFormation, putFormation, putRoute } from '../protocol/rest';
-import type { FormationRequest, HeadingRequest, Route, Shape } from '../protocol/types';
+import { ApiError, endFormation, previewFormation, putFormation, putRoute } from '../protocol/rest';
+import type { FormationAnchor, FormationControl, FormationPreview, FormationRequest, HeadingRequest, ReferenceSnapshot, Shape } from '../protocol/types';
 import { label } from '../protocol/words';
+import { anchorText, hasParameter, pathHeading, placed, requestOf } from './formationWords';
+import type { Place, Slot } from './formationWords';
 import type { Journal } from './journal.svelte';
+import { parseOffsets } from './offsets';
+import { RouteDraft } from './routeDraft.svelte';
 import type { Session } from './session.svelte';
-import { slotOffsets, turned } from './slotPreview';
 import type { Targets } from './targets.svelte';
 import type { VehicleRow } from './vehicleRow.svelte';
 
 export type Outcome = { tone: 'pending' | 'accepted' | 'refused'; text: string } | null;
-export type Waypoint = { north: number; east: number };
+export type AnchorKind = FormationAnchor['kind'];
 
 const AVAILABLE = new Set(['holding', 'going_to', 'following', 'leading']);
+/** A preview is asked for when the form has been left alone for so long. */
+const SETTLE_MS = 200;
 
 export class FormationDraft {
   shape = $state<Shape>('wedge');
@@ -22,25 +27,43 @@ export class FormationDraft {
   heading = $state<HeadingRequest['kind']>('auto');
   headingDeg = $state(0);
   altitudeStepM = $state(0);
+  rotationDeg = $state(0);
+  scale = $state(1);
+  arcDeg = $state(180);
+  /** 0: as the server thinks best. Also for the pitch. */
+  layers = $state(0);
+  pitchM = $state(0);
+  offsetsText = $state('');
+  anchor = $state<AnchorKind>('leader');
+  place = $state.raw<Place | null>(null);
+  placeHeightM = $state<number | null>(null);
+  referenceName = $state('');
+  control = $state<FormationControl>('slots');
   leader = $state<number | null>(null);
   /** Show where the slots would be on the map: from the first change until it is sent or put away. */
   preview = $state(false);
+  /** The server's answer to the form as it stands; null while there is none. */
+  previewed = $state.raw<FormationPreview | null>(null);
+  previewFault = $state('');
   outcome = $state.raw<Outcome>(null);
 
-  waypoints = $state.raw<readonly Waypoint[]>([]);
-  routeHeightM = $state<number | null>(null);
-  routeSpeedM_s = $state(5);
-  cornerRadiusM = $state(8);
+  readonly path: RouteDraft;
+  readonly route: RouteDraft;
   routeOutcome = $state.raw<Outcome>(null);
 
   readonly #session: Session;
   readonly #targets: Targets;
   readonly #journal: Journal;
+  readonly #references: () => readonly ReferenceSnapshot[];
+  #asked = 0;
 
-  constructor(session: Session, targets: Targets, journal: Journal) {
+  constructor(session: Session, targets: Targets, journal: Journal, references: () => readonly ReferenceSnapshot[]) {
     this.#session = session;
     this.#targets = targets;
     this.#journal = journal;
+    this.#references = references;
+    this.path = new RouteDraft(() => this.startHeightM());
+    this.route = new RouteDraft(() => this.startHeightM());
   }
 
   /** Who would take part as far as this page can tell: the targets that are in the air and in the swarm's hands. */
@@ -57,41 +80,136 @@ export class FormationDraft {
     return ids[0] ?? null;
   });
 
+  offsets = $derived(parseOffsets(this.offsetsText));
+
+  /** What is still missing before this can be asked of the server; empty if nothing is. */
+  missing = $derived.by<string>(() => {
+    if (hasParameter(this.shape, 'offsets') && 'fault' in this.offsets) return `Offsets: ${this.offsets.fault}`;
+    if (this.anchor === 'place' && !this.place) return 'Pick the place on the map';
+    if (this.anchor === 'path' && this.path.waypoints.length === 0) return 'Draw the path on the map';
+    if (this.anchor === 'reference' && this.referenceName === '') return 'Choose a reference';
+    return '';
+  });
+
+  #anchor(): FormationAnchor {
+    switch (this.anchor) {
+      case 'leader':
+        return { kind: 'leader' };
+      case 'path':
+        return { kind: 'path', route: this.path.route() };
+      case 'reference':
+        return { kind: 'reference', name: this.referenceName };
+      case 'place': {
+        const { north, east } = this.place ?? { north: 0, east: 0 };
+        const down_m = 0 - (this.placeHeightM ?? this.startHeightM() ?? 10);
+        return { kind: 'place', position: { north_m: north, east_m: east, down_m }, heading_deg: null };
+      }
+    }
+  }
+
   request(): FormationRequest {
     const heading: HeadingRequest =
       this.heading === 'fixed' ? { kind: 'fixed', heading_deg: this.headingDeg } : { kind: this.heading };
-    return {
+    return requestOf({
       shape: this.shape,
       spacing_m: this.spacingM,
       heading,
       altitude_step_m: this.altitudeStepM,
+      rotation_deg: this.rotationDeg,
+      scale: this.scale,
+      arcDeg: this.arcDeg,
+      layers: this.layers,
+      pitchM: this.pitchM,
+      offsets: 'offsets' in this.offsets ? this.offsets.offsets : [],
+      anchor: this.#anchor(),
+      control: this.control,
       leader: this.leader,
       members: this.#targets.all ? null : this.#targets.ids,
-    };
+    });
   }
 
-  /** Places of the slots in metres about the swarm's origin, leader first; empty without a leader whose place is known. */
-  previewSlots(): { north: number; east: number }[] {
+  /** The form as a preview is asked for: with those that would take part, or before take-off with the targets. */
+  #previewRequest(): FormationRequest {
+    const members = this.members.length > 0 ? this.members.map((row) => row.id) : this.#targets.ids;
+    return { ...this.request(), leader: null, members };
+  }
+
+  /** What a new preview is for, as text: a change of it is a reason to ask again. */
+  previewKey = $derived.by<string>(() => {
+    if (!this.preview || this.missing !== '' || !this.#session.canCommand) return '';
+    const request = this.#previewRequest();
+    return (request.members?.length ?? 0) === 0 ? '' : JSON.stringify(request);
+  });
+
+  /** Asks the server where the places would be once the form has been left alone. Returns how to call it off. */
+  askPreview(key: string): () => void {
+    const asked = ++this.#asked;
+    if (key === '') {
+      this.previewed = null;
+      this.previewFault = '';
+      return () => {};
+    }
+    const timer = setTimeout(() => {
+      previewFormation(JSON.parse(key) as FormationRequest).then(
+        (answer) => this.#takePreview(asked, answer, ''),
+        (error: unknown) => this.#takePreview(asked, null, error instanceof ApiError ? error.message : String(error)),
+      );
+    }, SETTLE_MS);
+    return () => clearTimeout(timer);
+  }
+
+  #takePreview(asked: number, answer: FormationPreview | null, fault: string): void {
+    // An answer to what the form said before is no answer to what it says now.
+    if (asked !== this.#asked) return;
+    this.previewed = answer;
+    this.previewFault = fault;
+  }
+
+  /** Places of the slots in metres about the swarm's origin, leader first if there is one; empty while the anchor is not known. */
+  previewSlots(): Slot[] {
+    if (!this.preview || !this.previewed) return [];
+    const basis = this.previewBasis();
+    return basis ? placed(this.previewed.slots, basis, basis.headingRad) : [];
+  }
+
+  /** Where the previewed anchor is and where the formation looks there. */
+  previewBasis(): (Place & { headingRad: number }) | null {
+    if (!this.preview) return null;
+    const fixed = this.heading === 'fixed' ? (this.headingDeg * Math.PI) / 180 : null;
+    const at = (place: Place | null | undefined, headingRad: number | null) =>
+      place ? { north: place.north, east: place.east, headingRad: fixed ?? headingRad ?? 0 } : null;
+    switch (this.anchor) {
+      case 'leader': {
+        const leader = this.#vehicleAt(this.leaderId ?? this.#targets.ids[0] ?? null);
+        return leader && at(leader, leader.headingRad);
+      }
+      case 'place':
+        return at(this.place, null);
+      case 'path':
+        return at(this.path.waypoints[0], pathHeading(this.path.waypoints));
+      case 'reference': {
+        const report = this.#references().find((r) => r.name === this.referenceName)?.report;
+        return report ? at({ north: report.position.north_m, east: report.position.east_m }, report.heading_rad) : null;
+      }
+    }
+  }
+
+  #vehicleAt(id: number | null): (Place & { headingRad: number }) | null {
     const fleet = this.#session.fleet;
-    const index = this.leaderId === null ? -1 : fleet.indexOf(this.leaderId);
-    if (!this.preview || index < 0 || !fleet.has(index, FLAG.position)) return [];
-    const heading = this.heading === 'fixed' ? (this.headingDeg * Math.PI) / 180 : (fleet.yawRad[index] ?? 0);
-    const north = fleet.northM[index] ?? 0;
-    const east = fleet.eastM[index] ?? 0;
-    return slotOffsets(this.shape, this.members.length, this.spacingM, 0).map((offset) => {
-      const by = turned(offset, heading);
-      return { north: north + by.north, east: east + by.east };
-    });
+    const index = id === null ? -1 : fleet.indexOf(id);
+    if (index < 0 || !fleet.has(index, FLAG.position)) return null;
+    return { north: fleet.northM[index] ?? 0, east: fleet.eastM[index] ?? 0, headingRad: fleet.yawRad[index] ?? 0 };
   }
 
   async send(): Promise<void> {
     const name = label(this.shape);
+    const request = this.request();
     this.outcome = { tone: 'pending', text: `${name}: asking the coordinator` };
     try {
-      const receipt = await putFormation(this.request());
+      const receipt = await putFormation(request);
       const text =
-        `${name} of ${receipt.members.length} behind ${receipt.leader}: ${receipt.duration_s.toFixed(0)} s to form, ` +
-        `never closer than ${receipt.planned_min_distance_m.toFixed(1)} m`;
+        `${name} of ${receipt.members.length} ${anchorText(request.anchor, receipt.leader)}: ${receipt.duration_s.toFixed(0)} s to form, ` +
+        `never closer than ${receipt.planned_min_distance_m.toFixed(1)} m, then up to ${receipt.max_speed_m_s.toFixed(1)} m/s`;
       this.outcome = { tone: 'accepted', text };
       this.preview = false;
     } catch (error) {
@@ -109,49 +227,30 @@ export class FormationDraft {
     }
   }
 
-  addWaypoint(waypoint: Waypoint): void {
-    this.waypoints = [...this.waypoints, waypoint];
-    if (this.routeHeightM === null) this.routeHeightM = this.#leaderHeight();
-  }
-
-  moveWaypoint(at: number, to: Waypoint): void {
-    this.waypoints = this.waypoints.map((w, k) => (k === at ? to : w));
-  }
-
-  removeWaypoint(at: number): void {
-    this.waypoints = this.waypoints.filter((_, k) => k !== at);
-  }
-
-  clearRoute(): void {
-    this.waypoints = [];
-    this.routeHeightM = null;
-    this.routeOutcome = null;
-  }
-
   async sendRoute(): Promise<void> {
-    const down = -(this.routeHeightM ?? this.#leaderHeight());
-    const route: Route = {
-      waypoints: this.waypoints.map((w) => ({ north_m: w.north, east_m: w.east, down_m: down })),
-      speed_m_s: this.routeSpeedM_s,
-      corner_radius_m: this.cornerRadiusM,
-    };
+    const route = this.route.route();
     this.routeOutcome = { tone: 'pending', text: 'Sending the route' };
     try {
       await putRoute(route);
       this.routeOutcome = { tone: 'accepted', text: `Route of ${route.waypoints.length} points taken up` };
-      this.waypoints = [];
+      this.route.waypoints = [];
     } catch (error) {
       this.routeOutcome = this.#refused('Route refused', error);
     }
   }
 
-  /** Height of the leader above the swarm's origin, to the half metre. */
-  #leaderHeight(): number {
+  clearRoute(): void {
+    this.route.clear();
+    this.routeOutcome = null;
+  }
+
+  /** Height of the leader, or of whoever would be it, above the swarm's origin, to the half metre; null if nobody flies. */
+  startHeightM(): number | null {
     const { fleet, info } = this.#session;
     const leader = info.formation?.leader ?? this.leaderId;
     const index = leader === null ? -1 : fleet.indexOf(leader);
     const ground = info.frame?.origin.altitude_amsl_m ?? fleet.projection?.origin.altitude_amsl_m ?? 0;
-    return index < 0 ? 10 : Math.max(2, Math.round(((fleet.altitudeM[index] ?? 0) - ground) * 2) / 2);
+    return index < 0 ? null : Math.max(2, Math.round(((fleet.altitudeM[index] ?? 0) - ground) * 2) / 2);
   }
 
   #refused(what: string, error: unknown): Outcome {

@@ -4,10 +4,11 @@
 import { getEvents, measureLatencyMs } from '../protocol/rest';
 import { Stream, streamUrl } from '../protocol/stream';
 import type { StreamState } from '../protocol/stream';
-import type { EventRecord, FleetInfo, VehicleInfo } from '../protocol/types';
+import type { EventRecord, FleetInfo, VehicleInfo, VehicleSnapshot } from '../protocol/types';
 import { Fleet } from '../telemetry/fleet';
 import type { Commander } from './commander.svelte';
 import type { Journal } from './journal.svelte';
+import type { VehicleSafety } from './vehicleSafety';
 import { VehicleRow } from './vehicleRow.svelte';
 
 /** How often the list is brought up to date. */
@@ -48,7 +49,10 @@ export class Session {
   /** By the vehicle's index in the live arrays, for the map. */
   #rowByIndex: VehicleRow[] = [];
   #infoById = new Map<number, VehicleInfo>();
+  #safetyById = new Map<number, VehicleSafety>();
   #frameListeners: (() => void)[] = [];
+  #eventListeners: ((event: EventRecord) => void)[] = [];
+  #liveListeners: (() => void)[] = [];
   #waiting: EventRecord[] = [];
   #historyLoaded = false;
   #historyRequested = false;
@@ -90,6 +94,26 @@ export class Session {
     };
   }
 
+  /** Calls `listener` with every event that is news. */
+  onEvent(listener: (event: EventRecord) => void): void {
+    this.#eventListeners.push(listener);
+  }
+
+  /** Calls `listener` with the first frame of every connection. */
+  onLive(listener: () => void): void {
+    this.#liveListeners.push(listener);
+  }
+
+  /** Takes what the stream does not carry; it shows with the next tick. */
+  takeVehicles(vehicles: readonly VehicleSnapshot[]): void {
+    this.#safetyById = new Map(vehicles.map(({ id, ladder, energy, avoiding, stopped }) => [id, { ladder, energy, avoiding, stopped }]));
+  }
+
+  /** What the node's clock says now, in ms. */
+  serverNowMs(): number {
+    return this.fleet.serverTimeMs + (performance.now() - this.fleet.receivedAt);
+  }
+
   /** The row of the vehicle at an index of the live arrays, once the list has seen it. */
   rowAt(index: number): VehicleRow | undefined {
     return this.#rowByIndex[index];
@@ -101,8 +125,7 @@ export class Session {
 
   /** Wall-clock ms of a moment on the node's clock. */
   wallClockOf(nodeTimeUs: number): number {
-    const serverNow = this.fleet.serverTimeMs + (performance.now() - this.fleet.receivedAt);
-    return Date.now() - (serverNow - nodeTimeUs / 1000);
+    return Date.now() - (this.serverNowMs() - nodeTimeUs / 1000);
   }
 
   #applyRate(): void {
@@ -155,11 +178,13 @@ export class Session {
       this.#historyRequested = true;
       void this.#loadHistory();
     }
+    for (const listener of this.#liveListeners) listener();
   }
 
   #serverRestarted(): void {
     this.fleet.reset();
     this.#rowById.clear();
+    this.#safetyById.clear();
     this.#rowByIndex = [];
     this.rows = [];
     this.fleet.setOrigin(this.info.frame?.origin ?? null);
@@ -182,7 +207,9 @@ export class Session {
 
   #takeEvent(event: EventRecord): void {
     if (!this.journal.take(event, this.wallClockOf(event.time))) return;
-    if (!this.#firstLoad) this.commander.takeEvent(event);
+    if (this.#firstLoad) return;
+    this.commander.takeEvent(event);
+    for (const listener of this.#eventListeners) listener(event);
   }
 
   #onFleet(info: FleetInfo): void {
@@ -204,7 +231,7 @@ export class Session {
         this.#rowByIndex[index] = row;
         added = true;
       }
-      row.refresh(fleet, this.#infoById.get(id), now, this.lostAt === null);
+      row.refresh(fleet, this.#infoById.get(id), this.#safetyById.get(id) ?? null, now, this.lostAt === null);
     }
     const changed = added || this.rows.length !== fleet.presentCount || this.rows.some((row) => !row.present);
     if (changed) this.rows = [...this.#rowById.values()].filter((r) => r.present).sort((a, b) => a.id - b.id);

@@ -10,6 +10,8 @@ import { ageText, classify } from '../telemetry/staleness';
 import type { Staleness } from '../telemetry/staleness';
 import { LEVEL, problemsOf, worst } from './severity';
 import type { Level } from './severity';
+import { percentText, returnText, safetyProblems } from './vehicleSafety';
+import type { VehicleSafety } from './vehicleSafety';
 
 /** What stands where a value is not known. */
 export const UNKNOWN = '–';
@@ -30,6 +32,13 @@ export class VehicleRow {
   readyToArm = $state(false);
   level = $state<Level>(LEVEL.normal);
   problems = $state('');
+  /** What the ladder, the energy and the avoidance say of it; null until they are known. */
+  safety = $state.raw<VehicleSafety | null>(null);
+  /** Its motors were stopped in an emergency. */
+  stopped = $state(false);
+  /** Charge that the way home costs, reserve included, and the time until it must return. */
+  neededHome = $state(UNKNOWN);
+  returnIn = $state(UNKNOWN);
   /** Percent in whole numbers, or null. */
   battery = $state<number | null>(null);
   voltage = $state(UNKNOWN);
@@ -54,7 +63,7 @@ export class VehicleRow {
 
   /** Brings every field up to date. While the server is not heard (`heard` false) no new problem is found: the page has one, not
       every vehicle. */
-  refresh(fleet: Fleet, info: VehicleInfo | undefined, now: number, heard: boolean): void {
+  refresh(fleet: Fleet, info: VehicleInfo | undefined, safety: VehicleSafety | null, now: number, heard: boolean): void {
     const i = this.index;
     const ageMs = fleet.ageMs(i, now);
     this.present = fleet.present[i] === 1;
@@ -80,12 +89,24 @@ export class VehicleRow {
     this.actorRestarts = Math.max(0, (fleet.actorIncarnation[i] ?? 1) - 1);
     this.modelRestarts = Math.max(0, (fleet.modelIncarnation[i] ?? 1) - 1);
     this.#refreshMotion(fleet, info);
+    this.#refreshSafety(safety);
     if (info) {
       this.name = info.name;
       this.plugin = `${info.plugin} ${info.plugin_version}`;
       this.stateDetail = info.state_detail;
     }
     if (heard) this.#assess(fleet, info);
+  }
+
+  #refreshSafety(safety: VehicleSafety | null): void {
+    this.safety = safety;
+    this.stopped = safety?.stopped ?? false;
+    const energy = safety?.energy ?? null;
+    if (!energy) this.neededHome = this.returnIn = UNKNOWN;
+    else {
+      this.neededHome = energy.needed_home === null ? 'out of reach' : percentText(energy.needed_home + energy.reserve);
+      this.returnIn = returnText(energy);
+    }
   }
 
   #refreshMotion(fleet: Fleet, info: VehicleInfo | undefined): void {
@@ -122,6 +143,8 @@ export class VehicleRow {
       model: info?.model.status ?? 'running',
       degraded: (info?.degraded.length ?? 0) > 0,
     });
+    problems.push(...safetyProblems(this.safety, this.airborne));
+    problems.sort((a, b) => b.level - a.level);
     this.level = worst(problems);
     this.problems = problems.map((p) => p.text).join(' · ');
   }

@@ -1,8 +1,9 @@
 // The REST side: one function per call, typed bodies, one error type. Must never retry: a command sent twice is two commands.
 
 import type {
-  CommandBody, CommandReceipt, CommandReceipts, ErrorBody, EventList, FormationReceipt, FormationRequest, Route, RouteBody,
-  Targets, VehicleCommand, VehicleSnapshot,
+  CommandBody, CommandReceipt, CommandReceipts, EmergencyKey, EmergencyStopBody, ErrorBody, EventList, FenceAnswer, FenceFileBody,
+  FencePlan, FencePlanBody, FormationPreview, FormationReceipt, FormationRequest, ImportedFencePlan, OverrideBody, PreflightAnswer,
+  PreflightOverride, ReferenceList, ReferenceSnapshot, Route, RouteBody, Targets, VehicleCommand, VehicleList, VehicleSnapshot,
 } from './types';
 
 /** A call that was answered with an error, or not at all (`status` 0). */
@@ -19,11 +20,12 @@ export class ApiError extends Error {
 
 const TIMEOUT_MS = 8000;
 
-async function call(method: string, path: string, body?: unknown): Promise<Response> {
+async function call(method: string, path: string, body?: unknown, secret?: string): Promise<Response> {
   const init: RequestInit = { method, signal: AbortSignal.timeout(TIMEOUT_MS), cache: 'no-store' };
   if (body !== undefined) {
     init.body = JSON.stringify(body);
     init.headers = { 'content-type': 'application/json' };
+    if (secret !== undefined) init.headers = { ...init.headers, authorization: `Bearer ${secret}` };
   }
   let response: Response;
   try {
@@ -61,6 +63,62 @@ export async function endFormation(): Promise<void> {
 export async function putRoute(route: Route): Promise<void> {
   const body: RouteBody = { route };
   await call('PUT', 'formation/route', body);
+}
+
+/** Where the places of a formation would be about its anchor; nothing is flown. */
+export async function previewFormation(request: FormationRequest): Promise<FormationPreview> {
+  return (await (await call('POST', 'formation/preview', request)).json()) as FormationPreview;
+}
+
+/** What moves and may anchor a formation. */
+export async function getReferences(): Promise<ReferenceSnapshot[]> {
+  return ((await (await call('GET', 'references')).json()) as ReferenceList).references;
+}
+
+export async function getPreflight(): Promise<PreflightAnswer> {
+  return (await (await call('GET', 'preflight')).json()) as PreflightAnswer;
+}
+
+/** Takes red items upon the operator whose secret this is. */
+export async function overridePreflight(body: OverrideBody, secret: string): Promise<PreflightOverride> {
+  return (await (await call('POST', 'preflight/overrides', body, secret)).json()) as PreflightOverride;
+}
+
+export async function getFences(): Promise<FenceAnswer> {
+  return (await (await call('GET', 'fences')).json()) as FenceAnswer;
+}
+
+/** Puts other fences in force. */
+export async function putFences(plan: FencePlan): Promise<FenceAnswer> {
+  const body: FencePlanBody = { plan };
+  return (await (await call('PUT', 'fences', body)).json()) as FenceAnswer;
+}
+
+/** What a GeoJSON or a plan of QGroundControl says; nothing is put in force by it. */
+export async function importFences(name: string, text: string): Promise<ImportedFencePlan> {
+  const body: FenceFileBody = { name, text };
+  return (await (await call('POST', 'fences/import', body)).json()) as ImportedFencePlan;
+}
+
+/** Where the fences in force are as GeoJSON. */
+export function fencesFileUrl(): string {
+  return new URL('api/v1/fences/geojson', document.baseURI).href;
+}
+
+/** The first step of the emergency stop. Stops nothing. */
+export async function unlockEmergencyStop(): Promise<EmergencyKey> {
+  return (await (await call('POST', 'emergency-stop/unlock')).json()) as EmergencyKey;
+}
+
+/** The second step: the motors of these vehicles stop at once. */
+export async function emergencyStop(key: string, targets: Targets): Promise<CommandReceipt[]> {
+  const body: EmergencyStopBody = { key, targets };
+  return ((await (await call('POST', 'emergency-stop', body)).json()) as CommandReceipts).receipts;
+}
+
+/** All vehicles, whole: what the stream does not carry. */
+export async function getVehicles(): Promise<VehicleSnapshot[]> {
+  return ((await (await call('GET', 'vehicles')).json()) as VehicleList).vehicles;
 }
 
 /** One vehicle, whole. */

@@ -14,6 +14,10 @@ const SPECIAL: Record<string, string> = {
   in_air: 'in the air',
   on_ground: 'on the ground',
   take_off: 'take off',
+  gnss_loss: 'GNSS loss',
+  gnss_disagreement: 'GNSS disagreement',
+  operator_dead_man: 'operator not heard',
+  energy: 'energy for the way home',
 };
 
 /** A word of the protocol as an operator reads it: `going_to` -> `going to`. */
@@ -74,6 +78,10 @@ export function refusalText(refusal: Refusal): string {
       return `vehicle ${refusal.vehicle} has no payload "${refusal.payload}"`;
     case 'unknown_track':
       return `there is no track ${refusal.track}`;
+    case 'preflight':
+      return `preflight: ${refusal.items.map(spoken).join(', ')}`;
+    case 'unknown_reference':
+      return `there is no reference "${refusal.name}"`;
     default:
       // A newer server may know reasons this page does not: show its word rather than nothing.
       return spoken((refusal as { reason: string }).reason);

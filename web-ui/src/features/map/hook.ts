@@ -26,6 +26,10 @@ export type Hook = {
   trailLength(id: number): number;
   /** Id of the vehicle at a place on the canvas, or null. */
   hitTest(x: number, y: number): number | null;
+  /** Zones of the fences that are drawn. */
+  zones(): { name: string; kind: string; corners: number }[];
+  /** Slots of the previewed formation, in metres about the swarm's origin; up counts from its anchor. */
+  previewSlots(): { north: number; east: number; upM: number }[];
   /** Where a place about the swarm's origin is on the canvas. */
   toCanvas(northM: number, eastM: number): { x: number; y: number };
 };
@@ -44,6 +48,8 @@ export function installHook(app: Console, painter: Painter): () => void {
     framesDrawn: () => painter.frames,
     trailLength: (id) => fleet.trails.length(fleet.indexOf(id)),
     hitTest: (x, y) => fleet.ids[hitTest(view, fleet, x, y, 20)] ?? null,
+    zones: () => painter.fences().zones.map(({ name, kind, corners }) => ({ name, kind, corners: corners.length })),
+    previewSlots: () => app.formation.previewSlots(),
     toCanvas: (northM, eastM) => ({ x: view.x(eastM), y: view.y(northM) }),
     positions: () => {
       const plotted: Plotted[] = [];

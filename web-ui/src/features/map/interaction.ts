@@ -1,7 +1,8 @@
 // Fingers, mouse and keys on the map: drag pans, wheel and pinch zoom, a tap toggles a target, a box adds many, and in route mode
-// a tap sets a waypoint and a drag moves one. Must never send anything: it changes view, targets and drafts only.
+// a tap sets a waypoint and a drag moves one; the place tool takes one tap. Must never send anything: it changes view, targets and drafts only.
 
 import type { Console } from '../../app/console.svelte';
+import type { RouteDraft } from '../../model/routeDraft.svelte';
 import { hitTest, within } from './paintFleet';
 import { waypointAt } from './paintPlan';
 import type { Painter } from './painter';
@@ -35,8 +36,9 @@ export class Interaction {
       this.painter.box = null;
       return;
     }
-    const { map, formation } = this.console;
-    this.#waypoint = map.tool === 'route' ? waypointAt(map.view, formation.waypoints, x, y, this.#reach(event)) : -1;
+    const { map } = this.console;
+    const drawn = this.#drawn();
+    this.#waypoint = drawn ? waypointAt(map.view, drawn.waypoints, x, y, this.#reach(event)) : -1;
     if (this.#waypoint >= 0) this.#mode = 'waypoint';
     else this.#mode = map.tool === 'box' || event.shiftKey ? 'box' : 'pan';
   };
@@ -51,7 +53,7 @@ export class Interaction {
     if (this.#fingers.size >= 2) this.#pinch(finger, x, y);
     else if (this.#mode === 'pan') this.#pan(x - finger.x, y - finger.y);
     else if (this.#mode === 'box') this.painter.box = { x0: finger.startX, y0: finger.startY, x1: x, y1: y };
-    else if (this.#mode === 'waypoint') this.console.formation.moveWaypoint(this.#waypoint, this.#ground(x, y));
+    else if (this.#mode === 'waypoint') this.#drawn()?.move(this.#waypoint, this.#ground(x, y));
     finger.x = x;
     finger.y = y;
     this.painter.wake();
@@ -64,10 +66,15 @@ export class Interaction {
     const { map, session, targets, formation } = this.console;
     if (this.#mode === 'box' && finger.moved) {
       targets.add(within(map.view, session.fleet, finger.startX, finger.startY, finger.x, finger.y));
-    } else if (!finger.moved && map.tool === 'route') {
+    } else if (!finger.moved && (map.tool === 'route' || map.tool === 'path')) {
       // A map that moved by itself now would take the next point somewhere else.
       map.camera = 'free';
-      if (this.#mode !== 'waypoint') formation.addWaypoint(this.#ground(finger.x, finger.y));
+      if (this.#mode !== 'waypoint') this.#drawn()?.add(this.#ground(finger.x, finger.y));
+      if (map.tool === 'path') formation.preview = true;
+    } else if (!finger.moved && map.tool === 'place') {
+      formation.place = this.#ground(finger.x, finger.y);
+      formation.preview = true;
+      map.tool = 'pan';
     } else if (!finger.moved) {
       const index = hitTest(map.view, session.fleet, finger.x, finger.y, this.#reach(event));
       if (index >= 0) targets.toggle(session.fleet.ids[index] ?? 0);
@@ -95,7 +102,7 @@ export class Interaction {
   };
 
   keydown = (event: KeyboardEvent): void => {
-    const { map, formation } = this.console;
+    const { map } = this.console;
     switch (event.key) {
       case 'ArrowLeft':
         this.#pan(PAN_KEY_PX, 0);
@@ -121,14 +128,23 @@ export class Interaction {
         this.painter.fit();
         break;
       case 'Backspace':
-        if (map.tool === 'route') formation.removeWaypoint(formation.waypoints.length - 1);
+      case 'Delete': {
+        const drawn = this.#drawn();
+        drawn?.remove(drawn.waypoints.length - 1);
         break;
+      }
       default:
         return;
     }
     event.preventDefault();
     this.painter.wake();
   };
+
+  /** The route that the chosen tool draws. */
+  #drawn(): RouteDraft | null {
+    const { map, formation } = this.console;
+    return map.tool === 'route' ? formation.route : map.tool === 'path' ? formation.path : null;
+  }
 
   #end(): void {
     this.#mode = 'none';

@@ -1,10 +1,10 @@
 // What the map's controls and other panels share: view, camera, tool, layers. The drawing itself is outside of the framework.
 
-import { View } from './view';
+import { View, include, isEmpty, noBounds } from './view';
 
 /** Keeps all vehicles in view, keeps the targets centred, or stays where the operator put it. */
 export type Camera = 'fleet' | 'follow' | 'free';
-export type Tool = 'pan' | 'box' | 'route';
+export type Tool = 'pan' | 'box' | 'route' | 'path' | 'place';
 
 export class MapState {
   readonly view = new View();
@@ -30,6 +30,15 @@ export class MapState {
   setCamera(camera: Camera): void {
     this.camera = camera;
     this.invalidate();
+  }
+
+  /** Brings places into view and stays there. */
+  show(places: Iterable<{ north: number; east: number }>): void {
+    const bounds = noBounds();
+    for (const { north, east } of places) include(bounds, north, east);
+    if (isEmpty(bounds)) return;
+    this.view.fit(bounds, Math.min(this.view.width, this.view.height) * 0.12);
+    this.setCamera('free');
   }
 
   zoom(factor: number): void {

@@ -1,5 +1,5 @@
 // Trails, slots, vehicles and their labels on the canvas. Shapes carry the state: an arrowhead flies, a hollow one stands on the
-// ground, a broken outline is stale, a cross is lost; colour only repeats it.
+// ground, a broken outline is stale, a cross is lost, an octagon is stopped; colour only repeats it.
 
 import { FLAG } from '../../protocol/frame';
 import { LANDED_STATES } from '../../protocol/words';
@@ -12,7 +12,7 @@ import type { Palette } from './palette';
 import type { View } from './view';
 
 /** What is known of a vehicle beside the live arrays. */
-export type Marking = { level: number; problem: string; height: string };
+export type Marking = { level: number; problem: string; height: string; stopped: boolean };
 
 export type FleetScene = {
   fleet: Fleet;
@@ -105,8 +105,9 @@ export function paintVehicles(ctx: CanvasRenderingContext2D, view: View, palette
     if (fleet.presentCount > SHORT_LABELS_FROM) ctx.scale(CROWD_SCALE, CROWD_SCALE);
     if (scene.selected.has(fleet.ids[i] ?? 0)) brackets(ctx, palette);
     if (fleet.has(i, FLAG.leader)) leaderRing(ctx, palette);
-    const level = scene.marking(i).level;
+    const { level, stopped } = scene.marking(i);
     if (staleness === 'lost') cross(ctx, levelColour(palette, Math.max(2, level)), palette);
+    else if (stopped) stopSign(ctx, palette);
     else {
       ctx.rotate(fleet.yawRad[i] ?? 0);
       arrow(ctx, palette, levelColour(palette, level), staleness, isAirborne(fleet, i), fleet.has(i, FLAG.armed));
@@ -166,6 +167,22 @@ function cross(ctx: CanvasRenderingContext2D, colour: string, palette: Palette):
     ctx.lineTo(-7, 7);
     ctx.stroke();
   }
+}
+
+/** Motors stopped in an emergency: a filled octagon with a bar, unlike anything that flies. */
+function stopSign(ctx: CanvasRenderingContext2D, palette: Palette): void {
+  const r = 11;
+  const c = r * Math.tan(Math.PI / 8);
+  ctx.beginPath();
+  for (const [x, y] of [[c, -r], [r, -c], [r, c], [c, r], [-c, r], [-r, c], [-r, -c], [-c, -r]] as const) ctx.lineTo(x, y);
+  ctx.closePath();
+  ctx.lineWidth = 3;
+  ctx.strokeStyle = palette.outline;
+  ctx.stroke();
+  ctx.fillStyle = palette.critical;
+  ctx.fill();
+  ctx.fillStyle = palette.outline;
+  ctx.fillRect(-6, -2, 12, 4);
 }
 
 function brackets(ctx: CanvasRenderingContext2D, palette: Palette): void {

@@ -1,6 +1,5 @@
-// What lies under the vehicles: graticule, fence, scale bar, compass, and the hatching of a map that is out of date.
+// What lies under the vehicles: graticule, scale bar, compass, and the hatching of a map that is out of date.
 
-import type { FenceInfo } from '../../protocol/types';
 import type { Palette } from './palette';
 import { distanceText, roundStep } from './view';
 import type { View } from './view';
@@ -71,24 +70,6 @@ function roundStepUp(least: number): number {
   let step = roundStep(least);
   while (step < least) step = roundStep(step * 2.5);
   return step;
-}
-
-export function paintFence(ctx: CanvasRenderingContext2D, view: View, palette: Palette, fence: FenceInfo): void {
-  if (fence.polygon_m.length < 3) return;
-  ctx.save();
-  ctx.beginPath();
-  for (const [north, east] of fence.polygon_m) ctx.lineTo(view.x(east), view.y(north));
-  ctx.closePath();
-  ctx.strokeStyle = palette.fence;
-  ctx.lineWidth = 1.5;
-  ctx.setLineDash([10, 4, 2, 4]);
-  ctx.stroke();
-  ctx.restore();
-  const [north, east] = fence.polygon_m.reduce((a, b) => (b[0] - b[1] > a[0] - a[1] ? b : a));
-  ctx.font = FONT;
-  ctx.fillStyle = palette.label;
-  ctx.textAlign = 'left';
-  ctx.fillText(`fence, ${fence.floor_m} to ${fence.ceiling_m} m`, view.x(east) + 6, view.y(north) + 14);
 }
 
 /** Scale bar at the lower left, north arrow at the upper left. */

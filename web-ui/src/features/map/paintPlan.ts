@@ -1,6 +1,7 @@
 // Plans on the canvas: the route being flown, the route being drawn, and the slots a formation would have.
 
-import type { Waypoint } from '../../model/formationDraft.svelte';
+import type { Slot } from '../../model/formationWords';
+import type { Waypoint } from '../../model/routeDraft.svelte';
 import { FONT } from './paintGround';
 import type { Palette } from './palette';
 import type { View } from './view';
@@ -66,19 +67,69 @@ export function waypointAt(view: View, waypoints: readonly Waypoint[], x: number
   return waypoints.findLastIndex((w) => Math.hypot(view.x(w.east) - x, view.y(w.north) - y) <= reachPx);
 }
 
-/** Where the slots of the formation on the form would be. */
-export function paintPreview(ctx: CanvasRenderingContext2D, view: View, palette: Palette, slots: readonly Place[]): void {
+/** Where the slots of the formation on the form would be; heights are said where they are not all the same. */
+export function paintPreview(ctx: CanvasRenderingContext2D, view: View, palette: Palette, slots: readonly Slot[], led: boolean): void {
+  const heights = slots.some((slot) => Math.abs(slot.upM - (slots[0]?.upM ?? 0)) > 0.25);
   ctx.save();
   ctx.strokeStyle = palette.accent;
   ctx.lineWidth = 1.6;
   ctx.setLineDash([4, 3]);
+  const stacks = new Map<string, { x: number; y: number; ups: number[] }>();
   slots.forEach((slot, k) => {
     const x = view.x(slot.east);
     const y = view.y(slot.north);
     ctx.beginPath();
-    ctx.arc(x, y, k === 0 ? 15 : 10, 0, Math.PI * 2);
+    ctx.arc(x, y, k === 0 && led ? 15 : 10, 0, Math.PI * 2);
     ctx.stroke();
+    if (!heights) return;
+    // Slots above each other share one sign; its label names them all.
+    const key = `${Math.round(x / 8)}|${Math.round(y / 8)}`;
+    const stack = stacks.get(key) ?? { x, y, ups: [] };
+    stack.ups.push(slot.upM);
+    stacks.set(key, stack);
   });
+  ctx.setLineDash([]);
+  ctx.font = FONT;
+  ctx.fillStyle = palette.accentStrong;
+  ctx.textAlign = 'center';
+  ctx.textBaseline = 'middle';
+  for (const { x, y, ups } of stacks.values()) ctx.fillText(upsText(ups), x, y + 18);
+  ctx.restore();
+}
+
+function upsText(ups: readonly number[]): string {
+  const signed = (up: number) => `${up < -0.05 ? '-' : '+'}${Math.abs(up).toFixed(1).replace('.0', '')}`;
+  return `${[...ups].sort((a, b) => a - b).map(signed).join(' ')} m`;
+}
+
+/** What a formation without a leader goes by: a cross in a diamond, and a line where it looks. */
+export function paintAnchor(ctx: CanvasRenderingContext2D, view: View, palette: Palette, at: Place, headingRad: number | null, flown: boolean): void {
+  const r = 9;
+  ctx.save();
+  ctx.translate(view.x(at.east), view.y(at.north));
+  ctx.strokeStyle = flown ? palette.route : palette.accentStrong;
+  ctx.lineWidth = 1.8;
+  ctx.beginPath();
+  ctx.moveTo(0, -r);
+  ctx.lineTo(r, 0);
+  ctx.lineTo(0, r);
+  ctx.lineTo(-r, 0);
+  ctx.closePath();
+  ctx.moveTo(0, -r / 2);
+  ctx.lineTo(0, r / 2);
+  ctx.moveTo(-r / 2, 0);
+  ctx.lineTo(r / 2, 0);
+  ctx.stroke();
+  if (headingRad !== null) {
+    ctx.rotate(headingRad);
+    ctx.beginPath();
+    ctx.moveTo(0, -r - 3);
+    ctx.lineTo(0, -r - 16);
+    ctx.moveTo(-4, -r - 11);
+    ctx.lineTo(0, -r - 16);
+    ctx.lineTo(4, -r - 11);
+    ctx.stroke();
+  }
   ctx.restore();
 }
 

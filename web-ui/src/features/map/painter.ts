@@ -1,13 +1,17 @@
 // Draws the map when something has changed, on the next animation frame and not before. Owns the canvas, not the data.
 
 import type { Console } from '../../app/console.svelte';
+import { placeFences } from '../../model/fences';
+import type { PlacedFences } from '../../model/fences';
 import { FLAG } from '../../protocol/frame';
+import type { FencePlan, Geodetic, Route } from '../../protocol/types';
 import { paintLabels, paintSlots, paintTrails, paintVehicles } from './paintFleet';
 import type { Marking } from './paintFleet';
-import { paintFence, paintFurniture, paintGrid, paintHatching } from './paintGround';
+import { paintFences } from './paintFences';
+import { paintFurniture, paintGrid, paintHatching } from './paintGround';
 import { paintLadder } from './paintLadder';
 import type { Rung } from './paintLadder';
-import { paintBox, paintDraftRoute, paintPreview, paintRoute } from './paintPlan';
+import { paintAnchor, paintBox, paintDraftRoute, paintPreview, paintRoute } from './paintPlan';
 import { readPalette } from './palette';
 import type { Palette } from './palette';
 import { include, isEmpty, noBounds } from './view';
@@ -18,7 +22,9 @@ const FIT_PADDING_PX = 96;
 const FIT_PADDING_SHARE = 0.17;
 /** The camera that keeps all in view moves when one comes closer to the edge than this. */
 const EDGE_PX = 28;
-const CALM: Marking = { level: 0, problem: '', height: '' };
+const CALM: Marking = { level: 0, problem: '', height: '', stopped: false };
+
+const NO_FENCES: PlacedFences = { zones: [], breachReturn: null };
 
 export type SelectionBox = { x0: number; y0: number; x1: number; y1: number };
 
@@ -31,6 +37,9 @@ export class Painter {
   #palette: Palette;
   #ratio = 1;
   #placedOnce = false;
+  #placedPlan: FencePlan | null = null;
+  #placedOrigin: Geodetic | null = null;
+  #placedFences: PlacedFences = NO_FENCES;
   readonly #ctx: CanvasRenderingContext2D;
 
   constructor(
@@ -90,8 +99,8 @@ export class Painter {
     const { fleet, info } = session;
     ctx.setTransform(this.#ratio, 0, 0, this.#ratio, 0, 0);
     paintGrid(ctx, view, palette);
-    if (info.fence) paintFence(ctx, view, palette, info.fence);
-    const route = info.formation?.route;
+    paintFences(ctx, view, palette, this.fences());
+    const route = this.#flownRoute();
     if (route) {
       const points = route.waypoints.map((w) => ({ north: w.north_m, east: w.east_m }));
       paintRoute(ctx, view, palette, points, info.formation?.route_finished ?? false);
@@ -100,11 +109,13 @@ export class Painter {
     if (session.everLive && !session.canCommand) paintHatching(ctx, view, palette);
     if (map.trails) paintTrails(ctx, view, palette, fleet);
     paintSlots(ctx, view, palette, fleet);
-    paintPreview(ctx, view, palette, formation.previewSlots());
+    this.#paintAnchors(ctx, palette);
+    paintPreview(ctx, view, palette, formation.previewSlots(), formation.anchor === 'leader');
     const scene = { fleet, now: performance.now(), selected: targets.selected, marking: this.#marking };
     paintVehicles(ctx, view, palette, scene);
     paintLabels(ctx, view, palette, scene);
-    paintDraftRoute(ctx, view, palette, formation.waypoints, this.#leaderPlace());
+    paintDraftRoute(ctx, view, palette, formation.route.waypoints, this.#leaderPlace());
+    if (formation.anchor === 'path') paintDraftRoute(ctx, view, palette, formation.path.waypoints, null);
     if (this.box) paintBox(ctx, palette, this.box.x0, this.box.y0, this.box.x1, this.box.y1);
     paintFurniture(ctx, view, palette);
     paintLadder(ctx, view, palette, this.#rungs());
@@ -113,7 +124,7 @@ export class Painter {
 
   #marking = (index: number): Marking => {
     const row = this.console.session.rowAt(index);
-    return row ? { level: row.level, problem: row.problems.split(' · ', 1)[0] ?? '', height: row.height } : CALM;
+    return row ? { level: row.level, problem: row.problems.split(' · ', 1)[0] ?? '', height: row.height, stopped: row.stopped } : CALM;
   };
 
   #rungs(): Rung[] {
@@ -121,6 +132,35 @@ export class Painter {
     return session.rows
       .filter((row) => !Number.isNaN(row.heightM))
       .map((row) => ({ heightM: row.heightM, level: row.level, leader: row.leader, selected: targets.selected.has(row.id) }));
+  }
+
+  /** The fences in force about the swarm's origin, worked out anew only when they or the origin are others. */
+  fences(): PlacedFences {
+    const plan = this.console.watch.fences?.plan ?? null;
+    const origin = this.console.session.fleet.projection?.origin ?? null;
+    if (plan !== this.#placedPlan || origin !== this.#placedOrigin) {
+      this.#placedPlan = plan;
+      this.#placedOrigin = origin;
+      this.#placedFences = plan ? placeFences(plan, origin) : NO_FENCES;
+    }
+    return this.#placedFences;
+  }
+
+  /** The leader's route, or the path that a formation without a leader goes along. */
+  #flownRoute(): Route | null {
+    const flown = this.console.session.info.formation;
+    if (!flown) return null;
+    return flown.route ?? (flown.request.anchor.kind === 'path' ? flown.request.anchor.route : null);
+  }
+
+  #paintAnchors(ctx: CanvasRenderingContext2D, palette: Palette): void {
+    const { map, session, formation } = this.console;
+    const flown = session.info.formation;
+    if (flown?.leader === null && flown.anchor) {
+      paintAnchor(ctx, map.view, palette, { north: flown.anchor.north_m, east: flown.anchor.east_m }, null, true);
+    }
+    const basis = formation.anchor === 'leader' ? null : formation.previewBasis();
+    if (basis) paintAnchor(ctx, map.view, palette, basis, basis.headingRad, false);
   }
 
   #leaderPlace(): { north: number; east: number } | null {
@@ -159,7 +199,8 @@ export class Painter {
     const { session, targets } = this.console;
     const { fleet, info } = session;
     const bounds = noBounds();
-    const ids = targets.selected.size > 0 ? [...targets.selected] : info.formation ? [info.formation.leader] : targets.ids;
+    const leader = info.formation?.leader ?? null;
+    const ids = targets.selected.size > 0 ? [...targets.selected] : leader !== null ? [leader] : targets.ids;
     for (const id of ids) {
       const index = fleet.indexOf(id);
       if (index >= 0 && fleet.has(index, FLAG.position)) include(bounds, fleet.northM[index] ?? 0, fleet.eastM[index] ?? 0);
@@ -177,9 +218,10 @@ export class Painter {
       if (fleet.has(i, FLAG.slot)) include(bounds, fleet.slotNorthM[i] ?? 0, fleet.slotEastM[i] ?? 0);
     }
     if (info.formation && !info.formation.route_finished) {
-      for (const w of info.formation.route?.waypoints ?? []) include(bounds, w.north_m, w.east_m);
+      for (const w of this.#flownRoute()?.waypoints ?? []) include(bounds, w.north_m, w.east_m);
     }
-    for (const w of formation.waypoints) include(bounds, w.north, w.east);
+    for (const w of formation.route.waypoints) include(bounds, w.north, w.east);
+    for (const slot of formation.previewSlots()) include(bounds, slot.north, slot.east);
     return bounds;
   }
 }

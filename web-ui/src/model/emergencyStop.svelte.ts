@@ -1,0 +1,97 @@
+// The emergency stop, in its two steps: unlocking gives a key that is good for seconds, and only with it can motors be stopped.
+// Must never take both steps at once, and never keep a key that was used or has run out.
+
+import { ApiError, emergencyStop, unlockEmergencyStop } from '../protocol/rest';
+import type { Targets } from '../protocol/types';
+import { idRanges } from './idRanges';
+import type { Journal } from './journal.svelte';
+import type { Watch } from './watch.svelte';
+
+/** After unlocking nothing is stopped for so long: the second click of a double click is no second step. */
+export const SETTLE_MS = 500;
+const BEAT_MS = 100;
+
+export type EmergencyOutcome = { bad: boolean; text: string } | null;
+
+export class EmergencyStop {
+  /** Whole seconds for which the key is still good; null while there is none. */
+  leftS = $state<number | null>(null);
+  /** The second step may be taken. */
+  ready = $state(false);
+  busy = $state(false);
+  outcome = $state.raw<EmergencyOutcome>(null);
+
+  readonly #watch: Watch;
+  readonly #journal: Journal;
+  #key = '';
+  #timer: ReturnType<typeof setInterval> | undefined;
+
+  constructor(watch: Watch, journal: Journal) {
+    this.#watch = watch;
+    this.#journal = journal;
+  }
+
+  get unlocked(): boolean {
+    return this.leftS !== null;
+  }
+
+  /** The first step. Stops nothing. */
+  async unlock(): Promise<void> {
+    if (this.busy || this.unlocked) return;
+    this.busy = true;
+    this.outcome = null;
+    // The key's time counts from before the question: here it ends sooner than at the server, never later.
+    const from = performance.now();
+    try {
+      const { key, valid_s } = await unlockEmergencyStop();
+      this.#key = key;
+      const until = from + valid_s * 1000;
+      const readyAt = performance.now() + SETTLE_MS;
+      const beat = (): void => {
+        const now = performance.now();
+        if (now >= until) this.lock();
+        else {
+          this.leftS = Math.ceil((until - now) / 1000);
+          this.ready = now >= readyAt;
+        }
+      };
+      beat();
+      if (this.unlocked) this.#timer = setInterval(beat, BEAT_MS);
+    } catch (error) {
+      this.#fail('Emergency stop not unlocked', error);
+    } finally {
+      this.busy = false;
+    }
+  }
+
+  /** The second step: the motors of `targets` stop. */
+  async stop(targets: Targets, vehicles: readonly number[]): Promise<void> {
+    if (!this.ready || this.#key === '') return;
+    const key = this.#key;
+    this.lock();
+    const who = targets === 'all' ? `all ${vehicles.length}` : idRanges([...vehicles]);
+    try {
+      const receipts = await emergencyStop(key, targets);
+      const refused = receipts.filter((receipt) => receipt.refusal !== null);
+      const failed = refused.length === 0 ? '' : `, refused by ${idRanges(refused.map((r) => r.vehicle))}`;
+      this.outcome = { bad: refused.length > 0, text: `Emergency stop sent to ${who}${failed}` };
+    } catch (error) {
+      this.#fail(`Emergency stop of ${who} failed`, error);
+    }
+    this.#watch.refreshSafety();
+  }
+
+  /** Forgets the key. */
+  lock(): void {
+    clearInterval(this.#timer);
+    this.#key = '';
+    this.leftS = null;
+    this.ready = false;
+  }
+
+  #fail(what: string, error: unknown): void {
+    const text = `${what}: ${error instanceof ApiError ? error.message : String(error)}`;
+    this.outcome = { bad: true, text };
+    this.#journal.notice('critical', 'emergency_stop', text);
+  }
+}

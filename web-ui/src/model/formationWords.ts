@@ -1,0 +1,87 @@
+// A formation in words, whether a vehicle leads it or not, and where a previewed one lies on the ground. Pure.
+
+import type { FormationAnchor, FormationRequest, FormationSnapshot, OffsetFrd, Shape } from '../protocol/types';
+import { label } from '../protocol/words';
+
+/** All shapes, in the order they are offered. */
+export const SHAPES: readonly Shape[] = [
+  'line', 'column', 'wedge', 'echelon_left', 'echelon_right', 'diamond', 'circle', 'arc', 'square', 'grid', 'box', 'sphere', 'helix',
+  'free',
+];
+
+export type Place = { north: number; east: number };
+export type Slot = Place & { upM: number };
+
+/** What a formation goes by: `behind 3`, `about a fixed place`. */
+export function anchorText(anchor: FormationAnchor, leader: number | null): string {
+  if (leader !== null) return `behind ${leader}`;
+  switch (anchor.kind) {
+    case 'leader':
+      return 'without a leader';
+    case 'place':
+      return 'about a fixed place';
+    case 'path':
+      return 'along a path';
+    case 'reference':
+      return `about ${anchor.name}`;
+  }
+}
+
+/** `Wedge of 4, 5 m apart, behind 1`, in two parts: the shape stands out. */
+export function flownText(flown: FormationSnapshot): { shape: string; rest: string } {
+  const { request } = flown;
+  const scaled = request.scale === 1 ? '' : `, ${request.scale} times as large`;
+  const kept = flown.keeps_itself ? `, keeps itself by ${request.control}` : '';
+  const rest = ` of ${flown.members.length}, ${request.spacing_m} m apart${scaled}, ${anchorText(request.anchor, flown.leader)}${kept}`;
+  return { shape: label(request.shape), rest };
+}
+
+/** An offset turned to a heading (radians clockwise from north): metres north and east. */
+export function turned(offset: OffsetFrd, headingRad: number): Place {
+  const sin = Math.sin(headingRad);
+  const cos = Math.cos(headingRad);
+  return { north: offset.forward_m * cos - offset.right_m * sin, east: offset.forward_m * sin + offset.right_m * cos };
+}
+
+/** Slots about an anchor on the ground. */
+export function placed(slots: readonly OffsetFrd[], anchor: Place, headingRad: number): Slot[] {
+  return slots.map((slot) => {
+    const by = turned(slot, headingRad);
+    return { north: anchor.north + by.north, east: anchor.east + by.east, upM: 0 - slot.down_m };
+  });
+}
+
+/** Direction of the first leg of a path, or of what leads to a single point; null if it has none. */
+export function pathHeading(points: readonly Place[]): number | null {
+  const [first, second] = points;
+  if (!first || !second) return null;
+  return Math.atan2(second.east - first.east, second.north - first.north);
+}
+
+/** The parameters that only some shapes have. */
+export function hasParameter(shape: Shape, parameter: 'arc_deg' | 'layers' | 'pitch_m' | 'offsets'): boolean {
+  return { arc_deg: 'arc', layers: 'box', pitch_m: 'helix', offsets: 'free' }[parameter] === shape;
+}
+
+/** What an operator has set on the form, with the parameters of every shape. */
+export type FormationForm = Omit<FormationRequest, 'offsets' | 'layers' | 'pitch_m' | 'arc_deg'> & {
+  arcDeg: number;
+  /** 0: as the server thinks best. */
+  layers: number;
+  pitchM: number;
+  offsets: readonly OffsetFrd[];
+};
+
+/** As the server is told: without the parameters that the shape does not have. */
+export function requestOf(form: FormationForm): FormationRequest {
+  const { arcDeg, layers, pitchM, offsets, ...rest } = form;
+  const { shape } = form;
+  return {
+    ...rest,
+    leader: form.anchor.kind === 'leader' ? form.leader : null,
+    arc_deg: hasParameter(shape, 'arc_deg') ? arcDeg : null,
+    layers: hasParameter(shape, 'layers') && layers > 0 ? layers : null,
+    pitch_m: hasParameter(shape, 'pitch_m') && pitchM > 0 ? pitchM : null,
+    offsets: hasParameter(shape, 'offsets') ? [...offsets] : null,
+  };
+}

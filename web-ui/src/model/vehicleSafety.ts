@@ -1,0 +1,113 @@
+// What the safety functions of the node say of one vehicle, in the words an operator reads: the ladder's alarms and its order, the
+// charge against the way home, whom it gives way to. Must never decide anything: limits and reactions are the server's. Pure.
+
+import type { Alarm, Avoidance, EnergyState, LadderState, Order, Reaction, VehicleSnapshot } from '../protocol/types';
+import { label, spoken } from '../protocol/words';
+import { LEVEL } from './severity';
+import type { Level, Problem } from './severity';
+
+/** The fields of a vehicle's snapshot that the stream does not carry. */
+export type VehicleSafety = Pick<VehicleSnapshot, 'ladder' | 'energy' | 'avoiding' | 'stopped'>;
+
+const REACTIONS: Record<Reaction, string> = {
+  warn: 'warning only',
+  hold: 'hold',
+  return: 'return',
+  land: 'land',
+  release: 'release to the autopilot',
+};
+
+/** A number with its unit as short as it can be read; what is not a number is not known. */
+export function quantity(value: number | null, unit: string): string {
+  if (value === null || !Number.isFinite(value)) return 'not known';
+  const size = Math.abs(value);
+  const digits = size >= 100 ? 0 : size >= 1 || size === 0 ? 1 : 2;
+  const text = value.toFixed(digits).replace(/\.0+$/, '');
+  return unit === '' ? text : `${text} ${unit}`;
+}
+
+/** A duration as it is spoken: `8 s`, `3 min`, `2.5 h`. */
+export function durationText(seconds: number | null): string {
+  if (seconds === null || !Number.isFinite(seconds)) return 'not known';
+  if (seconds < 90) return `${Math.max(0, Math.round(seconds))} s`;
+  if (seconds < 90 * 60) return `${Math.round(seconds / 60)} min`;
+  return `${(seconds / 3600).toFixed(1)} h`;
+}
+
+export function percentText(share: number | null): string {
+  return share === null || !Number.isFinite(share) ? '–' : `${Math.round(share * 100)} %`;
+}
+
+/** One alarm: trigger, value against limit, reaction, how long. `serverNowMs` is the node's clock. */
+export function alarmText(alarm: Alarm, serverNowMs: number): string {
+  const why = alarm.report_only === null ? '' : ` (${spoken(alarm.report_only)})`;
+  return (
+    `${label(alarm.trigger)} ${quantity(alarm.value, alarm.unit)}, limit ${quantity(alarm.limit, alarm.unit)}: ` +
+    `${REACTIONS[alarm.reaction]}${why}, for ${since(alarm.since, serverNowMs)}`
+  );
+}
+
+/** The order in force. */
+export function orderText(order: Order, serverNowMs: number): string {
+  const state = order.recovered ? ', cause is over' : order.effective_at === null ? ', not taken up yet' : '';
+  return `Ordered: ${REACTIONS[order.reaction]} because of ${spoken(order.trigger)}, for ${since(order.ordered_at, serverNowMs)}${state}`;
+}
+
+export function avoidanceText(avoiding: Avoidance): string {
+  const whom = avoiding.because === null ? 'Kept inside of the fence' : `Gives way to ${avoiding.because}`;
+  const far = avoiding.distance_m === null ? '' : `, ${quantity(avoiding.distance_m, 'm')} away`;
+  return `${whom}${far}${avoiding.feasible ? '' : '; the distance cannot be kept'}`;
+}
+
+/** The return time of an energy state, in words; empty if nothing presses and none is known. */
+export function returnText(energy: EnergyState): string {
+  if (energy.level === 'land_now') return 'land now';
+  if (energy.level === 'return_now' || energy.return_in_s <= 0) return 'now';
+  return durationText(energy.return_in_s);
+}
+
+const ENERGY: Record<EnergyState['level'], { level: Level; text: string } | null> = {
+  ok: null,
+  replan_soon: { level: LEVEL.advisory, text: 'return soon for energy' },
+  return_now: { level: LEVEL.warning, text: 'return now for energy' },
+  land_now: { level: LEVEL.critical, text: 'land now for energy' },
+};
+
+/** What of it is not as it should be. On the ground an energy that is low is the preflight report's to say. */
+export function safetyProblems(safety: VehicleSafety | null, airborne: boolean): Problem[] {
+  if (!safety) return [];
+  const problems: Problem[] = [];
+  if (safety.stopped) problems.push({ level: LEVEL.critical, text: 'motors stopped' });
+  problems.push(...ladderProblems(safety.ladder));
+  const energy = safety.energy && airborne ? ENERGY[safety.energy.level] : null;
+  if (energy) problems.push(energy);
+  if (safety.avoiding) {
+    problems.push(
+      safety.avoiding.feasible
+        ? { level: LEVEL.advisory, text: 'gives way' }
+        : { level: LEVEL.warning, text: 'distance cannot be kept' },
+    );
+  }
+  return problems;
+}
+
+function ladderProblems(ladder: LadderState | null): Problem[] {
+  if (!ladder) return [];
+  const problems: Problem[] = [];
+  const order = ladder.order;
+  if (order) {
+    const grave = order.reaction === 'land' || order.reaction === 'release';
+    problems.push({ level: grave ? LEVEL.critical : LEVEL.warning, text: `${spoken(order.trigger)}: ${REACTIONS[order.reaction]} ordered` });
+  }
+  for (const alarm of ladder.alarms) {
+    if (alarm.trigger === order?.trigger) continue;
+    const level = alarm.report_only === 'on_ground' ? LEVEL.advisory : LEVEL.warning;
+    problems.push({ level, text: spoken(alarm.trigger) });
+  }
+  return problems;
+}
+
+/** Time since a moment on the node's clock (microseconds). */
+function since(at: number, serverNowMs: number): string {
+  return durationText(Math.max(0, (serverNowMs - at / 1000) / 1000));
+}

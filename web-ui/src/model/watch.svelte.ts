@@ -1,0 +1,119 @@
+// What the stream does not carry, asked for at a pace that fits it: the safety fields of the vehicles, the fences in force, the
+// preflight report, the references. Events about them bring the question forward. Must never ask while nobody looks.
+
+import { getFences, getPreflight, getReferences, getVehicles } from '../protocol/rest';
+import type { EventRecord, FenceAnswer, PreflightAnswer, ReferenceSnapshot } from '../protocol/types';
+import type { Session } from './session.svelte';
+
+const SAFETY_EVERY_MS = 1500;
+/** Above so many vehicles the pace goes down with their number: one answer holds them all. */
+const SAFETY_FULL_PACE = 40;
+const FENCES_EVERY_MS = 4000;
+const PREFLIGHT_EVERY_MS = 2500;
+const REFERENCES_EVERY_MS = 1000;
+/** Events come in swarms; one question after the last of them is enough. */
+const SOON_MS = 150;
+
+/** Asks again and again, `everyMs` after each answer. */
+class Pulse {
+  #timer: ReturnType<typeof setTimeout> | undefined;
+  #running = false;
+
+  constructor(
+    readonly ask: () => Promise<void>,
+    readonly everyMs: () => number,
+    readonly wanted: () => boolean,
+  ) {}
+
+  start(): void {
+    this.#running = true;
+    this.soon(0);
+  }
+
+  stop(): void {
+    this.#running = false;
+    clearTimeout(this.#timer);
+  }
+
+  soon(ms = SOON_MS): void {
+    if (!this.#running) return;
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => void this.#beat(), ms);
+  }
+
+  async #beat(): Promise<void> {
+    if (this.wanted() && !document.hidden) {
+      try {
+        await this.ask();
+      } catch {
+        // What was known stays; that the server is not heard is said by the banner.
+      }
+    }
+    this.soon(this.everyMs());
+  }
+}
+
+export class Watch {
+  fences = $state.raw<FenceAnswer | null>(null);
+  preflight = $state.raw<PreflightAnswer | null>(null);
+  references = $state.raw<readonly ReferenceSnapshot[]>([]);
+
+  readonly #session: Session;
+  readonly #safety: Pulse;
+  readonly #fencePulse: Pulse;
+  readonly #preflightPulse: Pulse;
+  readonly #referencePulse: Pulse;
+
+  constructor(session: Session) {
+    this.#session = session;
+    const live = () => session.canCommand;
+    const crowd = () => Math.max(1, session.rows.length / SAFETY_FULL_PACE);
+    this.#safety = new Pulse(async () => session.takeVehicles(await getVehicles()), () => SAFETY_EVERY_MS * crowd(), live);
+    this.#fencePulse = new Pulse(async () => void (this.fences = await getFences()), () => FENCES_EVERY_MS, live);
+    this.#preflightPulse = new Pulse(async () => void (this.preflight = await getPreflight()), () => PREFLIGHT_EVERY_MS * crowd(), live);
+    this.#referencePulse = new Pulse(async () => void (this.references = await getReferences()), () => REFERENCES_EVERY_MS, live);
+  }
+
+  start(): void {
+    this.#safety.start();
+    this.#fencePulse.start();
+    this.#preflightPulse.start();
+    this.#session.onEvent((event) => this.#event(event));
+    this.#session.onLive(() => {
+      for (const pulse of [this.#safety, this.#fencePulse, this.#preflightPulse]) pulse.soon();
+    });
+    document.addEventListener('visibilitychange', () => this.#safety.soon());
+  }
+
+  /** Asks for the references until the returned function is called. */
+  watchReferences(): () => void {
+    this.#referencePulse.start();
+    return () => this.#referencePulse.stop();
+  }
+
+  refreshPreflight(): void {
+    this.#preflightPulse.soon();
+  }
+
+  refreshSafety(): void {
+    this.#safety.soon();
+  }
+
+  #event(event: EventRecord): void {
+    switch (event.kind.kind) {
+      case 'ladder':
+      case 'avoidance':
+      case 'emergency_stop':
+        this.#safety.soon();
+        break;
+      case 'fences':
+        this.#fencePulse.soon();
+        this.#preflightPulse.soon();
+        break;
+      case 'preflight':
+      case 'refused':
+        this.#preflightPulse.soon();
+        break;
+    }
+  }
+}
