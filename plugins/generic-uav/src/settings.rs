@@ -97,8 +97,9 @@ impl Default for Settings {
             endurance_s: None,
             keeps_view: None,
             acceleration_m_s2: 2.0,
-            climb_m_s: 2.0,
-            descent_m_s: 1.0,
+            // What PX4 itself allows by default is 3 and 1.5.
+            climb_m_s: 2.5,
+            descent_m_s: 1.5,
             catch_up_m_s: 2.0,
             heading_rate_rad_s: 0.1,
             take_off_min_height_m: 1.0,

@@ -19,8 +19,6 @@ use std::sync::Arc;
 const SLOWEST_USEFUL_TURN_RAD_S: f64 = 0.15;
 /// Leader's speed assumed when a formation's turning rate is chosen, in metres per second, until a route says otherwise.
 const NOMINAL_SPEED_M_S: f64 = 5.0;
-/// A change of shape is flown at this speed at least, in metres per second; the gate slows whoever becomes too fast by it.
-const SLOWEST_CHANGE_M_S: f64 = 1.5;
 /// Acceleration of the outermost vehicle in a turn of the formation, in metres per second squared: beyond it tracking suffers.
 const TURN_ACCELERATION_M_S2: f64 = 3.0;
 /// A virtual leader speeds up and turns no harder than this, so that followers have something to spare, in metres per second squared.
@@ -108,7 +106,7 @@ pub fn plan(input: &PlanInput, peers: &PeerSnapshot) -> Result<Formation, Refusa
         taken_m_s,
         led: leader.is_some(),
         held: held.as_deref(),
-        ..Change::new(&from, &slots, &motion_limits(&input.limits, taken_m_s, &together))
+        ..Change::new(&from, &slots, &input.limits.transition)
     };
     let planned = change.plan(input.start).map_err(invalid)?;
     stays_inside(input, &slots, &basis, &heading)?;
@@ -420,15 +418,6 @@ fn taken_m_s(
         .map(|o| o.forward_m.hypot(o.right_m))
         .fold(0.0, f64::max);
     input.route_speed_m_s.unwrap_or(0.0) + rate_rad_s * farthest_m
-}
-
-/// The limits within the formation, beside what it takes as a whole.
-fn motion_limits(limits: &PlanLimits, taken_m_s: f64, together: &FlightLimits) -> MotionLimits {
-    let spare_m_s = together.max_speed_m_s * limits::TURN_SPEED_SHARE - taken_m_s;
-    MotionLimits {
-        speed_m_s: limits.transition.speed_m_s.min(spare_m_s.max(SLOWEST_CHANGE_M_S)),
-        ..limits.transition
-    }
 }
 
 /// Who has which of the slots, where the same members fly the same shape and only its parameters change: such a change is a morph.
