@@ -20,6 +20,7 @@ mod navigation;
 mod offboard;
 mod parameters;
 mod payloads;
+pub mod plant;
 mod position_control;
 mod receive;
 mod telemetry;

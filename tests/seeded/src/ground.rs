@@ -1,0 +1,307 @@
+//! The node's coordinator without its actor: asks the product's decisions in the order and at the times in which the actor does.
+//!
+//! Must never do: decide by itself who takes part, who leads, or which slot is whose.
+
+use crate::craft::Craft;
+use skein_config::NodeConfig;
+use skein_domain::{AnchorReference, FormationAnchor, FormationRequest, Intent, NodeTime, Refusal, Route, VehicleId};
+use skein_runtime::coordination::{
+    self, ActiveRoute, Changed, Coordination, Formation, Judging, PlanInput, PlanLimits,
+};
+use skein_runtime::{AnchorKeeper, PeerSnapshot, References};
+use skein_safety::Gate;
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// Time between a decision and the start of the motion in seconds, as the coordinator's.
+const LEAD_TIME_S: f64 = 0.1;
+/// After a plan to regroup that failed the next is made so much later, in seconds, as the coordinator's.
+const RETRY_S: f64 = 1.0;
+
+/// A plan that is being made.
+struct Pending {
+    ready: NodeTime,
+    request: FormationRequest,
+    /// The text, if it is to regroup, and whether the members were named.
+    regroup: Option<(String, bool)>,
+    generation: u64,
+    outcome: Result<Formation, Refusal>,
+}
+
+/// The ground side.
+pub struct Ground {
+    pub config: NodeConfig,
+    pub gate: Arc<Gate>,
+    pub coordination: Coordination,
+    pub intent: Intent,
+    pub withdrawn: BTreeSet<VehicleId>,
+    pub story: Vec<String>,
+    /// Every refusal, as operators would read it.
+    pub refusals: Vec<String>,
+    references: References,
+    keeper: AnchorKeeper,
+    limits: PlanLimits,
+    generation: u64,
+    reshape: bool,
+    keeps_itself: bool,
+    joins: Vec<VehicleId>,
+    not_before: NodeTime,
+    pending: Vec<Pending>,
+}
+
+impl Ground {
+    pub fn new(config: NodeConfig, gate: Gate) -> Self {
+        let limits = PlanLimits::new(&config.coordinator, config.safety.max_speed_m_s);
+        Self {
+            references: References::new(config.safety.max_speed_m_s),
+            gate: Arc::new(gate),
+            limits,
+            config,
+            coordination: Coordination::default(),
+            intent: Intent::default(),
+            withdrawn: BTreeSet::new(),
+            story: Vec::new(),
+            refusals: Vec::new(),
+            keeper: AnchorKeeper::default(),
+            generation: 0,
+            reshape: false,
+            keeps_itself: false,
+            joins: Vec::new(),
+            not_before: NodeTime::default(),
+            pending: Vec::new(),
+        }
+    }
+
+    /// The formation's anchor of this period, if it is no vehicle.
+    pub fn anchor(&mut self, led: Option<&AnchorReference>, now: NodeTime) -> Option<AnchorReference> {
+        self.keeper.at(self.intent.anchor.as_ref(), led, &self.references, now)
+    }
+
+    pub fn is_planning(&self) -> bool {
+        !self.pending.is_empty()
+    }
+
+    /// An operator asks for a formation. Planning takes `plan_s`.
+    pub fn ask(&mut self, request: FormationRequest, peers: &PeerSnapshot, plan_s: f64, now: NodeTime) {
+        if let FormationAnchor::Path { route } = &request.anchor
+            && let Err(refusal) = self.gate.route(route)
+        {
+            self.refuse("formation", &refusal);
+            return;
+        }
+        self.begin_plan(request, None, peers, plan_s, now);
+    }
+
+    /// An operator gives the leader a route.
+    pub fn route(&mut self, route: Route, crafts: &mut [Craft], peers: &PeerSnapshot, now: NodeTime) {
+        let given = self.set_route(route, peers);
+        match given {
+            Ok(route) => {
+                self.story
+                    .push(format!("the leader flies a route at {:.1} m/s", route.speed_m_s));
+                for craft in crafts {
+                    craft.route_finished = false;
+                }
+                self.publish(now);
+            }
+            Err(refusal) => self.refuse("route", &refusal),
+        }
+    }
+
+    fn set_route(&mut self, route: Route, peers: &PeerSnapshot) -> Result<Route, Refusal> {
+        let formation = self.coordination.formation.clone();
+        let nobody = Refusal::NotEnoughVehicles { have: 0, need: 1 };
+        let (formation, leader) = formation
+            .and_then(|f| f.leader.map(|leader| (f, leader)))
+            .ok_or(nobody)?;
+        let start = peers
+            .entry(leader)
+            .and_then(|e| e.kinematics)
+            .ok_or(Refusal::NoPosition)?;
+        self.gate.route_from(&start.position, &route)?;
+        let fitted = coordination::fitted(route, &formation, peers, &self.limits);
+        self.coordination.route = Some(ActiveRoute {
+            route: fitted.clone(),
+            next: 0,
+            finished: false,
+        });
+        Ok(fitted)
+    }
+
+    fn refuse(&mut self, what: &str, refusal: &Refusal) {
+        let text = format!("{what} refused: {refusal}");
+        self.story.push(text.clone());
+        self.refusals.push(text);
+    }
+
+    fn begin_plan(
+        &mut self,
+        request: FormationRequest,
+        regroup: Option<(String, bool)>,
+        peers: &PeerSnapshot,
+        plan_s: f64,
+        now: NodeTime,
+    ) {
+        let path_speed_m_s = match &request.anchor {
+            FormationAnchor::Path { route } => Some(route.speed_m_s),
+            _ => None,
+        };
+        let route = self.coordination.route.as_ref().filter(|r| !r.finished);
+        let input = PlanInput {
+            request: request.clone(),
+            route_speed_m_s: path_speed_m_s.or(route.map(|r| r.route.speed_m_s)),
+            reference: None,
+            before: self.coordination.formation.clone(),
+            limits: self.limits.clone(),
+            gate: Arc::clone(&self.gate),
+            start: now.plus_seconds(LEAD_TIME_S),
+        };
+        self.pending.push(Pending {
+            ready: now.plus_seconds(plan_s),
+            request,
+            regroup,
+            generation: self.generation,
+            outcome: coordination::plan(&input, peers),
+        });
+    }
+
+    /// Plans that are ready are flown, unless the formation has changed meanwhile.
+    pub fn take_plans(&mut self, crafts: &mut [Craft], peers: &PeerSnapshot, now: NodeTime) {
+        let (ready, waiting) = std::mem::take(&mut self.pending)
+            .into_iter()
+            .partition(|p| p.ready <= now);
+        self.pending = waiting;
+        for planned in Vec::<Pending>::from(ready) {
+            if planned.generation != self.generation {
+                match planned.regroup {
+                    None => self.begin_plan(planned.request, None, peers, 0.02, now),
+                    Some(_) => self.reshape = true,
+                }
+                continue;
+            }
+            let start = now.plus_seconds(LEAD_TIME_S);
+            match (planned.outcome.map(|f| f.beginning(start)), planned.regroup) {
+                (Ok(formation), None) => {
+                    self.withdrawn.retain(|id| !formation.members.contains(id));
+                    let text = told(&formation);
+                    self.fly(formation, text, crafts, now);
+                }
+                (Ok(mut formation), Some((text, named))) => {
+                    if !named {
+                        formation.request.members = None;
+                    }
+                    self.reshape = false;
+                    self.joins.retain(|id| !formation.members.contains(id));
+                    let text = format!("{text}: {}", told(&formation));
+                    self.fly(formation, text, crafts, now);
+                }
+                (Err(refusal), None) => self.refuse("formation", &refusal),
+                (Err(refusal), Some((text, _))) => {
+                    self.joins.clear();
+                    self.not_before = now.plus_seconds(RETRY_S);
+                    self.refuse(&text, &refusal);
+                }
+            }
+        }
+    }
+
+    fn fly(&mut self, formation: Formation, text: String, crafts: &mut [Craft], now: NodeTime) {
+        let leader = formation.leader;
+        let leader_changed = self.coordination.take_up(formation);
+        self.generation += 1;
+        if leader_changed {
+            for craft in crafts.iter_mut().filter(|c| Some(c.id) != leader) {
+                craft.entry.anchor = None;
+            }
+        }
+        self.publish(now);
+        self.story.push(text);
+    }
+
+    fn publish(&mut self, now: NodeTime) {
+        self.keeps_itself = self
+            .coordination
+            .formation
+            .as_ref()
+            .is_some_and(|f| f.keeps_itself(now));
+        self.intent = coordination::intent(&self.intent, &self.coordination, &self.withdrawn, now);
+    }
+
+    /// Every control period.
+    pub fn watch(&mut self, crafts: &mut [Craft], peers: &PeerSnapshot, now: NodeTime) {
+        let Some(formation) = self.coordination.formation.clone() else {
+            return;
+        };
+        let lost = self.judging(peers, now).lost_leader(&formation);
+        if let Some(lost) = lost {
+            let order = self.limits.leader_order.clone();
+            if let Some(next) = coordination::succeed(&formation, lost, now, &order, peers) {
+                self.reshape = true;
+                let text = format!("leader {lost} is lost: {:?} leads", next.leader);
+                self.fly(next, text, crafts, now);
+                return;
+            }
+        }
+        if formation.keeps_itself(now) != self.keeps_itself {
+            self.publish(now);
+        }
+    }
+
+    fn judging<'a>(&'a self, peers: &'a PeerSnapshot, now: NodeTime) -> Judging<'a> {
+        Judging {
+            peers,
+            withdrawn: &self.withdrawn,
+            leader_lost_after_s: self.config.coordinator.leader_lost_after_s,
+            now,
+        }
+    }
+
+    /// Every review.
+    pub fn review(&mut self, crafts: &[Craft], peers: &PeerSnapshot, plan_s: f64, now: NodeTime) {
+        let finished = |leader| crafts.iter().any(|c| c.id == leader && c.route_finished);
+        self.coordination.follow_route(peers, finished);
+        let newcomers = self.coordination.newcomers(peers);
+        let Some(formation) = self.coordination.formation.clone() else {
+            self.joins.clear();
+            return;
+        };
+        if formation.request.members.is_none() {
+            self.joins.extend(newcomers);
+        }
+        if self.pending.iter().any(|p| p.regroup.is_some()) || now < self.not_before {
+            return;
+        }
+        let changed = self.judging(peers, now).changed(&formation, &self.joins, self.reshape);
+        let Some(Changed { members, gone, joins }) = changed else {
+            return;
+        };
+        if members.is_empty() {
+            self.coordination.formation = None;
+            self.coordination.route = None;
+            self.generation += 1;
+            self.reshape = false;
+            self.joins.clear();
+            self.publish(now);
+            self.story.push("nobody is left: formation dissolved".into());
+            return;
+        }
+        let named = formation.request.members.is_some();
+        let request = FormationRequest {
+            members: Some(members),
+            ..formation.request
+        };
+        let text = format!("regroups, left {gone:?}, joined {joins:?}");
+        self.begin_plan(request, Some((text, named)), peers, plan_s, now);
+    }
+}
+
+fn told(formation: &Formation) -> String {
+    format!(
+        "{:?} of {}, leader {:?}: {:.1} s, planned {:.2} m apart at least",
+        formation.request.shape,
+        formation.members.len(),
+        formation.leader,
+        formation.settled_at.seconds_since(formation.decided),
+        formation.min_distance_m
+    )
+}

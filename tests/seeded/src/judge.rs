@@ -1,0 +1,259 @@
+//! The judge: knows the truth, and nothing of how it came about.
+
+use crate::case::Case;
+use crate::craft::Craft;
+use crate::ground::Ground;
+use crate::outcome::{Arrival, Closest, Crossing, Failure, Outcome};
+use nalgebra::Vector3;
+use skein_domain::{OffsetFrd, VehicleId};
+use skein_runtime::PeerSnapshot;
+use skein_safety::Approach;
+use skein_safety::avoidance::NeighbourId;
+
+/// Within this distance of its place a vehicle has arrived, in metres.
+const ARRIVED_M: f64 = 1.5;
+/// No fence can be kept better than a vehicle knows where it is: bound of the drawn errors of the estimates, with the gusts that push a
+/// hovering one off its place, in metres.
+const FENCE_UNCERTAIN_M: f64 = 0.6;
+/// A setpoint that is changed by less than this holds nobody back, in metres per second.
+const HELD_BACK_M_S: f64 = 0.2;
+
+/// Watches a flight.
+pub struct Judge {
+    pub outcome: Outcome,
+    approach: Approach,
+    least_m: f64,
+    order: Vec<usize>,
+}
+
+impl Judge {
+    pub fn new(case: &Case, ground: &Ground) -> Self {
+        let settings = ground.gate.avoidance();
+        Self {
+            outcome: Outcome {
+                seed: case.seed,
+                vehicles: case.starts.len(),
+                ..Outcome::default()
+            },
+            approach: Approach {
+                max_speed_m_s: settings.max_speed_m_s,
+                braking_m_s2: settings.braking_m_s2,
+                reaction_s: settings.reaction_s,
+            },
+            least_m: settings.min_separation_m,
+            order: (0..case.starts.len()).collect(),
+        }
+    }
+
+    /// Looks at one moment.
+    pub fn watch(&mut self, now_s: f64, crafts: &[Craft], ground: &Ground, foreign: Option<Vector3<f64>>) {
+        self.watch_pairs(now_s, crafts);
+        for craft in crafts.iter().filter(|c| c.answers()) {
+            let place = craft.plant.position();
+            if !place.iter().all(|x| x.is_finite()) {
+                self.outcome.failures.push(Failure::NotFinite(craft.id));
+            }
+            if let Some(foreign) = foreign {
+                let distance_m = (place - foreign).norm();
+                if distance_m < self.outcome.closest_foreign.distance_m {
+                    self.outcome.closest_foreign = closest(distance_m, craft.id, craft.id, now_s);
+                }
+            }
+            if ground.gate.fences().is_empty() {
+                continue;
+            }
+            let outside_m = ground.gate.fences().excess(&place.into()).distance_m();
+            let allowed_m = FENCE_UNCERTAIN_M + self.approach.stopping_m(craft.plant.velocity().norm());
+            let worst = &mut self.outcome.crossing;
+            if outside_m > 0.0 && outside_m - allowed_m > worst.outside_m - worst.allowed_m || worst.allowed_m == 0.0 {
+                *worst = Crossing {
+                    outside_m,
+                    allowed_m,
+                    id: craft.id,
+                    at_s: now_s,
+                };
+            }
+        }
+    }
+
+    /// All pairs one of which answers: two that do not are nobody's to keep apart.
+    fn watch_pairs(&mut self, now_s: f64, crafts: &[Craft]) {
+        let north = |i: usize| crafts[i].plant.position().x;
+        self.order.sort_by(|a, b| north(*a).total_cmp(&north(*b)));
+        for (k, &i) in self.order.iter().enumerate() {
+            let a = &crafts[i];
+            if !a.flies() {
+                continue;
+            }
+            let place = a.plant.position();
+            for &j in &self.order[k + 1..] {
+                let b = &crafts[j];
+                let apart = b.plant.position() - place;
+                if apart.x >= self.outcome.closest.distance_m {
+                    break;
+                }
+                if !b.flies() || !(a.answers() || b.answers()) {
+                    continue;
+                }
+                let distance_m = apart.norm();
+                if distance_m < self.outcome.closest.distance_m {
+                    self.outcome.closest = closest(distance_m, a.id, b.id, now_s);
+                }
+            }
+        }
+    }
+
+    /// Where everyone who answers is relative to its place.
+    pub fn arrivals(&self, crafts: &[Craft], ground: &Ground, peers: &PeerSnapshot) -> Vec<(VehicleId, Option<f64>)> {
+        let answering = crafts.iter().filter(|c| c.answers() && !c.climbing);
+        answering.map(|c| (c.id, off_m(c, crafts, ground, peers))).collect()
+    }
+
+    /// Whether everyone who has a place is there.
+    pub fn all_there(&self, crafts: &[Craft], ground: &Ground, peers: &PeerSnapshot) -> bool {
+        let all = self.arrivals(crafts, ground, peers);
+        all.iter()
+            .all(|(_, off_m)| off_m.is_none_or(|off_m| off_m <= ARRIVED_M))
+    }
+
+    /// The judgement at the end.
+    pub fn close(mut self, end_s: f64, crafts: &[Craft], ground: &Ground, peers: &PeerSnapshot) -> Outcome {
+        let outcome = &mut self.outcome;
+        outcome.end_s = end_s;
+        outcome.refusals.clone_from(&ground.refusals);
+        for craft in crafts {
+            outcome.filter.calls += craft.calls;
+            outcome.filter.changed += craft.changed;
+            outcome.filter.infeasible += craft.infeasible;
+        }
+        if outcome.closest.distance_m < self.least_m {
+            outcome.failures.push(Failure::TooClose(outcome.closest));
+        }
+        if outcome.closest_foreign.distance_m < self.least_m {
+            outcome
+                .failures
+                .push(Failure::TooCloseToForeign(outcome.closest_foreign));
+        }
+        if outcome.crossing.outside_m > outcome.crossing.allowed_m {
+            outcome.failures.push(Failure::FenceCrossed(outcome.crossing));
+        }
+        let all = self.arrivals(crafts, ground, peers);
+        let held = held(&all, crafts, ground);
+        for (id, off_m) in all {
+            let arrival = match (off_m, held.iter().find(|(held, _)| *held == id)) {
+                (Some(off_m), _) if off_m <= ARRIVED_M => Arrival::There(off_m),
+                (Some(off_m), Some((_, why))) => Arrival::Held {
+                    off_m,
+                    why: why.clone(),
+                },
+                (Some(off_m), None) => {
+                    let why = state(id, crafts);
+                    self.outcome.failures.push(Failure::NotArrived {
+                        id,
+                        off_m,
+                        why: why.clone(),
+                    });
+                    Arrival::Held { off_m, why }
+                }
+                (None, _) => match without(id, ground) {
+                    Some(why) => Arrival::Without(why),
+                    None => {
+                        self.outcome.failures.push(Failure::Forgotten(id));
+                        Arrival::Without("nothing is known".into())
+                    }
+                },
+            };
+            self.outcome.arrivals.push((id, arrival));
+        }
+        self.outcome
+    }
+}
+
+fn closest(distance_m: f64, a: VehicleId, b: VehicleId, at_s: f64) -> Closest {
+    Closest { distance_m, a, b, at_s }
+}
+
+/// How far a vehicle is from its place, if it has one.
+fn off_m(craft: &Craft, crafts: &[Craft], ground: &Ground, peers: &PeerSnapshot) -> Option<f64> {
+    let formation = ground.coordination.formation.as_ref()?;
+    let (anchor, heading_rad) = match formation.leader {
+        Some(leader) => {
+            let leads = crafts.iter().find(|c| c.id == leader)?;
+            let heading_rad = leads.entry.anchor.map(|a| a.heading_rad);
+            (leads.plant.position(), heading_rad.unwrap_or(f64::NAN))
+        }
+        None => peers.anchor.map(|a| (a.position.vector(), a.heading_rad))?,
+    };
+    if formation.leader == Some(craft.id) {
+        // Who leads is where it should be when its route is flown.
+        let under_way = ground.coordination.route.as_ref().filter(|r| !r.finished);
+        let end = under_way.and_then(|r| r.route.waypoints.last());
+        return Some(end.map_or(0.0, |end| (end.vector() - craft.plant.position()).norm()));
+    }
+    let slot = formation.slots.get(&craft.id)?;
+    let offset: Vector3<f64> = OffsetFrd::rotated(&slot.to, heading_rad);
+    let off_m = (anchor + offset - craft.plant.position()).norm();
+    // Nobody is in place about an anchor that is nowhere.
+    Some(if off_m.is_finite() { off_m } else { f64::INFINITY })
+}
+
+/// Who is held back, and by what: a refusal, a fence, somebody who does not answer or was sent elsewhere, or one who is held back itself.
+fn held(all: &[(VehicleId, Option<f64>)], crafts: &[Craft], ground: &Ground) -> Vec<(VehicleId, String)> {
+    let away = |id: VehicleId| {
+        all.iter()
+            .any(|(of, off_m)| *of == id && off_m.is_some_and(|m| m > ARRIVED_M))
+    };
+    let mut held: Vec<(VehicleId, String)> = Vec::new();
+    loop {
+        let known = held.len();
+        for craft in crafts.iter().filter(|c| c.answers() && away(c.id)) {
+            if held.iter().any(|(id, _)| *id == craft.id) {
+                continue;
+            }
+            if let Some(why) = reason(craft, crafts, ground, &held) {
+                held.push((craft.id, why));
+            }
+        }
+        if held.len() == known {
+            return held;
+        }
+    }
+}
+
+fn reason(craft: &Craft, crafts: &[Craft], ground: &Ground, held: &[(VehicleId, String)]) -> Option<String> {
+    if let Some(refusal) = &craft.refusal {
+        return Some(refusal.to_string());
+    }
+    let change = craft.change.filter(|change| change.by_m_s > HELD_BACK_M_S)?;
+    match change.because {
+        None => Some("a fence".into()),
+        Some(NeighbourId::Foreign(_)) => Some("a foreign aircraft".into()),
+        Some(NeighbourId::Vehicle(id)) => {
+            let answers = crafts.iter().any(|c| c.id == id && c.answers() && !c.climbing);
+            if !answers || ground.withdrawn.contains(&id) {
+                Some(format!("{id} is in the way, which is not ours to move"))
+            } else {
+                let (_, why) = held.iter().find(|(other, _)| *other == id)?;
+                Some(format!("{id} is in the way, held back itself: {why}"))
+            }
+        }
+    }
+}
+
+fn state(id: VehicleId, crafts: &[Craft]) -> String {
+    let Some(craft) = crafts.iter().find(|c| c.id == id) else {
+        return String::new();
+    };
+    format!("{} {:?}", craft.entry.flight_state, craft.change)
+}
+
+/// Why a vehicle that answers has no place.
+fn without(id: VehicleId, ground: &Ground) -> Option<String> {
+    if ground.withdrawn.contains(&id) {
+        return Some("an operator sent it elsewhere".into());
+    }
+    match &ground.coordination.formation {
+        None => Some("no formation is flown".into()),
+        Some(_) => ground.refusals.last().cloned(),
+    }
+}
