@@ -256,6 +256,8 @@ impl CoordinatorState {
 
     /// Keeps the formation true to what is there.
     fn review(&mut self, myself: &ActorRef<CoordinatorMessage>) {
+        // A lost leader is succeeded, with everyone where they are, before anything is planned without it.
+        self.watch();
         let peers = self.board.peers.load_full();
         let now = self.board.now();
         let finished = |leader| {
