@@ -93,15 +93,17 @@ impl Judging<'_> {
     pub fn changed(&self, formation: &Formation, waiting: &[VehicleId], reshape: bool) -> Option<Changed> {
         let ids = formation.members.iter().copied();
         let gone: Vec<VehicleId> = ids.filter(|id| self.has_left(formation, *id)).collect();
-        let mut joins = waiting.to_vec();
+        // Who is not heard any more is no newcomer: it would be planned for, and left out, in every review.
+        let present = available(self.peers);
+        let mut joins: Vec<VehicleId> = waiting.to_vec();
         joins.extend(self.strays(formation));
+        joins.retain(|id| present.contains(id) && !self.withdrawn.contains(id));
         if gone.is_empty() && joins.is_empty() && !reshape {
             return None;
         }
         let ids = formation.members.iter().copied();
         let mut members: Vec<VehicleId> = ids.filter(|id| !gone.contains(id)).collect();
         members.extend(joins.iter().filter(|id| !formation.members.contains(id)));
-        let present = available(self.peers);
         members.retain(|id| present.contains(id) && !self.withdrawn.contains(id));
         Some(Changed { members, gone, joins })
     }
