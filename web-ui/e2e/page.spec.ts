@@ -1,8 +1,6 @@
 // The page itself: its headers, its accessibility in both themes and on a tablet, the keyboard, the targets.
 
-import type { Page } from '@playwright/test';
-import axe from 'axe-core';
-import type { AxeResults } from 'axe-core';
+import { findings } from './accessibility';
 import { button, card, expect, open, plotted, summary, test } from './console';
 import { Program } from './program';
 
@@ -18,17 +16,6 @@ test.beforeEach(async ({ page }) => {
   await open(page, program.url, VEHICLES);
 });
 
-/** Serious and critical findings, each with the element. */
-async function findings(page: Page): Promise<string[]> {
-  await page.evaluate(axe.source);
-  const results = await page.evaluate(
-    () => (window as unknown as { axe: { run(): Promise<AxeResults> } }).axe.run() as Promise<AxeResults>,
-  );
-  return results.violations
-    .filter((v) => v.impact === 'serious' || v.impact === 'critical')
-    .flatMap((v) => v.nodes.map((node) => `${v.id}: ${node.target.join(' ')}: ${node.failureSummary ?? ''}`));
-}
-
 test('nothing but its own files may be loaded', async ({ page }) => {
   const response = await page.request.get(program.url);
   expect(response.headers()['content-security-policy']).toContain("default-src 'self'");
@@ -39,7 +26,7 @@ test('nothing but its own files may be loaded', async ({ page }) => {
 
 test('no serious accessibility faults, dark and light', async ({ page }) => {
   expect(await findings(page)).toEqual([]);
-  for (const tab of ['Route', 'Commands']) await page.getByRole('tab', { name: tab }).click();
+  for (const tab of ['Route', 'Preflight', 'Fences', 'Commands']) await page.getByRole('tab', { name: tab }).click();
   await button(page, /^Target 1,/).click();
   expect(await findings(page)).toEqual([]);
   await button(page, 'Change to the light theme').click();
@@ -49,13 +36,13 @@ test('no serious accessibility faults, dark and light', async ({ page }) => {
   await expect(page.locator('html')).toHaveAttribute('data-theme', 'light');
 });
 
-for (const [width, height] of [[1024, 768], [768, 1024]] as const) {
-  test(`on a tablet of ${width} by ${height} nothing is out of reach`, async ({ page }) => {
+for (const [width, height] of [[1024, 768], [768, 1024], [390, 844]] as const) {
+  test(`on a screen of ${width} by ${height} nothing is out of reach`, async ({ page }) => {
     await page.setViewportSize({ width, height });
     await expect(page.getByRole('tab', { name: 'Fleet' })).toBeVisible();
     expect(await findings(page)).toEqual([]);
     expect(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth)).toBe(true);
-    for (const name of [/^HOLD ALL/, /^Arm/, /^Take off/, /^Hold \d/, /^Land/, /^Return/]) {
+    for (const name of [/^HOLD ALL/, /^RETURN ALL/, /^LAND ALL/, /^EMERGENCY STOP/, /^Arm/, /^Take off/, /^Hold \d/, /^Land/, /^Return/]) {
       const box = (await button(page, name).boundingBox())!;
       expect(box.x).toBeGreaterThanOrEqual(0);
       expect(box.x + box.width).toBeLessThanOrEqual(width);

@@ -49,8 +49,10 @@ export class EmergencyStop {
       const readyAt = performance.now() + SETTLE_MS;
       const beat = (): void => {
         const now = performance.now();
-        if (now >= until) this.lock();
-        else {
+        if (now >= until) {
+          this.lock();
+          this.outcome = { bad: false, text: 'Time is over: emergency stop locked again' };
+        } else {
           this.leftS = Math.ceil((until - now) / 1000);
           this.ready = now >= readyAt;
         }
