@@ -1,14 +1,19 @@
-//! Flies a range of seeds, `fly_seeds 0..2000`, and prints every failure and the figures of all.
+//! Flies a range of seeds, `fly_seeds 0..2000`, and prints every failure and the figures of all; or one, `fly_seeds 7 --trace`.
 
 use skein_seeded::{Failure, fly_seed};
 use std::io::Write;
 
 fn main() {
     let asked = std::env::args().nth(1).unwrap_or_else(|| "0..100".into());
+    if let Ok(seed) = asked.parse() {
+        let trace = std::env::args().nth(2).is_some_and(|a| a == "--trace");
+        print!("{}", fly_seed(seed, trace));
+        return;
+    }
     let (from, to) = asked.split_once("..").unwrap_or(("0", "100"));
     let (from, to): (u64, u64) = (from.parse().unwrap_or(0), to.parse().unwrap_or(100));
     let (mut failed, mut least_m, mut changed, mut calls, mut seconds) = (0_u64, f64::INFINITY, 0, 0, 0.0);
-    let (mut refusals, mut held) = (0, 0);
+    let (mut refusals, mut held, mut cut_short) = (0, 0, 0_u64);
     for seed in from..to {
         let outcome = fly_seed(seed, false);
         seconds += outcome.end_s;
@@ -21,6 +26,7 @@ fn main() {
             .iter()
             .filter(|(_, a)| !matches!(a, skein_seeded::Arrival::There(_)))
             .count();
+        cut_short += u64::from(outcome.cut_short);
         if !outcome.is_passed() {
             failed += 1;
             let kinds = outcome
@@ -39,7 +45,7 @@ fn main() {
         }
     }
     println!(
-        "{from}..{to}: {failed} failed; nearest {least_m:.2} m; {:.2} % of {calls} setpoints changed; {seconds:.0} s flown; {refusals} refusals, {held} vehicles with a reason",
+        "{from}..{to}: {failed} failed; nearest {least_m:.2} m; {:.2} % of {calls} setpoints changed; {seconds:.0} s flown; {refusals} refusals, {held} vehicles with a reason; {cut_short} flights cut short",
         100.0 * changed as f64 / f64::from(u32::try_from(calls).unwrap_or(u32::MAX)).max(1.0)
     );
 }

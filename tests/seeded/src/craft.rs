@@ -28,6 +28,8 @@ const DRIFT: f64 = 0.2;
 const STANDS_M_S: f64 = 0.4;
 /// Setpoints take so much less time than telemetry: they wait for nobody's turn.
 const UPLINK_SHARE: f64 = 0.4;
+/// A setpoint that is changed by less than this holds nobody back, in metres per second.
+const HELD_BACK_M_S: f64 = 0.2;
 /// Further delay of a message, drawn up to this, in seconds.
 const JITTER_S: f64 = 0.02;
 
@@ -37,6 +39,22 @@ pub struct Lost {
     fate: Fate,
     at_s: f64,
     stands: bool,
+    place: Vector3<f64>,
+    velocity: Vector3<f64>,
+}
+
+/// So far a vehicle may come from where it should be by what was last heard of it, in metres; further away it is nowhere, as far as
+/// anybody knows. A little less than what the separation filter reckons with at most.
+const KNOWN_WITHIN_M: f64 = 7.0;
+/// For so long what was last heard of it tells where it goes, in seconds.
+const CARRIED_ON_S: f64 = 3.0;
+
+impl Lost {
+    /// Whether a vehicle that is silent and here can be kept away from: unless something tracks it, nobody knows how far it drifts.
+    fn is_known_at(&self, place: &Vector3<f64>, now_s: f64) -> bool {
+        let age_s = (now_s - self.at_s).min(CARRIED_ON_S);
+        (self.place + self.velocity * age_s - place).norm() < KNOWN_WITHIN_M
+    }
 }
 
 /// The vehicle.
@@ -48,6 +66,8 @@ pub struct Craft {
     pub entry: PeerEntry,
     /// What its model wants, and what was changed of it; as of the last period.
     pub change: Option<Change>,
+    /// The last change that held it back, and when.
+    pub held_back: Option<(f64, Change)>,
     /// Why its last setpoint was refused, if it was.
     pub refusal: Option<Refusal>,
     pub route_finished: bool,
@@ -95,6 +115,7 @@ impl Craft {
             lost: None,
             entry: first_entry(id, now),
             change: None,
+            held_back: None,
             refusal: None,
             route_finished: false,
             calls: 0,
@@ -125,6 +146,11 @@ impl Craft {
         !matches!(self.lost, Some(Lost { fate: Fate::Falls, .. }))
     }
 
+    /// Whether the others can know where it is.
+    pub fn is_known(&self, now_s: f64) -> bool {
+        self.lost.is_none_or(|lost| lost.is_known_at(&self.plant.position(), now_s))
+    }
+
     fn believed(&self, now: NodeTime) -> VehicleKinematics {
         let (position, velocity, yaw_rad) = self.plant.believed();
         VehicleKinematics {
@@ -148,6 +174,8 @@ impl Craft {
             fate,
             at_s: now_s,
             stands: false,
+            place: self.plant.position(),
+            velocity: self.plant.velocity(),
         });
     }
 
@@ -274,6 +302,9 @@ impl Craft {
                 self.change = steered.change;
                 if let Some(change) = &steered.change {
                     self.changed += 1;
+                    if change.by_m_s > HELD_BACK_M_S {
+                        self.held_back = Some((now_s, *change));
+                    }
                     self.infeasible += u64::from(!change.feasible);
                 }
                 self.stream(&steered.setpoint, now_s, now, link);

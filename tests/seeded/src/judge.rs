@@ -15,8 +15,8 @@ const ARRIVED_M: f64 = 1.5;
 /// No fence can be kept better than a vehicle knows where it is: bound of the drawn errors of the estimates, with the gusts that push a
 /// hovering one off its place, in metres.
 const FENCE_UNCERTAIN_M: f64 = 0.6;
-/// A setpoint that is changed by less than this holds nobody back, in metres per second.
-const HELD_BACK_M_S: f64 = 0.2;
+/// Who was held back within this time is held back, in seconds: one that is led round something is free now and then.
+const HELD_BACK_S: f64 = 8.0;
 
 /// Watches a flight.
 pub struct Judge {
@@ -92,7 +92,7 @@ impl Judge {
                 if apart.x >= self.outcome.closest.distance_m {
                     break;
                 }
-                if !b.flies() || !(a.answers() || b.answers()) {
+                if !b.flies() || !(a.answers() || b.answers()) || !a.is_known(now_s) || !b.is_known(now_s) {
                     continue;
                 }
                 let distance_m = apart.norm();
@@ -117,7 +117,7 @@ impl Judge {
     }
 
     /// The judgement at the end.
-    pub fn close(mut self, end_s: f64, crafts: &[Craft], ground: &Ground, peers: &PeerSnapshot) -> Outcome {
+    pub fn close(mut self, end_s: f64, under_way: bool, crafts: &[Craft], ground: &Ground, peers: &PeerSnapshot) -> Outcome {
         let outcome = &mut self.outcome;
         outcome.end_s = end_s;
         outcome.refusals.clone_from(&ground.refusals);
@@ -138,7 +138,7 @@ impl Judge {
             outcome.failures.push(Failure::FenceCrossed(outcome.crossing));
         }
         let all = self.arrivals(crafts, ground, peers);
-        let held = held(&all, crafts, ground);
+        let held = held(&all, crafts, ground, end_s);
         for (id, off_m) in all {
             let arrival = match (off_m, held.iter().find(|(held, _)| *held == id)) {
                 (Some(off_m), _) if off_m <= ARRIVED_M => Arrival::There(off_m),
@@ -146,6 +146,11 @@ impl Judge {
                     off_m,
                     why: why.clone(),
                 },
+                (Some(off_m), None) if under_way => {
+                    let why = "the flight was cut short: by its plan it is still under way".into();
+                    self.outcome.cut_short = true;
+                    Arrival::Held { off_m, why }
+                }
                 (Some(off_m), None) => {
                     let why = state(id, crafts);
                     self.outcome.failures.push(Failure::NotArrived {
@@ -198,7 +203,7 @@ fn off_m(craft: &Craft, crafts: &[Craft], ground: &Ground, peers: &PeerSnapshot)
 }
 
 /// Who is held back, and by what: a refusal, a fence, somebody who does not answer or was sent elsewhere, or one who is held back itself.
-fn held(all: &[(VehicleId, Option<f64>)], crafts: &[Craft], ground: &Ground) -> Vec<(VehicleId, String)> {
+fn held(all: &[(VehicleId, Option<f64>)], crafts: &[Craft], ground: &Ground, now_s: f64) -> Vec<(VehicleId, String)> {
     let away = |id: VehicleId| {
         all.iter()
             .any(|(of, off_m)| *of == id && off_m.is_some_and(|m| m > ARRIVED_M))
@@ -210,7 +215,7 @@ fn held(all: &[(VehicleId, Option<f64>)], crafts: &[Craft], ground: &Ground) -> 
             if held.iter().any(|(id, _)| *id == craft.id) {
                 continue;
             }
-            if let Some(why) = reason(craft, crafts, ground, &held) {
+            if let Some(why) = reason(craft, crafts, ground, &held, now_s) {
                 held.push((craft.id, why));
             }
         }
@@ -220,11 +225,17 @@ fn held(all: &[(VehicleId, Option<f64>)], crafts: &[Craft], ground: &Ground) -> 
     }
 }
 
-fn reason(craft: &Craft, crafts: &[Craft], ground: &Ground, held: &[(VehicleId, String)]) -> Option<String> {
+fn reason(
+    craft: &Craft,
+    crafts: &[Craft],
+    ground: &Ground,
+    held: &[(VehicleId, String)],
+    now_s: f64,
+) -> Option<String> {
     if let Some(refusal) = &craft.refusal {
         return Some(refusal.to_string());
     }
-    let change = craft.change.filter(|change| change.by_m_s > HELD_BACK_M_S)?;
+    let (_, change) = craft.held_back.filter(|(at_s, _)| now_s - at_s < HELD_BACK_S)?;
     match change.because {
         None => Some("a fence".into()),
         Some(NeighbourId::Foreign(_)) => Some("a foreign aircraft".into()),

@@ -116,6 +116,8 @@ pub struct Outcome {
     pub refusals: Vec<String>,
     /// What the filter did.
     pub filter: FilterFigures,
+    /// It took longer than is simulated; its distances count, arrivals that were still to come do not.
+    pub cut_short: bool,
     /// What was not met.
     pub failures: Vec<Failure>,
 }

@@ -63,7 +63,10 @@ pub fn fly(case: &Case, trace: bool) -> Outcome {
     }
     let end_s = world.now_s;
     let arrived_s = world.there_since_s;
-    let mut outcome = world.judge.close(end_s, &world.crafts, &world.ground, &world.peers);
+    let under_way = world.quiet_since_s.is_none();
+    let mut outcome = world
+        .judge
+        .close(end_s, under_way, &world.crafts, &world.ground, &world.peers);
     outcome.arrived_s = arrived_s;
     outcome
 }
@@ -305,7 +308,10 @@ impl<'a> World<'a> {
             .fold(0.0, f64::max)
             + 3.0;
         let on_route = self.ground.coordination.route.as_ref().is_some_and(|r| !r.finished);
-        let moving = self.peers.anchor.is_some_and(|a| a.velocity.norm() > 0.01);
+        let led = || self.peers.entries.iter().find_map(|e| e.anchor.map(|a| a.heading_rate_rad_s));
+        let turning_rad_s = self.peers.anchor.map(|a| a.heading_rate_rad_s).or_else(led);
+        let moving = self.peers.anchor.is_some_and(|a| a.velocity.norm() > 0.01)
+            || turning_rad_s.is_some_and(|rate| rate.abs() > 1e-3);
         let quiet = self.next_step >= self.case.steps.len()
             && !self.ground.is_planning()
             && self.now_s > settled_s.max(last_s) + 1.0
