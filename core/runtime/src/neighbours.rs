@@ -5,7 +5,7 @@
 
 use crate::board::{Board, PeerEntry};
 use skein_domain::payload::Track;
-use skein_domain::{FlightState, NodeTime, PositionNed};
+use skein_domain::{FlightState, NodeTime, PositionNed, VelocityNed};
 use skein_safety::avoidance::{Cooperation, Neighbour, NeighbourId, Surroundings};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -18,6 +18,10 @@ const OWN_TRACK_M: f64 = 5.0;
 const TRACK_UNCERTAINTY_M: f64 = 2.0;
 /// The same for an aircraft that reports itself, with half its size.
 const AIRCRAFT_UNCERTAINTY_M: f64 = 30.0;
+/// A vehicle not heard for so long, in seconds, hears us no more than we hear it: without setpoints its autopilot stops it.
+const STOPS_AFTER_S: f64 = 2.0;
+/// By then it has come as far as it came before in so many seconds, give or take half of it: it went on for a second, and braked.
+const STOPS_WITHIN_S: f64 = 1.5;
 /// A vehicle whose state is older than this does not do its part, in seconds.
 const FRESH_S: f64 = 0.5;
 /// A sighting older than this is not looked at any more, in seconds.
@@ -68,12 +72,26 @@ pub fn vehicle(entry: &PeerEntry, now: NodeTime) -> Option<Neighbour> {
     let fresh = now.seconds_since(kinematics.measured) <= FRESH_S;
     let lost = matches!(entry.flight_state, FlightState::PilotControl | FlightState::Faulted);
     let in_our_hands = entry.link.connected && !lost && entry.link.setpoint_rate_hz > 0.0;
+    let stopped = now.seconds_since(kinematics.measured) > STOPS_AFTER_S;
+    let stops_m = STOPS_WITHIN_S * kinematics.velocity.norm();
     Some(Neighbour {
         id: NeighbourId::Vehicle(entry.id),
-        position: kinematics.position,
-        velocity: kinematics.velocity,
-        measured: kinematics.measured,
-        uncertainty_m: VEHICLE_UNCERTAINTY_M,
+        position: if stopped {
+            kinematics.position.after(&kinematics.velocity, STOPS_WITHIN_S)
+        } else {
+            kinematics.position
+        },
+        velocity: if stopped {
+            VelocityNed::default()
+        } else {
+            kinematics.velocity
+        },
+        measured: if stopped { now } else { kinematics.measured },
+        uncertainty_m: if stopped {
+            VEHICLE_UNCERTAINTY_M + 0.5 * stops_m
+        } else {
+            VEHICLE_UNCERTAINTY_M
+        },
         cooperation: if fresh && in_our_hands {
             Cooperation::Shares
         } else {
