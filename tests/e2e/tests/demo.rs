@@ -48,13 +48,13 @@ fn check(report: &serde_json::Value, vehicles: u64, criteria_expected: usize) {
 
 #[tokio::test]
 async fn six_vehicles_fly_the_demonstration() {
-    check(&fly(&["--vehicles", "6"]).await, 6, 9);
+    check(&fly(&["--vehicles", "6"]).await, 6, 10);
 }
 
 #[tokio::test]
 async fn with_faults_the_criteria_still_hold() {
     let report = fly(&["--vehicles", "6", "--faults", "--seed", "2"]).await;
-    check(&report, 6, 9);
+    check(&report, 6, 10);
     let restarts = report["restarts"].as_array().expect("restarts");
     assert!(
         restarts.len() >= 4,
@@ -65,7 +65,7 @@ async fn with_faults_the_criteria_still_hold() {
 #[tokio::test]
 async fn with_a_random_plugin_ended_twice_a_second_the_criteria_still_hold() {
     let report = fly(&["--vehicles", "6", "--faults", "plugins", "--seed", "3"]).await;
-    check(&report, 6, 11);
+    check(&report, 6, 12);
     let restarts = report["plugin_restarts"].as_array().expect("restarts");
     let isolations: Vec<_> = restarts
         .iter()

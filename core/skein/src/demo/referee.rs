@@ -55,6 +55,11 @@ pub struct Figures {
     pub excused: BTreeSet<u8>,
     /// System ids of vehicles that are not expected to land.
     pub lost: BTreeSet<u8>,
+    /// System ids of vehicles that were told to land on the way.
+    pub may_land: BTreeSet<u8>,
+    /// System ids of vehicles that came down although nobody had told them to.
+    pub came_down: BTreeSet<u8>,
+    up: BTreeSet<u8>,
     looks: Option<pointing::Looks>,
     steady_since_s: Option<f64>,
     airborne: bool,
@@ -142,6 +147,11 @@ impl Referee {
         self.figures.lock().excused.insert(system_id);
     }
 
+    /// This vehicle is told to land before the others.
+    pub fn may_land(&self, system_id: u8) {
+        self.figures.lock().may_land.insert(system_id);
+    }
+
     /// Begins the next part of a flight: gives the formation errors, straight and turning, of the one that ends.
     pub fn next_part(&self) -> (Errors, Errors) {
         let mut figures = self.figures.lock();
@@ -194,6 +204,7 @@ fn look(figures: &mut Figures, truth: &TruthFrame, node: &NodeHandle) {
     if !figures.airborne || !figures.landings.is_empty() {
         return;
     }
+    watch_heights(figures, truth);
     let now = node.now();
     let Some(slots) = node.slots().filter(|s| now.seconds_since(s.settled_at) > 1.0) else {
         figures.steady_since_s = None;
@@ -232,6 +243,18 @@ fn turns(velocity: &Vector3<f64>, acceleration: &Vector3<f64>) -> bool {
     let speed_m_s = velocity.xy().norm();
     let lateral_m_s2 = velocity.xy().perp(&acceleration.xy()) / speed_m_s.max(UNDER_WAY_M_S);
     speed_m_s > UNDER_WAY_M_S && (lateral_m_s2 / speed_m_s).abs() > 0.15
+}
+
+/// Who was up and comes down before the landing.
+fn watch_heights(figures: &mut Figures, truth: &TruthFrame) {
+    for vehicle in truth.vehicles.iter().filter(|v| v.alive) {
+        let id = vehicle.system_id;
+        if !vehicle.touches_ground {
+            figures.up.insert(id);
+        } else if figures.up.contains(&id) && !figures.excused.contains(&id) && !figures.may_land.contains(&id) {
+            figures.came_down.insert(id);
+        }
+    }
 }
 
 fn watch_distances(figures: &mut Figures, truth: &TruthFrame) {

@@ -100,6 +100,12 @@ fn common(figures: &Figures, truth: &TruthFrame, unplanned: usize) -> Vec<Criter
         ),
         at_most("longest setpoint gap", gap_s, 0.2, "s"),
         at_most("unplanned changes of mode", Some(unplanned as f64), 0.0, ""),
+        at_most(
+            "vehicles that came down untold",
+            Some(figures.came_down.len() as f64),
+            0.0,
+            "",
+        ),
     ];
     if !figures.landings.is_empty() {
         let landings = referee::landing_errors(truth, &figures.landings);

@@ -85,9 +85,15 @@ impl<'a> Stage<'a> {
         self.command(ids, VehicleCommand::TakeOff { height_m }).await?;
         let up_s = 40.0 + height_m + self.take_off_stagger_s * ids.len() as f64;
         self.until(up_s, "all up and holding", |fleet| {
+            // Who comes up while a formation flies may have joined it already.
+            let up = |state| {
+                matches!(
+                    state,
+                    FlightState::Holding | FlightState::Following | FlightState::Leading
+                )
+            };
             let of = |id: &VehicleId| fleet.vehicles.iter().find(|v| v.id == *id);
-            ids.iter()
-                .all(|id| of(id).is_some_and(|v| v.flight_state == FlightState::Holding))
+            ids.iter().all(|id| of(id).is_some_and(|v| up(v.flight_state)))
         })
         .await
     }
@@ -117,8 +123,8 @@ impl<'a> Stage<'a> {
             None => "about its anchor".into(),
         };
         self.say(&format!(
-            "{label} {behind}: {:.1} s, at least {:.1} m apart on the way",
-            receipt.duration_s, receipt.planned_min_distance_m
+            "{label} {behind}: {:.1} s, at least {:.1} m apart on the way, then at most {:.1} m/s",
+            receipt.duration_s, receipt.planned_min_distance_m, receipt.max_speed_m_s
         ));
         Ok(receipt)
     }

@@ -22,6 +22,8 @@ pub struct Step {
     pub beyond_m: f64,
     /// When.
     pub time: NodeTime,
+    /// The whole step.
+    pub step_m: nalgebra::Vector3<f64>,
 }
 
 /// A watch under way. Dropping it ends it.
@@ -101,6 +103,7 @@ fn look(
                     vehicle: vehicle.id,
                     beyond_m,
                     time: fleet.time,
+                    step_m: place.vector() - from.vector(),
                 });
             }
         }

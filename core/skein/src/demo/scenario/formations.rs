@@ -72,6 +72,8 @@ impl Formations {
 
     /// The leader flies three legs; the shapes change meanwhile.
     async fn behind_leader(&mut self, stage: &Stage<'_>) -> anyhow::Result<()> {
+        // The long shapes would swing their ends out in a turn with all the speed there is: they keep facing north.
+        self.heading = HeadingRequest::Fixed { heading_deg: 0.0 };
         self.shapes(stage, &BEHIND_LEADER[..1], &FormationAnchor::Leader)
             .await?;
         let start = stage.leader_position()?;

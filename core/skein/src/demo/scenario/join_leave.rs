@@ -116,6 +116,10 @@ impl JoinLeave {
             _ => bail!("too few follow"),
         };
         stage.say(&format!("vehicle {lands} is told to land: it leaves"));
+        let fleet = stage.node.snapshot();
+        if let Some(vehicle) = fleet.vehicles.iter().find(|v| v.id == lands) {
+            stage.referee.may_land(vehicle.system_id.0);
+        }
         stage.command(&[lands], VehicleCommand::Land).await?;
         let without = |gone: &[VehicleId]| -> Vec<VehicleId> {
             let stay = followers.iter().copied().filter(|id| !gone.contains(id));
