@@ -25,6 +25,8 @@ const TURN_ACCELERATION_M_S2: f64 = 3.0;
 const ANCHOR_ACCELERATION_M_S2: f64 = 2.0;
 /// A formation at a place turns towards its heading no faster than this, in radians per second.
 const PLACE_TURN_RAD_S: f64 = 0.2;
+/// Its outermost vehicle goes no faster by that, in metres per second: it may be changing places at the same time.
+const PLACE_TURN_M_S: f64 = 3.0;
 
 /// Limits a plan is made under.
 #[derive(Debug, Clone)]
@@ -110,7 +112,8 @@ pub fn plan(input: &PlanInput, peers: &PeerSnapshot) -> Result<Formation, Refusa
     };
     let planned = change.plan(input.start).map_err(invalid)?;
     stays_inside(input, &slots, &basis, &heading)?;
-    let anchor = anchor_plan(input, &basis, heading, &together, planned.duration_s);
+    let farthest_m = farthest_m(&from, &slots);
+    let anchor = anchor_plan(input, &basis, heading, &together, (planned.duration_s, farthest_m));
     let ends: Vec<OffsetFrd> = planned.moves.iter().map(|m| m.to).collect();
     let skipped = usize::from(leader.is_some());
     Ok(Formation {
@@ -308,7 +311,7 @@ fn anchor_plan(
     basis: &Basis,
     heading: FormationHeading,
     together: &FlightLimits,
-    forming_s: f64,
+    (forming_s, farthest_m): (f64, f64),
 ) -> Option<AnchorPlan> {
     let before = input.before.as_ref();
     let same = |f: &&Formation| f.request.anchor == input.request.anchor && f.request.heading == input.request.heading;
@@ -344,7 +347,7 @@ fn anchor_plan(
             Some(AnchorPlan::Place {
                 position: *position,
                 heading_rad: asked.map_or(basis.heading_rad, f64::to_radians),
-                max_rate_rad_s: PLACE_TURN_RAD_S,
+                max_rate_rad_s: PLACE_TURN_RAD_S.min(PLACE_TURN_M_S / farthest_m.max(1.0)),
             })
         }
     }
@@ -412,12 +415,13 @@ fn taken_m_s(
         FormationHeading::Course { max_rate_rad_s } if input.route_speed_m_s.is_some() || turns => *max_rate_rad_s,
         _ => turning_rad_s.abs(),
     };
-    let farthest_m = from
-        .iter()
-        .chain(slots)
-        .map(|o| o.forward_m.hypot(o.right_m))
-        .fold(0.0, f64::max);
-    input.route_speed_m_s.unwrap_or(0.0) + rate_rad_s * farthest_m
+    input.route_speed_m_s.unwrap_or(0.0) + rate_rad_s * farthest_m(from, slots)
+}
+
+/// How far the outermost place is from the anchor on the ground, before or after a change.
+fn farthest_m(from: &[OffsetFrd], slots: &[OffsetFrd]) -> f64 {
+    let all = from.iter().chain(slots);
+    all.map(|o| o.forward_m.hypot(o.right_m)).fold(0.0, f64::max)
 }
 
 /// Who has which of the slots, where the same members fly the same shape and only its parameters change: such a change is a morph.
@@ -448,7 +452,8 @@ fn present_offsets(
             .map(|k| k.position)
             .ok_or(Refusal::NoPosition)
     };
-    let before = input.before.as_ref();
+    // Who keeps its place by its neighbours is where they are, which may be another place and direction than those of the slots.
+    let before = input.before.as_ref().filter(|f| !f.keeps_itself(input.start));
     let slot_offset = |id: &VehicleId| {
         let before = before?;
         if Some(*id) == before.leader {
