@@ -43,15 +43,18 @@ pub struct Lost {
     velocity: Vector3<f64>,
 }
 
-/// So far a vehicle may come from where it should be by what was last heard of it, in metres; further away it is nowhere, as far as
-/// anybody knows. A little less than what the separation filter reckons with at most.
-const KNOWN_WITHIN_M: f64 = 7.0;
+/// A vehicle that drifts unheard and unseen is nowhere, as far as anybody knows, when it has come so far from where it was, in metres:
+/// its neighbours in a formation flee from where they believe it to be, perhaps to where it is.
+const KNOWN_WITHIN_M: f64 = 3.0;
 /// For so long what was last heard of it tells where it goes, in seconds.
 const CARRIED_ON_S: f64 = 3.0;
 
 impl Lost {
     /// Whether a vehicle that is silent and here can be kept away from: unless something tracks it, nobody knows how far it drifts.
     fn is_known_at(&self, place: &Vector3<f64>, now_s: f64) -> bool {
+        if self.fate != Fate::Drifts {
+            return true;
+        }
         let age_s = (now_s - self.at_s).min(CARRIED_ON_S);
         (self.place + self.velocity * age_s - place).norm() < KNOWN_WITHIN_M
     }

@@ -28,11 +28,11 @@ const REVIEW_EVERY: u64 = 5;
 /// Node time at the beginning, in seconds: nothing may hang on its being zero.
 const BEGINS_S: f64 = 100.0;
 /// When everything asked for should be flown, so long is left for everyone to come to rest, in seconds.
-const SETTLING_S: f64 = 60.0;
+const SETTLING_S: f64 = 180.0;
 /// So long everyone must be in place for it to count, in seconds.
 const FOR_GOOD_S: f64 = 4.0;
 /// No flight takes longer, in seconds.
-const LONGEST_S: f64 = 420.0;
+const LONGEST_S: f64 = 600.0;
 
 /// A flight.
 struct World<'a> {
