@@ -257,7 +257,12 @@ impl CoordinatorState {
     /// Keeps the formation true to what is there.
     fn review(&mut self, myself: &ActorRef<CoordinatorMessage>) {
         // A lost leader is succeeded, with everyone where they are, before anything is planned without it.
+        let generation = self.generation;
         self.watch();
+        if self.generation != generation {
+            // Who has just lost the lead still shows the state it had: the next review sees who is left.
+            return;
+        }
         let peers = self.board.peers.load_full();
         let now = self.board.now();
         let finished = |leader| {

@@ -31,12 +31,9 @@ async fn ordered(swarm: &Swarm, vehicle: u16, trigger: Trigger, reaction: Reacti
     let node = swarm.node();
     let fits = |e: &LadderEvent| e.kind == LadderEventKind::Ordered && e.trigger == trigger && e.reaction == reaction;
     let what = format!("{reaction} of vehicle {vehicle} because of {trigger}");
-    let done = skein_testkit::eventually(skein_testkit::patience() + within, &what, async || {
-        let events = ladder_events(&node, vehicle);
-        println!("{}", events.len());
-        events.iter().any(fits).then_some(())
-    });
-    done.await;
+    swarm
+        .until(&what, within, |_| ladder_events(&node, vehicle).iter().any(fits))
+        .await;
     let found = ladder_events(&node, vehicle).into_iter().find(|e| fits(e));
     let found = found.expect("was there just now");
     found.at.seconds_since(found.since)
@@ -292,7 +289,11 @@ async fn several_return_at_heights_of_their_own_and_land_at_home() {
     }
     swarm
         .until("all out there", Duration::from_secs(30), |fleet| {
-            fleet.vehicles.iter().all(|v| v.flight_state == FlightState::Holding)
+            let out = |v: &skein_runtime::VehicleSnapshot| v.kinematics.is_some_and(|k| k.position.north_m > 80.0);
+            fleet
+                .vehicles
+                .iter()
+                .all(|v| v.flight_state == FlightState::Holding && out(v))
         })
         .await;
     swarm.command_all(VehicleCommand::Return).await;

@@ -9,8 +9,8 @@ use crate::snapshot::EventKind;
 use crate::ways;
 use skein_domain::exchange::Severity;
 use skein_domain::{
-    AutopilotCommand, EnergyState, FlightMode, LadderEvent, LadderEventKind, NodeTime, Order, Reaction, Refusal,
-    RequestId, Task, VehicleCommand,
+    AutopilotCommand, EnergyState, FlightMode, FlightState, LadderEvent, LadderEventKind, NodeTime, Order, PositionNed,
+    Reaction, Refusal, RequestId, Task, VehicleCommand,
 };
 use skein_safety::Ladder;
 use skein_safety::energy::{EnergyEstimator, EnergySample, WayHome};
@@ -18,6 +18,10 @@ use skein_safety::ladder::{Health, TakenUpBy};
 
 /// Time between two looks in seconds.
 const LOOK_S: f64 = 0.05;
+/// A vehicle slower than this stands, in metres per second.
+const STANDS_M_S: f64 = 0.5;
+/// Whoever holds stands by then, in seconds.
+const STOPPED_WITHIN_S: f64 = 5.0;
 /// A battery report older than this says nothing of now, in seconds.
 const BATTERY_TOLD_S: f64 = 5.0;
 /// Request id of what the watch asks the autopilot for, beyond what models use.
@@ -29,6 +33,8 @@ pub struct Watch {
     ladder: Ladder,
     estimator: EnergyEstimator,
     next: NodeTime,
+    /// Where it began to hold, if it holds; a reference that is carried along with a drifting vehicle must not hide the drift.
+    held: Option<PositionNed>,
     /// It was the watch that took the vehicle out of its formation.
     withdrew: bool,
     /// Charge against the way home.
@@ -66,7 +72,12 @@ impl VehicleState {
             watch.next = now.plus_seconds(LOOK_S);
             let energy = self.assess(&mut watch.estimator, entry, now);
             watch.energy = energy;
-            let health = self.health(entry, energy, now);
+            let mut health = self.health(entry, energy, now);
+            let drifted_m = self.drifted_m(&mut watch.held, entry);
+            health.tracking_error_m = match (health.tracking_error_m, drifted_m) {
+                (Some(a), Some(b)) => Some(a.max(b)),
+                (a, b) => a.or(b),
+            };
             let events = watch.ladder.step(now, &health, &settings);
             (events, watch.ladder.state(&settings))
         };
@@ -103,6 +114,28 @@ impl VehicleState {
         let height_m = self.board.config.safety.returning.height_m;
         let way = WayHome::between(&position, &home, height_m, receding_m_s);
         estimator.assess(now, &way, settings)
+    }
+
+    /// How far a vehicle that holds is from where it began to. Giving way to somebody is no drift.
+    fn drifted_m(&self, held: &mut Option<PositionNed>, entry: &PeerEntry) -> Option<f64> {
+        let kinematics = entry.kinematics?;
+        let (holds, gives_way, for_s) = {
+            let published = self.cell.state.lock();
+            (
+                published.flight_state == FlightState::Holding,
+                published.avoiding.is_some(),
+                self.board.now().seconds_since(published.since),
+            )
+        };
+        if !holds || gives_way || !entry.airborne {
+            *held = None;
+            return None;
+        }
+        // Who never comes to stand is drifting from the start.
+        if held.is_none() && (kinematics.velocity.norm() < STANDS_M_S || for_s > STOPPED_WITHIN_S) {
+            *held = Some(kinematics.position);
+        }
+        held.map(|place| place.distance_m(&kinematics.position))
     }
 
     fn health(&self, entry: &PeerEntry, energy: Option<EnergyState>, now: NodeTime) -> Health {
