@@ -37,7 +37,7 @@ function fleetInfo() {
   return {
     type: 'fleet', frame: { origin }, formation, faults_enabled: false, actors: [health('coordinator', 1)],
     unadopted: [{ system_id: 99, endpoint: 'sitl', why: 'no adoption rule fits system id 99' }],
-    fence: { polygon_m: [[-120, -160], [160, -160], [160, 160], [-120, 160]], floor_m: -5, ceiling_m: 60 },
+    fence: null,
     vehicles: vehicles.map((v) => ({
       id: v.id, name: `uav-${v.id}`, system_id: v.id, plugin: 'generic-uav', plugin_version: '0.1.0', state_detail: '',
       home: { latitude_deg: project(...v.home)[0], longitude_deg: project(...v.home)[1], altitude_amsl_m: 488 },
@@ -86,10 +86,10 @@ function form(request) {
   leader.goal = [leader.north, leader.east, leader.up];
   formation = {
     request: { ...request, leader: leader.id }, leader: leader.id, members: ordered.map((v) => v.id), route: null, route_finished: false,
-    settled_at: nodeTime() + 6e6, planned_min_distance_m: 4.2, intent_version: (formation?.intent_version ?? 0) + 1,
+    anchor: null, keeps_itself: false, max_speed_m_s: 5, settled_at: nodeTime() + 6e6, planned_min_distance_m: 4.2, intent_version: (formation?.intent_version ?? 0) + 1,
   };
   say(null, 'info', { kind: 'formation' }, `formation ${request.shape}, leader ${leader.id}`);
-  return { leader: leader.id, members: formation.members, duration_s: 6, planned_min_distance_m: 4.2 };
+  return { leader: leader.id, members: formation.members, duration_s: 6, planned_min_distance_m: 4.2, max_speed_m_s: 5 };
 }
 
 function step(dt) {
@@ -146,6 +146,48 @@ async function asset(path, response) {
   }
 }
 
+/** What is asked for beside the stream, as far as the page needs it to be worked on. */
+let fences = {
+  zones: [
+    {
+      name: 'fence', kind: 'inclusion', outline: { shape: 'local_polygon', corners_m: [[-120, -160], [160, -160], [160, 160], [-120, 160]] },
+      floor_m: -5, ceiling_m: 60, altitude_reference: 'origin', action: 'hold',
+    },
+    {
+      name: 'mast', kind: 'exclusion', outline: { shape: 'local_circle', centre_m: [45, 30], radius_m: 12 },
+      floor_m: 0, ceiling_m: 40, altitude_reference: 'origin', action: 'hold',
+    },
+  ],
+  breach_return: null,
+};
+let emergencyKey = '';
+const snapshot = (v) => ({
+  id: v.id, name: `uav-${v.id}`, ladder: null, avoiding: null, stopped: v.stopped ?? false,
+  energy: {
+    remaining: v.battery / 100, needed_home: 0.05, reserve: 0.15, margin: v.battery / 100 - 0.2, endurance_s: v.battery * 12,
+    return_in_s: v.battery * 9, level: v.battery < 25 ? 'return_now' : 'ok', learned: true, ground_speed_home_m_s: 4,
+  },
+});
+const item = (id, title, status, value, why, limit = null, unit = '') => ({ id, title, status, value, number: null, unit, limit, why });
+const preflight = () => ({
+  overrides: [],
+  swarm: {
+    vehicle: null, made_at: nodeTime(),
+    items: [item('fences', 'Fences', fences.zones.length > 0 ? 'green' : 'amber', `${fences.zones.length}`, 'what bounds the flight must be known before it begins')],
+  },
+  vehicles: vehicles.map((v) => ({
+    vehicle: v.id, made_at: nodeTime(),
+    items: [
+      item('link', 'Link', v.silent ? 'red' : 'green', v.silent ? 'not heard' : 'heard', 'what is not heard cannot be commanded'),
+      item('battery', 'Charge', v.battery < 30 ? 'red' : 'green', (v.battery / 100).toFixed(2), 'there must be enough to come back', 0.3),
+    ],
+  })),
+});
+function preview(request) {
+  const slots = slotsOf(request.shape, request.members?.length ?? count, request.spacing_m * request.scale, request.altitude_step_m);
+  return { slots: slots.map(([f, r, u]) => ({ forward_m: f, right_m: r, down_m: -u })), smallest_distance_m: request.spacing_m };
+}
+
 const server = createServer(async (request, response) => {
   const url = new URL(request.url, 'http://localhost');
   if (!url.pathname.startsWith('/api/v1/')) return asset(url.pathname, response);
@@ -157,6 +199,29 @@ const server = createServer(async (request, response) => {
   switch (`${request.method} ${url.pathname.slice(8)}`) {
     case 'GET version':
       return answer(200, { program: 'skein', version: '0.1.0-dev', node: 'dev', protocol: 1 });
+    case 'GET vehicles':
+      return answer(200, { time: nodeTime(), vehicles: vehicles.map(snapshot), unadopted: [] });
+    case 'GET references':
+      return answer(200, { references: [] });
+    case 'GET preflight':
+      return answer(200, preflight());
+    case 'GET fences':
+      return answer(200, { plan: fences, outside: [] });
+    case 'PUT fences':
+      fences = body.plan;
+      say(null, 'info', { kind: 'fences' }, `${fences.zones.length} zones in force`);
+      return answer(200, { plan: fences, outside: [] });
+    case 'POST formation/preview':
+      return answer(200, preview(body));
+    case 'POST emergency-stop/unlock':
+      emergencyKey = `${Date.now()}`;
+      return answer(200, { key: emergencyKey, valid_s: 10 });
+    case 'POST emergency-stop': {
+      if (body.key !== emergencyKey) return answer(403, { error: { code: 'not_permitted', message: 'not unlocked', detail: null } });
+      const ids = body.targets === 'all' ? vehicles.map((v) => v.id) : body.targets.vehicles;
+      for (const id of ids) Object.assign(vehicles[id - 1], { stopped: true, state: 'idle', armed: false, up: 0, slot: null });
+      return answer(200, { receipts: ids.map((vehicle) => ({ vehicle, id: nextCommand++, refusal: null })) });
+    }
     case 'GET events':
       return answer(200, { events: events.filter((e) => e.seq > Number(url.searchParams.get('after') ?? 0)), missed: 0 });
     case 'POST commands': {

@@ -18,7 +18,7 @@ const LATENCY_EVERY_MS = 5000;
 const RATE_DESK_HZ = 20;
 const RATE_TOUCH_HZ = 10;
 const RATE_HIDDEN_HZ = 1;
-/** The server's clock going back by more than this means that it is another run of it. */
+/** The server's clock being behind by more than this, had it gone on since it was last heard, means that it is another run of it. */
 const RESTART_MS = 2000;
 
 const NO_INFO: FleetInfo = {
@@ -152,20 +152,20 @@ export class Session {
   }
 
   #onFrame(buffer: ArrayBuffer): void {
-    const before = this.fleet.serverTimeMs;
+    const expectedMs = this.serverNowMs();
     try {
       this.fleet.take(buffer, performance.now());
     } catch (error) {
       this.journal.notice('warning', 'stream', error instanceof Error ? error.message : String(error));
       return;
     }
-    if (!this.hasFrame) this.#firstFrame(before, buffer);
+    if (!this.hasFrame) this.#firstFrame(expectedMs, buffer);
     for (const listener of this.#frameListeners) listener();
   }
 
   /** The first frame of a connection tells whether the server is the one we knew. */
-  #firstFrame(serverTimeBefore: number, buffer: ArrayBuffer): void {
-    if (this.everLive && this.fleet.serverTimeMs + RESTART_MS < serverTimeBefore) {
+  #firstFrame(expectedMs: number, buffer: ArrayBuffer): void {
+    if (this.everLive && this.fleet.serverTimeMs + RESTART_MS < expectedMs) {
       this.#serverRestarted();
       this.fleet.take(buffer, performance.now());
     }

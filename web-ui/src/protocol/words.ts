@@ -79,7 +79,7 @@ export function refusalText(refusal: Refusal): string {
     case 'unknown_track':
       return `there is no track ${refusal.track}`;
     case 'preflight':
-      return `preflight: ${refusal.items.map(spoken).join(', ')}`;
+      return `preflight not met: ${refusal.items.map(spoken).join(', ')}`;
     case 'unknown_reference':
       return `there is no reference "${refusal.name}"`;
     default:
