@@ -17,6 +17,8 @@ const HEIGHT_M: f64 = 12.0;
 const SPEED_M_S: f64 = 4.0;
 /// Radius of corners in metres.
 const CORNER_RADIUS_M: f64 = 15.0;
+/// So long the column flies straight on, in seconds.
+const STRAIGHT_S: f64 = 3.0;
 /// Name of the moving reference.
 const CAR: &str = "car";
 /// So often may the separation filter step in per vehicle: changes of shape are planned so that it seldom has to.
@@ -77,11 +79,15 @@ impl Formations {
         self.shapes(stage, &BEHIND_LEADER[..1], &FormationAnchor::Leader)
             .await?;
         let start = stage.leader_position()?;
-        let route = route(&start, &[(70.0, 0.0), (70.0, 60.0), (20.0, 60.0)]);
+        let route = route(&start, &[(85.0, 0.0), (85.0, 60.0), (20.0, 60.0)]);
         stage
             .begin_route("north, east and south, changing its formation", &route)
             .await?;
-        self.shapes(stage, &BEHIND_LEADER[1..], &FormationAnchor::Leader)
+        self.shapes(stage, &BEHIND_LEADER[1..2], &FormationAnchor::Leader)
+            .await?;
+        // Some straight flight in which nothing changes.
+        stage.pause(STRAIGHT_S).await;
+        self.shapes(stage, &BEHIND_LEADER[2..], &FormationAnchor::Leader)
             .await?;
         stage.route_end(60.0).await?;
         self.heading = HeadingRequest::Auto;

@@ -8,7 +8,7 @@ use crate::demo::report::{Criterion, at_least, at_most};
 use crate::demo::stage::Stage;
 use crate::demo::steps::{Step, StepWatch};
 use anyhow::{Context, bail};
-use skein_domain::{FormationRequest, Route, Shape, VehicleCommand, VehicleId};
+use skein_domain::{FormationRequest, HeadingRequest, Route, Shape, VehicleCommand, VehicleId};
 use skein_sim::Fault;
 
 /// Speed of the leader in metres per second: slow, so that all of it happens not far from the field.
@@ -29,6 +29,15 @@ pub struct JoinLeave {
     roles_swapped: bool,
     at_swap: Option<Step>,
     gatherings: usize,
+}
+
+/// A wedge that always faces north: one that turned with the course would have to leave those who are still far off all the speed that
+/// they would need in a turn.
+fn wedge() -> FormationRequest {
+    FormationRequest {
+        heading: HeadingRequest::Fixed { heading_deg: 0.0 },
+        ..FormationRequest::new(Shape::Wedge, SPACING_M)
+    }
 }
 
 impl JoinLeave {
@@ -98,7 +107,7 @@ impl JoinLeave {
         let request = FormationRequest {
             leader: Some(next),
             members: Some(followers.iter().copied().chain([leader]).collect()),
-            ..FormationRequest::new(Shape::Wedge, SPACING_M)
+            ..wedge()
         };
         let watch = StepWatch::begin(&stage.node, None, SPEED_M_S);
         stage.form("Wedge, roles swapped", request).await?;
@@ -155,9 +164,7 @@ impl Flight for JoinLeave {
         stage.say(&format!("{} take off, {ON_GROUND} stay on the ground", first.len()));
         stage.take_off(first, HEIGHT_M).await?;
         stage.referee.airborne();
-        stage
-            .form("Wedge", FormationRequest::new(Shape::Wedge, SPACING_M))
-            .await?;
+        stage.form("Wedge", wedge()).await?;
         let start = stage.leader_position()?;
         let at = |north: f64, east: f64| start.moved(nalgebra::Vector3::new(north, east, 0.0));
         let route = Route {
@@ -175,7 +182,7 @@ impl Flight for JoinLeave {
         stage.say(&format!("vehicle {holds} is called back"));
         let request = FormationRequest {
             members: Some(members.clone()),
-            ..FormationRequest::new(Shape::Wedge, SPACING_M)
+            ..wedge()
         };
         stage.form("Wedge, with the one that held", request).await?;
         self.gathered(stage, "with the one that held", &members).await?;
