@@ -1,6 +1,8 @@
 //! `skein bench`: hands over to the bench library, which measures this program from outside, as its own child processes.
 
-use skein_bench::{AssignmentBenchArgs, FleetBenchArgs, run_assignment_bench, run_fleet_bench};
+use skein_bench::{
+    AssignmentBenchArgs, FleetBenchArgs, SwarmBenchArgs, run_assignment_bench, run_fleet_bench, run_swarm_bench,
+};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -25,6 +27,20 @@ pub fn fleet(vehicles: u8, seconds: u32, json: bool) -> anyhow::Result<ExitCode>
 /// When Python cannot be started or lacks SciPy, or when the two sides' totals differ.
 pub fn assignment(python: PathBuf, json: bool) -> anyhow::Result<ExitCode> {
     let report = run_assignment_bench(&AssignmentBenchArgs { python })?;
+    if json {
+        println!("{}", serde_json::to_string_pretty(&report)?);
+    } else {
+        print!("{report}");
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A whole swarm's decisions in one process.
+///
+/// # Errors
+/// When the swarm's formation cannot be planned.
+pub fn swarm(vehicles: u16, json: bool) -> anyhow::Result<ExitCode> {
+    let report = run_swarm_bench(&SwarmBenchArgs::new(usize::from(vehicles)))?;
     if json {
         println!("{}", serde_json::to_string_pretty(&report)?);
     } else {

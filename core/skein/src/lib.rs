@@ -13,6 +13,7 @@ pub mod exit;
 mod gateway;
 pub mod logging;
 pub mod plugin;
+pub mod replay;
 pub mod run;
 pub mod simulate;
 

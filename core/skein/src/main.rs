@@ -3,7 +3,7 @@
 
 use clap::Parser;
 use skein::args::{Arguments, Bench, BenchArguments, Command};
-use skein::{demo, doctor, exit, logging, plugin, run, simulate};
+use skein::{demo, doctor, exit, logging, plugin, replay, run, simulate};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -29,6 +29,7 @@ fn main() -> ExitCode {
 fn execute(command: Command) -> anyhow::Result<ExitCode> {
     match command {
         Command::Bench(BenchArguments { what }) => return bench(what),
+        Command::ReplaySeed { seed, trace } => return Ok(replay::replay_seed(seed, trace)),
         // Without a runtime: it is one plugin and a socket.
         Command::PluginHost => return plugin_host(),
         _ => {}
@@ -42,7 +43,7 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
             Command::Sim(arguments) => simulate::simulate(arguments).await.map(done),
             Command::Doctor(arguments) => doctor::doctor(&arguments),
             Command::Plugin(arguments) => plugin::plugin(arguments).await,
-            Command::Bench(_) | Command::PluginHost => Ok(ExitCode::SUCCESS),
+            Command::Bench(_) | Command::ReplaySeed { .. } | Command::PluginHost => Ok(ExitCode::SUCCESS),
         }
     })
 }
@@ -62,6 +63,7 @@ fn bench(what: Bench) -> anyhow::Result<ExitCode> {
             json,
         } => skein::bench::fleet(vehicles, seconds, json),
         Bench::Assignment { python, json } => skein::bench::assignment(python, json),
+        Bench::Swarm { vehicles, json } => skein::bench::swarm(vehicles, json),
         Bench::LoadGenerator { settings } => skein::bench::load_generator(&settings),
         Bench::BareLoop { settings } => skein::bench::bare_loop(&settings),
     }

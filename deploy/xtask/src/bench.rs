@@ -8,7 +8,7 @@ use anyhow::{Context, Result, ensure};
 use std::os::unix::process::CommandExt;
 use std::process::{Command, ExitCode};
 
-/// Builds the release program, measures a call into a plugin and becomes `skein bench fleet`.
+/// Builds the release program, measures a call into a plugin and a swarm's decisions, and becomes `skein bench fleet`.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Result<ExitCode> {
     demo::build(workspace)?;
     let built = workspace
@@ -19,6 +19,8 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Result<ExitCode> {
     let binary = workspace.target.join("release/skein");
     let measured = Command::new(&binary).args(["plugin", "bench"]).status()?;
     ensure!(measured.success(), "skein plugin bench failed");
+    let measured = Command::new(&binary).args(["bench", "swarm"]).status()?;
+    ensure!(measured.success(), "skein bench swarm failed");
     let error = Command::new(&binary).args(["bench", "fleet"]).args(arguments).exec();
     Err(error).with_context(|| format!("cannot start {}", binary.display()))
 }

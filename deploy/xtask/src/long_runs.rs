@@ -11,6 +11,8 @@ use std::process::Command;
 
 /// How long each coverage-guided fuzz target runs.
 const FUZZ_SECONDS: u32 = 120;
+/// Drawn flights of swarms, each judged by the truth.
+const SEEDS: &str = "10000..13000";
 /// Inputs per property; the tests themselves ask for 256.
 const CASES: &str = "20000";
 /// Crates whose properties feed bytes or text from outside.
@@ -75,6 +77,14 @@ pub fn run(workspace: &Workspace, report: &mut Report, tell: impl Fn(&mut Comman
         &format!("fuzz: properties, {CASES} cases"),
         advice,
         Step::tests(properties, Runner::CargoTest),
+    );
+    let mut drawn = workspace.cargo();
+    drawn.args(["test", "--release", "-p", "skein-seeded", "--", "--nocapture"]);
+    drawn.env("SKEIN_SEEDS", SEEDS);
+    report.step(
+        &format!("seeded: flights {SEEDS}"),
+        "`skein replay-seed N` flies a seed named above again",
+        Step::tests(drawn, Runner::CargoTest),
     );
     fuzz_targets(workspace, report);
     miri(workspace, report);

@@ -23,6 +23,8 @@ pub enum Tier {
     PluginBoundary,
     /// Actors and plugins killed, links cut.
     Faults,
+    /// Whole flights in simulated time, drawn from seeds.
+    Seeded,
     /// The program as it ships.
     E2e,
     /// Other people's software and recordings of a real autopilot.
@@ -31,11 +33,12 @@ pub enum Tier {
     Ui,
 }
 
-const ALL: [(Tier, &str); 7] = [
+const ALL: [(Tier, &str); 8] = [
     (Tier::Unit, "unit"),
     (Tier::Integration, "integration"),
     (Tier::PluginBoundary, "plugin-boundary"),
     (Tier::Faults, "faults"),
+    (Tier::Seeded, "seeded"),
     (Tier::E2e, "e2e"),
     (Tier::Interop, "interop"),
     (Tier::Ui, "ui"),
@@ -66,6 +69,7 @@ impl Tier {
             Self::Integration => Some("skein-tests-integration"),
             Self::PluginBoundary => Some("skein-tests-plugin-boundary"),
             Self::Faults => Some("skein-tests-faults"),
+            Self::Seeded => Some("skein-seeded"),
             Self::E2e => Some("skein-tests-e2e"),
             Self::Interop => Some("skein-tests-interop"),
         }

@@ -19,6 +19,7 @@ mod plugin;
 mod process;
 mod program;
 mod report;
+mod swarm;
 mod wire;
 
 pub use assignment::{AssignmentBenchArgs, AssignmentBenchReport, AssignmentFigures, run_assignment_bench};
@@ -28,4 +29,5 @@ pub use fleet::{FleetBenchArgs, run_fleet_bench};
 pub use generator::{LoadGeneratorSettings, run_load_generator};
 pub use plugin::{CallFigures, PluginBenchArgs, PluginBenchReport, run_plugin_bench};
 pub use process::Scheduling;
+pub use swarm::{SwarmBenchArgs, SwarmBenchReport, run_swarm_bench};
 pub use report::{FleetBenchReport, Gaps, LoadFigures, SideFigures, Spread, WindowFigures};
