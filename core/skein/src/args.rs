@@ -52,6 +52,14 @@ pub enum Command {
     Plugin(crate::plugin::PluginArguments),
     /// Measure what the program costs.
     Bench(BenchArguments),
+    /// Fly a drawn flight of the tests again and tell what happens in it: a swarm in simulated time, judged by the truth.
+    ReplaySeed {
+        /// The seed, as the tests print it.
+        seed: u64,
+        /// Print every vehicle's state twice a second.
+        #[arg(long)]
+        trace: bool,
+    },
     /// Runs one plugin instance for a node, which starts it with a socket as its standard input.
     #[command(hide = true)]
     PluginHost,
@@ -207,6 +215,15 @@ pub enum Bench {
         /// A Python that has SciPy (`python3 -m venv DIR && DIR/bin/pip install scipy`, then `DIR/bin/python`).
         #[arg(long, default_value = "python3", value_name = "PROGRAM")]
         python: PathBuf,
+        /// Print the report as JSON.
+        #[arg(long)]
+        json: bool,
+    },
+    /// A whole swarm's decisions in one process: a change of formation planned, the separation filter, a leader replaced.
+    Swarm {
+        /// How many vehicles.
+        #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u16).range(2..=1000))]
+        vehicles: u16,
         /// Print the report as JSON.
         #[arg(long)]
         json: bool,
