@@ -44,8 +44,8 @@ pub struct Lost {
 }
 
 /// A vehicle that drifts unheard and unseen is nowhere, as far as anybody knows, when it has come so far from where it was, in metres:
-/// its neighbours in a formation flee from where they believe it to be, perhaps to where it is.
-const KNOWN_WITHIN_M: f64 = 3.0;
+/// a vehicle that falls silent is taken to have stopped (see `steering::neighbour`), and only a track would tell otherwise.
+const KNOWN_WITHIN_M: f64 = 0.6;
 /// For so long what was last heard of it tells where it goes, in seconds.
 const CARRIED_ON_S: f64 = 3.0;
 

@@ -369,3 +369,28 @@ fn members_keep_their_places_by_neighbours_only_once_they_are_formed() {
     assert_eq!(kept(settled.plus_seconds(-0.1)), 0);
     assert_eq!(kept(settled.plus_seconds(0.1)), 5);
 }
+
+#[test]
+fn who_is_not_heard_any_more_is_neither_a_newcomer_nor_a_stray() {
+    let mut peers = peers(4);
+    let formation = plan(&input(request(), None), &peers).expect("plans");
+    for entry in &mut peers.entries {
+        entry.flight_state = FlightState::Following;
+    }
+    peers.entries[0].flight_state = FlightState::Leading;
+    peers.entries[3].link.connected = false;
+    let withdrawn = BTreeSet::new();
+    let judging = Judging {
+        peers: &peers,
+        withdrawn: &withdrawn,
+        leader_lost_after_s: 1.0,
+        now: now(),
+    };
+    let changed = judging.changed(&formation, &[], false).expect("one is gone");
+    assert_eq!(changed.gone, [VehicleId(4)]);
+    assert_eq!(changed.members.len(), 3);
+    // Regrouped without it: its model still says that it follows, and a newcomer may have fallen silent as well.
+    let mut left = formation.clone();
+    left.members.retain(|id| *id != VehicleId(4));
+    assert_eq!(judging.changed(&left, &[VehicleId(4)], false), None);
+}
