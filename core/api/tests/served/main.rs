@@ -8,4 +8,5 @@
 mod http;
 mod node;
 mod raw;
+mod safety;
 mod stream;
