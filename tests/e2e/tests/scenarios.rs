@@ -41,7 +41,13 @@ fn judged_by(criteria: &[serde_json::Value], own: &[&str]) {
 #[tokio::test]
 async fn every_shape_and_anchor_is_flown() {
     let criteria = fly("formations", 6).await;
-    judged_by(&criteria, &["shapes formed", "error about a virtual leader, turning, root mean square"]);
+    judged_by(
+        &criteria,
+        &[
+            "shapes formed",
+            "error about a virtual leader, turning, root mean square",
+        ],
+    );
 }
 
 #[tokio::test]
@@ -67,7 +73,10 @@ async fn vehicles_leave_and_join_in_flight() {
 #[ignore = "long: two minutes; part of the long runs"]
 async fn a_mixed_swarm_goes_with_its_slowest() {
     let criteria = fly("mixed", 5).await;
-    judged_by(&criteria, &["smallest angle between a carrier's nose and another vehicle"]);
+    judged_by(
+        &criteria,
+        &["smallest angle between a carrier's nose and another vehicle"],
+    );
 }
 
 #[tokio::test]

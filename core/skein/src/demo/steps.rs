@@ -36,8 +36,10 @@ impl Step {
     /// In words.
     pub fn describe(&self) -> String {
         let (vehicle, beyond_m, at_s) = (self.vehicle, self.beyond_m, self.time.as_seconds());
+        let (north_m, east_m, down_m) = (self.step_m.x, self.step_m.y, self.step_m.z);
         format!(
-            "the largest step of a setpoint was vehicle {vehicle}'s at {at_s:.2} s: {beyond_m:.2} m more than its speed explains"
+            "the largest step of a setpoint was vehicle {vehicle}'s at {at_s:.2} s: {north_m:.1} m north, {east_m:.1} m east, \
+             {down_m:.1} m down, {beyond_m:.2} m more than its speed explains"
         )
     }
 }

@@ -61,7 +61,7 @@ impl JoinLeave {
             let formation = fleet.formation.as_ref();
             formation.is_some_and(|f| fleet.time.seconds_since(f.settled_at) > SETTLE_S)
         };
-        stage.until(30.0, "everyone in its slot", settled).await?;
+        stage.until(60.0, "everyone in its slot", settled).await?;
         let worst_m = stage.referee.slots_reached(label);
         stage.say(&format!(
             "{label}: {took_s:.1} s; of {} the farthest is {worst_m:.2} m from its slot",

@@ -20,6 +20,8 @@ const SPEED_M_S: f64 = 5.0;
 const CORNER_RADIUS_M: f64 = 15.0;
 /// One control period is 20 ms; the loss is looked for once in each, and so are the states it is seen in.
 const SUCCESSION_LIMIT_MS: f64 = 60.0;
+/// A leader not heard for so long is lost, in seconds.
+const LOST_AFTER_S: f64 = 0.6;
 /// A step of a setpoint that is no jump, beyond what its speed explains, in metres.
 const STEP_LIMIT_M: f64 = 1.0;
 
@@ -125,6 +127,8 @@ impl LeaderLoss {
 impl Flight for LeaderLoss {
     fn prepare(&self, setup: &mut Setup) {
         setup.node.swarm.origin = Some(swarm_origin());
+        // Sooner than the followers carry on what they last knew of their leader, which is a second: no setpoint is frozen meanwhile.
+        setup.node.coordinator.leader_lost_after_s = LOST_AFTER_S;
     }
 
     async fn fly(&mut self, stage: &Stage<'_>) -> anyhow::Result<()> {
