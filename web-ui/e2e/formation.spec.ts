@@ -32,7 +32,7 @@ test('shapes with parameters, places by hand, and a formation about a place', as
   await open(page, program.url, VEHICLES);
   await test.step('before take-off a shape is previewed for the targets', async () => {
     await choose(page, 'Helix');
-    await field(page, 'Rise per turn (0 automatic)').fill('12');
+    await field(page, 'Rise per turn (0: automatic)').fill('12');
     await expect.poll(async () => (await slots(page)).length).toBe(VEHICLES);
     await expect.poll(async () => Math.max(...(await slots(page)).map((s) => s.upM))).toBeGreaterThan(1);
     expect(await findings(page)).toEqual([]);

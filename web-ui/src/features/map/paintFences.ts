@@ -7,10 +7,12 @@ import type { Palette } from './palette';
 import type { View } from './view';
 
 const HATCH_PX = 11;
+const LINE_PX = 15;
 /** A zone smaller than this on the screen gets no name. */
 const NAMED_PX = 24;
 
 export function paintFences(ctx: CanvasRenderingContext2D, view: View, palette: Palette, fences: PlacedFences): void {
+  const named: Label[] = [];
   ctx.save();
   for (const zone of fences.zones) {
     const outline = new Path2D();
@@ -18,7 +20,7 @@ export function paintFences(ctx: CanvasRenderingContext2D, view: View, palette: 
     outline.closePath();
     if (zone.kind === 'exclusion') exclusion(ctx, view, palette, zone, outline);
     else inclusion(ctx, palette, outline);
-    name(ctx, view, palette, zone);
+    name(ctx, view, palette, zone, named);
   }
   if (fences.breachReturn) breachReturn(ctx, view, palette, fences.breachReturn);
   ctx.restore();
@@ -54,7 +56,10 @@ function exclusion(ctx: CanvasRenderingContext2D, view: View, palette: Palette, 
   ctx.stroke(outline);
 }
 
-function name(ctx: CanvasRenderingContext2D, view: View, palette: Palette, zone: PlacedZone): void {
+type Label = { x: number; y: number; width: number };
+
+/** Below those that are `named` already, where they would lie on each other. */
+function name(ctx: CanvasRenderingContext2D, view: View, palette: Palette, zone: PlacedZone, named: Label[]): void {
   const box = boxOf(view, zone);
   if (box.x1 - box.x0 < NAMED_PX || box.x1 < 0 || box.y1 < 0 || box.x0 > view.width || box.y0 > view.height) return;
   const top = zone.corners.reduce((a, b) => (b.north - b.east > a.north - a.east ? b : a));
@@ -64,7 +69,12 @@ function name(ctx: CanvasRenderingContext2D, view: View, palette: Palette, zone:
   const width = ctx.measureText(zone.text).width;
   // A zone that reaches over the edge is named where it can be read.
   const x = Math.min(Math.max(view.x(top.east) + 6, 8), Math.max(8, view.width - width - 70));
-  const y = Math.min(Math.max(view.y(top.north) + 15, 76), view.height - 30);
+  let y = Math.min(Math.max(view.y(top.north) + 15, 76), view.height - 30);
+  for (const other of [...named].sort((a, b) => a.y - b.y)) {
+    const beside = x > other.x + other.width || other.x > x + width;
+    if (!beside && Math.abs(y - other.y) < LINE_PX) y = other.y + LINE_PX;
+  }
+  named.push({ x, y, width });
   ctx.lineWidth = 3;
   ctx.lineJoin = 'round';
   ctx.strokeStyle = palette.bg;
