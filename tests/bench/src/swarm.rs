@@ -125,7 +125,7 @@ pub fn run_swarm_bench(args: &SwarmBenchArgs) -> Result<SwarmBenchReport, BenchE
     let changed = || swarm.change(Shape::Circle, Some(formed.clone()), &config, &gate);
     changed().map_err(refused)?;
     let leader = formed.leader.unwrap_or_default();
-    let planned_ms = median_ms(&changed);
+    let planned_ms = median_ms(changed);
     let slots: Vec<PositionNed> = swarm.circle(args.vehicles);
     let nearest_ms = median_ms(|| nearest_first(&swarm.places(), &slots));
     let distances_ms = median_ms(|| swarm.distances());

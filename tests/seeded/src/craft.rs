@@ -151,7 +151,8 @@ impl Craft {
 
     /// Whether the others can know where it is.
     pub fn is_known(&self, now_s: f64) -> bool {
-        self.lost.is_none_or(|lost| lost.is_known_at(&self.plant.position(), now_s))
+        self.lost
+            .is_none_or(|lost| lost.is_known_at(&self.plant.position(), now_s))
     }
 
     fn believed(&self, now: NodeTime) -> VehicleKinematics {

@@ -167,11 +167,11 @@ impl Ground {
 
     /// Plans that are ready are flown, unless the formation has changed meanwhile.
     pub fn take_plans(&mut self, crafts: &mut [Craft], peers: &PeerSnapshot, now: NodeTime) {
-        let (ready, waiting) = std::mem::take(&mut self.pending)
+        let (ready, waiting): (Vec<Pending>, Vec<Pending>) = std::mem::take(&mut self.pending)
             .into_iter()
             .partition(|p| p.ready <= now);
         self.pending = waiting;
-        for planned in Vec::<Pending>::from(ready) {
+        for planned in ready {
             if planned.generation != self.generation {
                 match planned.regroup {
                     None => self.begin_plan(planned.request, None, peers, 0.02, now),

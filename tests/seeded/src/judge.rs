@@ -117,7 +117,14 @@ impl Judge {
     }
 
     /// The judgement at the end.
-    pub fn close(mut self, end_s: f64, under_way: bool, crafts: &[Craft], ground: &Ground, peers: &PeerSnapshot) -> Outcome {
+    pub fn close(
+        mut self,
+        end_s: f64,
+        under_way: bool,
+        crafts: &[Craft],
+        ground: &Ground,
+        peers: &PeerSnapshot,
+    ) -> Outcome {
         let outcome = &mut self.outcome;
         outcome.end_s = end_s;
         outcome.refusals.clone_from(&ground.refusals);

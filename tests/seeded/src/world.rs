@@ -308,7 +308,12 @@ impl<'a> World<'a> {
             .fold(0.0, f64::max)
             + 3.0;
         let on_route = self.ground.coordination.route.as_ref().is_some_and(|r| !r.finished);
-        let led = || self.peers.entries.iter().find_map(|e| e.anchor.map(|a| a.heading_rate_rad_s));
+        let led = || {
+            self.peers
+                .entries
+                .iter()
+                .find_map(|e| e.anchor.map(|a| a.heading_rate_rad_s))
+        };
         let turning_rad_s = self.peers.anchor.map(|a| a.heading_rate_rad_s).or_else(led);
         let moving = self.peers.anchor.is_some_and(|a| a.velocity.norm() > 0.01)
             || turning_rad_s.is_some_and(|rate| rate.abs() > 1e-3);
