@@ -29,5 +29,5 @@ pub use fleet::{FleetBenchArgs, run_fleet_bench};
 pub use generator::{LoadGeneratorSettings, run_load_generator};
 pub use plugin::{CallFigures, PluginBenchArgs, PluginBenchReport, run_plugin_bench};
 pub use process::Scheduling;
-pub use swarm::{SwarmBenchArgs, SwarmBenchReport, run_swarm_bench};
 pub use report::{FleetBenchReport, Gaps, LoadFigures, SideFigures, Spread, WindowFigures};
+pub use swarm::{SwarmBenchArgs, SwarmBenchReport, run_swarm_bench};
