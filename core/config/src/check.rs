@@ -108,7 +108,7 @@ impl NodeConfig {
             ("safety.max_climb_m_s", safety.max_climb_m_s, 0.1, 30.0),
             ("safety.max_descent_m_s", safety.max_descent_m_s, 0.1, 30.0),
             ("safety.min_separation_m", safety.min_separation_m, 0.0, 100.0),
-            ("safety.separation_horizon_s", safety.separation_horizon_s, 0.0, 10.0),
+            ("safety.separation_horizon_s", safety.separation_horizon_s, 3.0, 30.0),
             (
                 "coordinator.take_off_stagger_s",
                 coordinator.take_off_stagger_s,

@@ -318,7 +318,7 @@ impl Default for SafetySettings {
             max_climb_m_s: 4.0,
             max_descent_m_s: 3.0,
             min_separation_m: 2.0,
-            separation_horizon_s: 0.8,
+            separation_horizon_s: 6.0,
             fence_files: Vec::new(),
             fence: None,
             zones: Vec::new(),
@@ -392,7 +392,7 @@ impl Default for CoordinatorSettings {
             transition_acceleration_m_s2: 3.0,
             transition_climb_m_s: 2.5,
             transition_min_distance_m: 2.8,
-            leader_lost_after_s: 1.0,
+            leader_lost_after_s: 0.6,
             leader_order: Vec::new(),
         }
     }

@@ -1,8 +1,8 @@
 //! What crosses the plugin boundary, as CBOR with numbered fields: events in, effects out. Numbers are never reused; a reader
 //! skips numbers it does not know, so that an older plugin works with a newer host and the other way round.
 
-use crate::preflight::PreflightItem;
 use crate::payload::{CoordinatorCapability, FrameHeader, MavlinkMessage, PayloadKind, Track};
+use crate::preflight::PreflightItem;
 use crate::telemetry::VehicleKinematics;
 use crate::{
     AnchorReference, AutopilotCommand, Battery, CommandId, FlightLimits, FlightMode, FlightState, Geodetic,

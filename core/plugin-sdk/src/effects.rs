@@ -3,8 +3,8 @@
 use crate::frames::FrameMut;
 use serde::Serialize;
 use skein_domain::exchange::{CommandProgress, Effect, EffectBatch, Severity};
-use skein_domain::preflight::PreflightItem;
 use skein_domain::payload::{CoordinatorCapability, FrameHeader, MavlinkMessage};
+use skein_domain::preflight::PreflightItem;
 use skein_domain::{
     AnchorReference, AutopilotCommand, CommandId, FlightLimits, FlightState, Refusal, RequestId, Setpoint,
 };

@@ -15,8 +15,8 @@ pub use tasks::intent;
 
 use crate::board::PeerSnapshot;
 use skein_domain::{
-    AnchorPlan, FormationControl, FormationHeading, FormationRequest, Keeping, NodeTime, PositionNed, Route, SlotMove,
-    VehicleId,
+    AnchorPlan, FormationAnchor, FormationControl, FormationHeading, FormationRequest, Keeping, NodeTime, PositionNed,
+    Route, SlotMove, VehicleId,
 };
 use std::collections::BTreeMap;
 
@@ -96,6 +96,21 @@ impl Formation {
 }
 
 impl Coordination {
+    /// How fast the anchor of a formation goes along its way in metres per second, if it has one, and whether it does so now: a virtual
+    /// leader that is new waits until they are formed.
+    #[must_use]
+    pub fn way(&self, request: &FormationRequest) -> (Option<f64>, bool) {
+        if let FormationAnchor::Path { route } = &request.anchor {
+            let goes_on = self
+                .formation
+                .as_ref()
+                .is_some_and(|f| f.request.anchor == request.anchor);
+            return (Some(route.speed_m_s), goes_on);
+        }
+        let route = self.route.as_ref().filter(|r| !r.finished);
+        (route.map(|r| r.route.speed_m_s), route.is_some())
+    }
+
     /// Takes up a formation; a new leader takes over what is left of the route. Whether the leader is another than before.
     pub fn take_up(&mut self, formation: Formation) -> bool {
         let former = self.formation.as_ref().map(|f| f.leader);

@@ -62,6 +62,8 @@ pub struct CoordinatorState {
     joins: Vec<VehicleId>,
     /// A plan to regroup failed: the next is not made before.
     not_before: NodeTime,
+    /// Why it could not, as last told, and when.
+    told_cannot: Option<(String, NodeTime)>,
 }
 
 impl Actor for Coordinator {
@@ -86,6 +88,7 @@ impl Actor for Coordinator {
             keeps_itself,
             joins: Vec::new(),
             not_before: NodeTime::default(),
+            told_cannot: None,
         })
     }
 

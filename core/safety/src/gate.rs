@@ -281,12 +281,13 @@ impl Gate {
     /// # Errors
     /// The typed reason.
     pub fn formation(&self, spacing_m: f64) -> Result<(), Refusal> {
-        if spacing_m.is_finite() && spacing_m >= self.limits.min_separation_m {
+        // Nearer than that the separation filter would push them out of their places. One alone is infinitely far from others.
+        let least_m = self.limits.min_separation_m + 2.0 * self.avoidance().noise_m;
+        if spacing_m >= least_m {
             return Ok(());
         }
         let detail = format!(
-            "spacing {spacing_m:.1} m: at least the smallest separation of {:.1} m is needed",
-            self.limits.min_separation_m
+            "{spacing_m:.1} m between two places: at least {least_m:.1} m is needed (the smallest separation, and room for errors of position)"
         );
         Err(Refusal::InvalidValue { detail })
     }

@@ -240,6 +240,7 @@ impl Swarm {
             request: FormationRequest::new(shape, SPACING_M),
             before,
             route_speed_m_s: None,
+            under_way: false,
             reference: None,
             limits: PlanLimits::new(&config.coordinator, config.safety.max_speed_m_s),
             gate: Arc::clone(gate),

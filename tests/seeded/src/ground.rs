@@ -142,14 +142,11 @@ impl Ground {
         plan_s: f64,
         now: NodeTime,
     ) {
-        let path_speed_m_s = match &request.anchor {
-            FormationAnchor::Path { route } => Some(route.speed_m_s),
-            _ => None,
-        };
-        let route = self.coordination.route.as_ref().filter(|r| !r.finished);
+        let (route_speed_m_s, under_way) = self.coordination.way(&request);
         let input = PlanInput {
             request: request.clone(),
-            route_speed_m_s: path_speed_m_s.or(route.map(|r| r.route.speed_m_s)),
+            route_speed_m_s,
+            under_way,
             reference: None,
             before: self.coordination.formation.clone(),
             limits: self.limits.clone(),

@@ -65,6 +65,8 @@ pub struct PlanInput {
     pub before: Option<Formation>,
     /// Speed of the leader's route in metres per second, while one is flown.
     pub route_speed_m_s: Option<f64>,
+    /// The anchor flies along it now; a virtual leader that is new waits until they are formed.
+    pub under_way: bool,
     /// Where the reference is that the formation is to be anchored to, if it is.
     pub reference: Option<AnchorReference>,
     /// Limits.
@@ -96,7 +98,7 @@ pub fn plan(input: &PlanInput, peers: &PeerSnapshot) -> Result<Formation, Refusa
     let able = capabilities(&members, peers, &input.limits);
     let invalid = |e: formation::FormationError| Refusal::InvalidValue { detail: e.to_string() };
     let slots = formation::anchored_slots(&input.request, members.len()).map_err(invalid)?;
-    input.gate.formation(formation::smallest_distance_m(&slots))?;
+    input.gate.formation(formation::smallest_separation_m(&slots))?;
     let basis = Basis::now(input, leader, peers)?;
     let together = slowest(&able);
     let heading = choose_heading(input, &slots, basis.heading_rad, &together);
@@ -412,10 +414,13 @@ fn taken_m_s(
 ) -> f64 {
     let turns = turning_rad_s.abs() > 1e-3;
     let rate_rad_s = match heading {
-        FormationHeading::Course { max_rate_rad_s } if input.route_speed_m_s.is_some() || turns => *max_rate_rad_s,
+        FormationHeading::Course { max_rate_rad_s } if input.under_way || turns => *max_rate_rad_s,
         _ => turning_rad_s.abs(),
     };
-    input.route_speed_m_s.unwrap_or(0.0) + rate_rad_s * farthest_m(from, slots)
+    // Who comes from far outside is carried round by what the formation turns now; the rate it may turn at later is for its places.
+    let flown_m_s = input.route_speed_m_s.filter(|_| input.under_way).unwrap_or(0.0);
+    let turned_m_s = (turning_rad_s.abs() * farthest_m(from, slots)).max(rate_rad_s * farthest_m(&[], slots));
+    flown_m_s + turned_m_s
 }
 
 /// How far the outermost place is from the anchor on the ground, before or after a change.

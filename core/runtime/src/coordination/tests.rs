@@ -60,6 +60,7 @@ fn input(request: FormationRequest, before: Option<Formation>) -> PlanInput {
         request,
         before,
         route_speed_m_s: None,
+        under_way: false,
         reference: None,
         limits: PlanLimits::new(&settings, 12.0),
         gate: Arc::new(gate()),

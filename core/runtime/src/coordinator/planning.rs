@@ -14,6 +14,9 @@ const ATTEMPTS: u8 = 5;
 /// After a plan to regroup that failed the next is made so much later, in seconds.
 const RETRY_S: f64 = 1.0;
 
+/// The same refusal to regroup is told again after so long, in seconds.
+const TELL_AGAIN_S: f64 = 30.0;
+
 /// What a plan is for.
 pub enum Purpose {
     /// Somebody asked.
@@ -77,14 +80,11 @@ impl CoordinatorState {
             FormationAnchor::Reference { name } => self.board.references.anchor(name, now),
             _ => None,
         };
-        let path_speed_m_s = match &request.anchor {
-            FormationAnchor::Path { route } => Some(route.speed_m_s),
-            _ => None,
-        };
-        let route = coordination.route.as_ref().filter(|r| !r.finished);
+        let (route_speed_m_s, under_way) = coordination.way(&request);
         PlanInput {
             request,
-            route_speed_m_s: path_speed_m_s.or(route.map(|r| r.route.speed_m_s)),
+            route_speed_m_s,
+            under_way,
             reference,
             before: coordination.formation,
             limits: self.plan_limits(),
@@ -164,7 +164,13 @@ impl CoordinatorState {
             Err(refusal) => {
                 self.joins.clear();
                 self.not_before = self.board.now().plus_seconds(RETRY_S);
-                self.record(Severity::Warning, format!("{text}; but it cannot: {refusal}"));
+                let text = format!("{text}; but it cannot: {refusal}");
+                let now = self.board.now();
+                let told = self.told_cannot.as_ref();
+                if !told.is_some_and(|(what, at)| *what == text && now.seconds_since(*at) < TELL_AGAIN_S) {
+                    self.record(Severity::Warning, text.clone());
+                    self.told_cannot = Some((text, now));
+                }
             }
         }
     }

@@ -14,7 +14,7 @@ use skein_domain::{
 };
 use skein_safety::Ladder;
 use skein_safety::energy::{EnergyEstimator, EnergySample, WayHome};
-use skein_safety::ladder::{Health, TakenUpBy};
+use skein_safety::ladder::{FenceBreach, Health, TakenUpBy};
 
 /// Time between two looks in seconds.
 const LOOK_S: f64 = 0.05;
@@ -22,6 +22,8 @@ const LOOK_S: f64 = 0.05;
 const STANDS_M_S: f64 = 0.5;
 /// Whoever holds stands by then, in seconds.
 const STOPPED_WITHIN_S: f64 = 5.0;
+/// A vehicle at the boundary is not outside for the error of its position, in metres.
+const FENCE_NOISE_M: f64 = 0.5;
 /// A battery report older than this says nothing of now, in seconds.
 const BATTERY_TOLD_S: f64 = 5.0;
 /// Request id of what the watch asks the autopilot for, beyond what models use.
@@ -150,7 +152,9 @@ impl VehicleState {
             pilot_in_control: observed.pilot_in_control || (self.pilot && !self.released),
             state: published.flight_state,
             tracking_error_m: wanted.zip(position).map(|(wanted, have)| wanted.distance_m(&have)),
-            breach: position.and_then(|at| gate.fences().breach(&at).as_ref().map(Into::into)),
+            breach: position
+                .and_then(|at| gate.fences().breach(&at).as_ref().map(FenceBreach::from))
+                .filter(|breach| breach.outside_m > FENCE_NOISE_M),
             coordinator_heard: self.needs_coordinator().then(|| self.board.coordinator_seen()),
             operator_heard: self.board.operator_heard(),
             energy,

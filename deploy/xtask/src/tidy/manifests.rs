@@ -9,7 +9,10 @@ const ALLOWED: [(&str, &[&str]); 4] = [
         "core/domain",
         &["minicbor", "nalgebra", "schemars", "serde", "thiserror", "ts-rs"],
     ),
-    ("core/flight", &["nalgebra", "pathfinding", "thiserror"]),
+    (
+        "core/flight",
+        &["nalgebra", "pathfinding", "serde", "serde_json", "thiserror"],
+    ),
     ("core/safety", &["nalgebra", "serde", "thiserror"]),
     ("core/plugin-abi", &[]),
 ];
@@ -46,7 +49,7 @@ pub fn wanted_name(folder: &str) -> Option<String> {
     let parts: Vec<&str> = folder.split('/').collect();
     match *parts.as_slice() {
         ["core", "skein"] => Some("skein".to_owned()),
-        ["core", name] | ["tests", name @ ("testkit" | "bench")] => Some(format!("skein-{name}")),
+        ["core", name] | ["tests", name @ ("testkit" | "bench" | "seeded")] => Some(format!("skein-{name}")),
         ["tests", name] => Some(format!("skein-tests-{name}")),
         ["tests", _, "fixtures", name] => Some(format!("fixture-{name}")),
         ["plugins", name] | ["deploy", name] => Some(name.to_owned()),
