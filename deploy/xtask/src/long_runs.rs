@@ -24,7 +24,11 @@ const TAKE_FOREIGN_INPUT: [&str; 5] = [
     "skein-plugin-host",
 ];
 /// The flights, each with its report; a row of them in place of one long flight, which would show nothing new after two minutes.
-const FLIGHTS: [(&str, &[&str]); 8] = [
+const FLIGHTS: [(&str, &[&str]); 12] = [
+    ("formations", &["--scenario", "formations"]),
+    ("join-leave", &["--scenario", "join-leave"]),
+    ("mixed", &["--scenario", "mixed"]),
+    ("fence", &["--scenario", "fence"]),
     ("soak-50", &["--vehicles", "50"]),
     ("soak-50-faults", &["--vehicles", "50", "--faults", "--seed", "2"]),
     ("soak-20-faults", &["--vehicles", "20", "--faults", "--seed", "3"]),
