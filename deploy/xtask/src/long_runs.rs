@@ -24,7 +24,8 @@ const TAKE_FOREIGN_INPUT: [&str; 5] = [
     "skein-plugin-host",
 ];
 /// The flights, each with its report; a row of them in place of one long flight, which would show nothing new after two minutes.
-const FLIGHTS: [(&str, &[&str]); 12] = [
+const FLIGHTS: [(&str, &[&str]); 13] = [
+    ("leader-loss", &["--scenario", "leader-loss"]),
     ("formations", &["--scenario", "formations"]),
     ("join-leave", &["--scenario", "join-leave"]),
     ("mixed", &["--scenario", "mixed"]),

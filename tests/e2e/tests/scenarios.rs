@@ -52,6 +52,7 @@ async fn every_shape_and_anchor_is_flown() {
 }
 
 #[tokio::test]
+#[ignore = "long: over two minutes; part of the long runs"]
 async fn a_lost_leader_is_succeeded_without_a_jump() {
     let criteria = fly("leader-loss", 5).await;
     judged_by(&criteria, &["loss of the leader declared until new intent"]);
