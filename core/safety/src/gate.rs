@@ -281,9 +281,9 @@ impl Gate {
     /// # Errors
     /// The typed reason.
     pub fn formation(&self, spacing_m: f64) -> Result<(), Refusal> {
-        // Nearer than that the separation filter would push them out of their places. One alone is infinitely far from others.
+        // Nearer than that the separation filter would push them out of their places.
         let least_m = self.limits.min_separation_m + 2.0 * self.avoidance().noise_m;
-        if spacing_m >= least_m {
+        if spacing_m.is_finite() && spacing_m >= least_m {
             return Ok(());
         }
         let detail = format!(

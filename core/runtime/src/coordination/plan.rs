@@ -98,7 +98,9 @@ pub fn plan(input: &PlanInput, peers: &PeerSnapshot) -> Result<Formation, Refusa
     let able = capabilities(&members, peers, &input.limits);
     let invalid = |e: formation::FormationError| Refusal::InvalidValue { detail: e.to_string() };
     let slots = formation::anchored_slots(&input.request, members.len()).map_err(invalid)?;
-    input.gate.formation(formation::smallest_separation_m(&slots))?;
+    if slots.len() > 1 {
+        input.gate.formation(formation::smallest_separation_m(&slots))?;
+    }
     let basis = Basis::now(input, leader, peers)?;
     let together = slowest(&able);
     let heading = choose_heading(input, &slots, basis.heading_rad, &together);

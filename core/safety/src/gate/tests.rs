@@ -365,11 +365,13 @@ fn the_autopilot_is_not_asked_for_what_ends_a_flight() {
 
 #[test]
 fn formations_and_routes_keep_to_the_limits() {
-    assert_eq!(gate().formation(2.0), Ok(()));
+    // The smallest separation, and room for errors of position.
+    assert_eq!(gate().formation(2.6), Ok(()));
+    assert!(gate().formation(2.5).is_err());
     let Err(Refusal::InvalidValue { detail }) = gate().formation(1.5) else {
         panic!("too tight")
     };
-    assert!(detail.contains("1.5") && detail.contains("2.0"), "{detail}");
+    assert!(detail.contains("1.5") && detail.contains("2.6"), "{detail}");
 
     let route = Route {
         waypoints: vec![at(10.0, 10.0, 10.0), at(90.0, 10.0, 10.0)],
