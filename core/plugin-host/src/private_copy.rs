@@ -6,6 +6,7 @@
 use crate::LoadError;
 use crate::trust::refuse_file_of_others;
 use rustix::fs::{MemfdFlags, SealFlags};
+use rustix::io::Errno;
 use std::fs::{File, Metadata};
 use std::io::{Read, Seek, Write};
 use std::os::fd::OwnedFd;
@@ -16,6 +17,9 @@ use tempfile::TempDir;
 
 /// No library is longer, in bytes.
 const MAX_LIBRARY_BYTES: u64 = 1 << 30;
+/// How often sealing is tried again, and after what pause.
+const SEAL_ATTEMPTS: u32 = 20;
+const SEAL_PAUSE: Duration = Duration::from_millis(10);
 /// A file that was written to within this time is read twice.
 const RECENT: Duration = Duration::from_millis(100);
 
@@ -66,10 +70,25 @@ pub(crate) fn sealed(bytes: &[u8]) -> Result<OwnedFd, LoadError> {
         let mut file = File::from(file);
         file.write_all(bytes)?;
         let seals = SealFlags::WRITE | SealFlags::SHRINK | SealFlags::GROW | SealFlags::SEAL;
-        rustix::fs::fcntl_add_seals(&file, seals)?;
+        seal(&file, seals)?;
         Ok(file.into())
     };
     make().map_err(|source| LoadError::NotCopied { source })
+}
+
+/// Seals a file in memory. The kernel refuses it as busy while anything of its own (moving or watching pages) holds one of its pages,
+/// after a wait of its own; that passes.
+fn seal(file: &File, seals: SealFlags) -> std::io::Result<()> {
+    let mut attempts = 0;
+    loop {
+        match rustix::fs::fcntl_add_seals(file, seals) {
+            Err(Errno::BUSY) if attempts < SEAL_ATTEMPTS => {
+                attempts += 1;
+                std::thread::sleep(SEAL_PAUSE);
+            }
+            sealed => return Ok(sealed?),
+        }
+    }
 }
 
 /// What tells one state of a file from another. The time of its last change is set by the system with every write, rename and change of
