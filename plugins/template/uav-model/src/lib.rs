@@ -82,6 +82,7 @@ const EFFECTS: &[EffectKind] = &[
     EffectKind::Anchor,
     EffectKind::Notice,
     EffectKind::TrackingError,
+    EffectKind::Limits,
     EffectKind::RouteFinished,
     // Added here. The host refuses any effect that is not named.
     EffectKind::Report,
