@@ -57,14 +57,22 @@ impl<'a> Stage<'a> {
         println!("{:6.1} s  {what}", self.elapsed_s());
     }
 
-    /// Waits for all vehicles to be there and ready.
+    /// Waits for all vehicles to be there and ready, and for nothing in the preflight report to keep them from arming.
     pub async fn find_all(&self) -> anyhow::Result<()> {
         let count = self.vehicles;
         self.say("waiting for the vehicles");
         self.until(30.0, "all vehicles found and ready to arm", |fleet| {
-            fleet.vehicles.len() == count && fleet.vehicles.iter().all(|v| v.ready_to_arm == Some(true))
+            let all_ready = fleet.vehicles.iter().all(|v| v.ready_to_arm == Some(true));
+            fleet.vehicles.len() == count && all_ready && self.is_green()
         })
         .await
+    }
+
+    /// Whether no item of the preflight report keeps from arming.
+    fn is_green(&self) -> bool {
+        let preflight = self.node.preflight();
+        let mut reports = preflight.vehicles.iter().chain([&preflight.swarm]);
+        reports.all(|report| report.blocking().next().is_none())
     }
 
     /// All take off, one after the other; from then on formation errors count.
