@@ -37,7 +37,6 @@ function fleetInfo() {
   return {
     type: 'fleet', frame: { origin }, formation, faults_enabled: false, actors: [health('coordinator', 1)],
     unadopted: [{ system_id: 99, endpoint: 'sitl', why: 'no adoption rule fits system id 99' }],
-    fence: null,
     vehicles: vehicles.map((v) => ({
       id: v.id, name: `uav-${v.id}`, system_id: v.id, plugin: 'generic-uav', plugin_version: '0.1.0', state_detail: '',
       home: { latitude_deg: project(...v.home)[0], longitude_deg: project(...v.home)[1], altitude_amsl_m: 488 },

@@ -242,8 +242,6 @@ pub struct FleetInfo {
     pub formation: Option<FormationSnapshot>,
     /// Actors of the node under supervision.
     pub actors: Vec<ActorHealth>,
-    /// The fence, if there is one.
-    pub fence: Option<FenceInfo>,
     /// Whether faults may be injected here.
     pub faults_enabled: bool,
 }
@@ -294,17 +292,6 @@ pub struct PayloadInfo {
     pub restarts: u64,
     /// Whether it has given a frame.
     pub has_frame: bool,
-}
-
-/// The fence, for display. The gate in the node keeps it, not the browser.
-#[derive(Debug, Clone, PartialEq, Serialize, TS, JsonSchema)]
-pub struct FenceInfo {
-    /// Corners as metres north and east of the swarm's origin.
-    pub polygon_m: Vec<[f64; 2]>,
-    /// Lowest height above the swarm's origin in metres.
-    pub floor_m: f64,
-    /// Greatest height above the swarm's origin in metres.
-    pub ceiling_m: f64,
 }
 
 /// What the server says on the stream as text. Readers skip types they do not know.

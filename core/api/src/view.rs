@@ -2,7 +2,7 @@
 //!
 //! Must never do: hold its lock across an await, or keep more than the newest.
 
-use crate::protocol::{FenceInfo, FleetInfo, PayloadInfo, ServerMessage, VehicleInfo};
+use crate::protocol::{FleetInfo, PayloadInfo, ServerMessage, VehicleInfo};
 use crate::wire;
 use axum::body::Bytes;
 use axum::extract::ws::Utf8Bytes;
@@ -113,11 +113,6 @@ fn fleet_info(snapshot: &FleetSnapshot, config: &skein_config::NodeConfig) -> Fl
         unadopted: snapshot.unadopted.clone(),
         formation: snapshot.formation.clone(),
         actors: snapshot.actors.clone(),
-        fence: config.safety.fence.as_ref().map(|fence| FenceInfo {
-            polygon_m: fence.polygon_m.clone(),
-            floor_m: fence.floor_m,
-            ceiling_m: fence.ceiling_m,
-        }),
         faults_enabled: config.faults.enabled,
     }
 }

@@ -15,6 +15,7 @@ mod surroundings;
 pub use settings::{AvoidanceSettings, AvoidanceSettingsError};
 pub use surroundings::Surroundings;
 
+use crate::HalfSpace;
 use nalgebra::{Rotation3, Vector3};
 use nearest::{Row, SpeedLimits, nearest};
 use pair::{Demand, Own, demand};
@@ -57,15 +58,6 @@ pub struct Neighbour {
     pub cooperation: Cooperation,
     /// One on the ground is no obstacle to a vehicle in the air.
     pub airborne: bool,
-}
-
-/// A condition of the caller on the velocity: `normal · velocity <= bound_m_s`. This is how fences take part.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HalfSpace {
-    /// Where not to, along north, east and down; of any length.
-    pub normal: Vector3<f64>,
-    /// How fast at most along it, in metres per second.
-    pub bound_m_s: f64,
 }
 
 /// What was changed, and why.
@@ -202,7 +194,7 @@ fn decide(
         .map(|demand| (demand.row.excess(&own.wanted), demand))
         .filter(|(excess, _)| *excess > 0.0)
         .max_by(|a, b| a.0.total_cmp(&b.0));
-    let breaks_bound = |bound: &HalfSpace| bound.normal.dot(&own.wanted) > bound.bound_m_s;
+    let breaks_bound = |bound: &HalfSpace| bound.normal.dot(&own.wanted) > bound.limit_m_s;
     if worst.is_none() && !bounds.iter().any(breaks_bound) {
         return unchanged(wanted);
     }
@@ -235,7 +227,7 @@ fn row_of(bound: &HalfSpace) -> Option<Row> {
     let length = bound.normal.norm();
     let row = Row {
         normal: bound.normal / length,
-        bound: bound.bound_m_s / length,
+        bound: bound.limit_m_s / length,
         yields: 1.0,
     };
     (length > 0.0 && length.is_finite() && row.bound.is_finite()).then_some(row)

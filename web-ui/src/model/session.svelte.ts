@@ -22,7 +22,7 @@ const RATE_HIDDEN_HZ = 1;
 const RESTART_MS = 2000;
 
 const NO_INFO: FleetInfo = {
-  frame: null, vehicles: [], unadopted: [], formation: null, actors: [], fence: null, faults_enabled: false,
+  frame: null, vehicles: [], unadopted: [], formation: null, actors: [], faults_enabled: false,
 };
 
 export class Session {

@@ -2,7 +2,7 @@
 //! the vehicle off others and inside of the fences.
 
 use super::{Gate, invalid};
-use crate::avoidance::{self, AvoidanceSettings, Change, Surroundings, filter_in};
+use crate::avoidance::{AvoidanceSettings, Change, Surroundings, filter_in};
 use crate::fence::Approach;
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{NodeTime, Refusal, Setpoint, VehicleId};
@@ -71,15 +71,8 @@ impl Gate {
             braking_m_s2: settings.braking_m_s2,
             reaction_s: settings.reaction_s,
         };
-        let bounds: Vec<_> = self
-            .fences
-            .velocity_limits(&own_kinematics.position, &approach)
-            .into_iter()
-            .map(|limit| avoidance::HalfSpace {
-                normal: limit.normal,
-                bound_m_s: limit.limit_m_s,
-            })
-            .collect();
+        // The fences' conditions on the velocity, beside those of the others.
+        let bounds = self.fences.velocity_limits(&own_kinematics.position, &approach);
         let filtered = filter_in(own, own_kinematics, wanted, surroundings, &bounds, &settings, now);
         Ok(Steered {
             setpoint: filtered.setpoint,

@@ -641,23 +641,6 @@ name: string | null,
 text: string, };
 
 /**
- * The fence, for display. The gate in the node keeps it, not the browser.
- */
-export type FenceInfo = { 
-/**
- * Corners as metres north and east of the swarm's origin.
- */
-polygon_m: Array<[number, number]>, 
-/**
- * Lowest height above the swarm's origin in metres.
- */
-floor_m: number, 
-/**
- * Greatest height above the swarm's origin in metres.
- */
-ceiling_m: number, };
-
-/**
  * All zones of a swarm. A vehicle may be where at least one inclusion zone is (anywhere, if there is none) and no exclusion zone.
  */
 export type FencePlan = { 
@@ -736,10 +719,6 @@ formation: FormationSnapshot | null,
  * Actors of the node under supervision.
  */
 actors: Array<ActorHealth>, 
-/**
- * The fence, if there is one.
- */
-fence: FenceInfo | null, 
 /**
  * Whether faults may be injected here.
  */
