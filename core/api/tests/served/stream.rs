@@ -91,7 +91,7 @@ async fn it_says_hello_then_the_fleet_then_sends_frames() {
     let second = timeout(PATIENCE, client.next()).await.unwrap().unwrap().unwrap();
     let fleet = said(&second).unwrap();
     assert_eq!(
-        (&fleet["type"], &fleet["vehicles"], &fleet["fence"]),
+        (&fleet["type"], &fleet["vehicles"], &fleet["formation"]),
         (&json!("fleet"), &json!([]), &Value::Null)
     );
     assert!(
