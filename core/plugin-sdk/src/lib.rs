@@ -80,6 +80,7 @@ mod guard;
 mod host;
 pub mod log;
 mod payload;
+pub mod saved;
 mod uav_model;
 
 pub use effects::Effects;

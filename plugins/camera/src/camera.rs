@@ -15,7 +15,7 @@ use skein_domain::exchange::{Create, Event, OwnState};
 use skein_domain::manifest::EffectKind;
 use skein_domain::payload::{CameraCommand, CameraState};
 use skein_domain::{CommandId, NodeTime, Refusal};
-use skein_plugin_sdk::{CreateError, Effects, Payload, PayloadManifest, PluginKind, log};
+use skein_plugin_sdk::{CreateError, Effects, Payload, PayloadManifest, PluginKind, log, saved};
 
 /// Changes when an older snapshot would be misunderstood. Fields that are only added keep it.
 const SNAPSHOT_VERSION: u32 = 1;
@@ -67,14 +67,16 @@ impl Payload for Camera {
 
     fn create(create: Create, settings: Settings) -> Result<Self, CreateError> {
         settings.check().map_err(CreateError::new)?;
-        let restored = create.snapshot.and_then(|bytes| match decode(&bytes) {
-            Ok(core) if core.remote.is_some() == settings.steers_remote() => Some(core),
-            Ok(_) => None,
-            Err(error) => {
-                log::warn!("starts anew, the snapshot cannot be read: {error}");
-                None
-            }
-        });
+        let restored = create
+            .snapshot
+            .and_then(|bytes| match saved::decode::<Core>(SNAPSHOT_VERSION, &bytes) {
+                Ok(core) if core.remote.is_some() == settings.steers_remote() => Some(core),
+                Ok(_) => None,
+                Err(error) => {
+                    log::warn!("starts anew, the snapshot cannot be read: {error}");
+                    None
+                }
+            });
         let core = restored.unwrap_or_else(|| Core {
             capture: Capture::default(),
             remote: settings.steers_remote().then(|| Remote::new(create.system_id)),
@@ -116,27 +118,8 @@ impl Payload for Camera {
     }
 
     fn snapshot(&self) -> Vec<u8> {
-        let mut encoder = minicbor::Encoder::new(Vec::new());
-        let encoded = encoder
-            .array(2)
-            .and_then(|e| e.u32(SNAPSHOT_VERSION))
-            .and_then(|e| e.encode(&self.core))
-            .is_ok();
-        // Writing into a vector does not fail; if it did, no snapshot would be better than half of one.
-        if encoded { encoder.into_writer() } else { Vec::new() }
+        saved::encode(SNAPSHOT_VERSION, &self.core)
     }
-}
-
-fn decode(bytes: &[u8]) -> Result<Core, String> {
-    let mut decoder = minicbor::Decoder::new(bytes);
-    let version = decoder
-        .array()
-        .and_then(|_| decoder.u32())
-        .map_err(|e| format!("no version: {e}"))?;
-    if version != SNAPSHOT_VERSION {
-        return Err(format!("version {version}, not {SNAPSHOT_VERSION}"));
-    }
-    decoder.decode().map_err(|e| format!("not decodable: {e}"))
 }
 
 fn end(outcomes: impl IntoIterator<Item = Outcome<CommandId>>, effects: &mut Effects) {

@@ -20,7 +20,6 @@ mod model;
 mod modes;
 mod plan;
 mod settings;
-mod snapshot;
 mod tasks;
 
 pub use guidance::Goal;

@@ -4,14 +4,15 @@ use crate::blend::{Motion, Stop};
 use crate::flight::{Flight, Flying, Phase, Plan, Purpose, Reference, Told};
 use crate::plan::Track;
 use crate::settings::Settings;
-use crate::snapshot;
 use skein_domain::exchange::{Create, Event, OwnState, PeerState};
 use skein_domain::manifest::EffectKind;
 use skein_domain::{
     FlightLimits, FlightMode, LandedState, NodeTime, Refusal, RequestId, Setpoint, Task, VehicleId, VehicleTask,
 };
-use skein_plugin_sdk::{CreateError, Effects, UavManifest, UavModel, log};
+use skein_plugin_sdk::{CreateError, Effects, UavManifest, UavModel, log, saved};
 
+/// Of the saved flight state. Changes when an older one would be misunderstood; fields that are only added keep it.
+const SNAPSHOT_VERSION: u32 = 1;
 /// A gap between two ticks longer than this is not flown through: the vehicle was held by its link meanwhile, in seconds.
 pub(crate) const LONGEST_STEP_S: f64 = 0.25;
 /// A reference farther than this from the measured place is not where the vehicle is, in metres.
@@ -49,7 +50,10 @@ impl UavModel for GenericUav {
 
     fn create(create: Create, settings: Settings) -> Result<Self, CreateError> {
         settings.check().map_err(CreateError::new)?;
-        let restored = create.snapshot.as_deref().map(snapshot::decode);
+        let restored = create
+            .snapshot
+            .as_deref()
+            .map(|bytes| saved::decode(SNAPSHOT_VERSION, bytes));
         let flight = match restored {
             Some(Ok(flight)) => flight,
             other => {
@@ -89,7 +93,7 @@ impl UavModel for GenericUav {
     }
 
     fn snapshot(&self) -> Vec<u8> {
-        snapshot::encode(&self.flight)
+        saved::encode(SNAPSHOT_VERSION, &self.flight)
     }
 }
 
