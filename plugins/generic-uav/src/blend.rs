@@ -62,6 +62,14 @@ impl Blend {
         })
     }
 
+    /// The same, beginning so many seconds later.
+    pub(crate) fn beginning_in(self, wait_s: f64) -> Self {
+        Self {
+            elapsed_s: self.elapsed_s - wait_s,
+            ..self
+        }
+    }
+
     /// Moves on by `dt_s`; whether anything of the difference is left.
     pub(crate) fn advance(&mut self, dt_s: f64) -> bool {
         self.elapsed_s += dt_s;

@@ -69,6 +69,9 @@ pub(crate) struct Flight {
     /// Why the gate refused a setpoint since the last tick.
     #[n(17)]
     pub gate_refusal: Option<Refusal>,
+    /// When the vehicle was heard again after a silence, in heard seconds.
+    #[n(18)]
+    pub heard_again_s: Option<f64>,
 }
 
 /// The state last told to the host.

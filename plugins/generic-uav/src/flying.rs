@@ -9,7 +9,7 @@ use crate::model::{GenericUav, LONGEST_STEP_S};
 use crate::plan::Sample;
 use crate::tasks::age_s;
 use skein_domain::exchange::{OwnState, Severity};
-use skein_domain::{AnchorReference, AutopilotCommand, FlightMode, PositionNed, Refusal};
+use skein_domain::{AnchorReference, AutopilotCommand, FlightMode, LandedState, PositionNed, Refusal};
 use skein_plugin_sdk::Effects;
 
 /// A vehicle slower than this stands, in metres per second.
@@ -28,6 +28,13 @@ impl GenericUav {
             self.engaged(&mut flying, out);
         }
         if !own.armed && !self.flight.link_lost {
+            if own.landed != LandedState::OnGround && self.is_just_heard_again() {
+                if self.flight.reference.is_some() {
+                    self.stop_stream(out);
+                }
+                self.flight.phase = Phase::Flying(flying);
+                return;
+            }
             self.ended_without_landing(own, out);
             return;
         }
@@ -139,7 +146,7 @@ impl GenericUav {
             },
             out,
         );
-        if own.landed == skein_domain::LandedState::OnGround {
+        if own.landed == LandedState::OnGround {
             self.enter(Phase::Idle, "disarmed");
         } else {
             out.notice(Severity::Critical, "disarmed in the air");
@@ -219,7 +226,8 @@ impl GenericUav {
                 },
                 heading_rad: lead.heading_rad,
                 heading_rate_rad_s: lead.heading_rate_rad_s,
-                time: self.now,
+                // Not the present, if it is not heard any more: its followers then carry it on as it was, instead of seeing it stop.
+                time: self.now.plus_seconds(-self.not_heard_s()),
             });
         }
     }

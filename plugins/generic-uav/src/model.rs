@@ -17,6 +17,8 @@ const SNAPSHOT_VERSION: u32 = 1;
 pub(crate) const LONGEST_STEP_S: f64 = 0.25;
 /// A reference farther than this from the measured place is not where the vehicle is, in metres.
 const FARTHEST_REFERENCE_M: f64 = 4.0;
+/// After a silence everything a vehicle tells has come in by then, in seconds.
+const HEARD_WHOLE_S: f64 = 2.0;
 /// A measured state is carried on for at most this long, in seconds.
 const LONGEST_EXTRAPOLATION_S: f64 = 0.5;
 
@@ -117,7 +119,7 @@ impl GenericUav {
             Event::Tick => self.tick(out),
             Event::Own(own) => {
                 self.own = Some(*own);
-                self.flight.link_lost = !own.link_connected;
+                self.hear(own.link_connected);
                 self.derive_state(own);
             }
             Event::Task(task) => {
@@ -137,7 +139,7 @@ impl GenericUav {
                     self.flight.unasked_modes.push((*from, *to));
                 }
             }
-            Event::LinkLost(lost) => self.flight.link_lost = *lost,
+            Event::LinkLost(lost) => self.hear(!*lost),
             Event::Rebooted => self.rebooted(out),
             Event::Peers(peers) => self.take_peers(peers),
             Event::Refused(refusal) => self.flight.gate_refusal = Some(refusal.clone()),
@@ -151,6 +153,21 @@ impl GenericUav {
             | Event::Tracks(_)
             | Event::PayloadResult { .. } => {}
         }
+    }
+
+    /// The vehicle is heard, or is not.
+    fn hear(&mut self, heard: bool) {
+        if self.flight.link_lost && heard {
+            self.flight.heard_again_s = Some(self.flight.heard_s);
+        }
+        self.flight.link_lost = !heard;
+    }
+
+    /// Whether what the vehicle tells less often may still be from before a silence: that it is disarmed is heard before that it stands
+    /// on the ground.
+    pub(crate) fn is_just_heard_again(&self) -> bool {
+        let since_s = self.flight.heard_again_s;
+        since_s.is_some_and(|since_s| self.flight.heard_s - since_s < HEARD_WHOLE_S)
     }
 
     /// Where others are matters only among neighbours.
@@ -301,6 +318,13 @@ impl GenericUav {
             ..Motion::default()
         };
         (motion.position.is_finite() && motion.velocity.is_finite()).then_some(motion)
+    }
+
+    /// How far the present is from what [`Self::measured`] says, in seconds: nothing as long as the vehicle is heard.
+    pub(crate) fn not_heard_s(&self) -> f64 {
+        let measured = self.own.and_then(|own| own.kinematics).map(|k| k.measured);
+        let age_s = measured.map_or(0.0, |measured| self.now.seconds_since(measured));
+        (age_s - LONGEST_EXTRAPOLATION_S).max(0.0)
     }
 
     /// The setpoint last given, if the vehicle may be taken to be there.

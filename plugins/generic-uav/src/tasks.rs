@@ -1,6 +1,7 @@
 //! The task in the intent: which one counts, when it is taken up, and the anchor of the formation.
 
-use crate::flight::{Flying, Follow, Lead, Phase, Purpose};
+use crate::blend::Motion;
+use crate::flight::{Flying, Follow, Lead, Phase, Plan, Purpose};
 use crate::model::GenericUav;
 use skein_domain::{
     AnchorReference, FormationHeading, NodeTime, Refusal, Route, SlotMove, Task, VehicleId, VehicleTask,
@@ -145,10 +146,33 @@ impl GenericUav {
                 return; // Of the time before the change, perhaps of another leader: it does not go with the new slot.
             }
             follow.awaiting_since = None;
-            follow.previous = None;
+            let continues = follow.previous.take().is_some();
             self.flight.anchor = Some(*anchor);
+            if continues {
+                self.pass_over();
+            }
         } else if self.flight.anchor.is_none_or(|known| anchor.time >= known.time) {
             self.flight.anchor = Some(*anchor);
+        }
+    }
+
+    /// The slot is counted from another anchor from now on, perhaps of another leader, who is not exactly where its predecessor's slot
+    /// had it: what the two differ by fades out, so that no setpoint jumps.
+    fn pass_over(&mut self) {
+        let (Phase::Flying(flying), Some((have, at))) = (&self.flight.phase, self.present_motion()) else {
+            return;
+        };
+        let mut flying = flying.clone();
+        if matches!(flying.plan, Plan::Slot) {
+            let since_s = self.now.seconds_since(at).max(0.0);
+            let have = Motion {
+                position: have.position.after(&have.velocity, since_s),
+                ..have
+            };
+            self.blend_in(&mut flying, &have, self.now);
+            // The tick that follows moves on by the period that has just been carried on.
+            flying.blend = flying.blend.map(|blend| blend.beginning_in(since_s));
+            self.flight.phase = Phase::Flying(flying);
         }
     }
 

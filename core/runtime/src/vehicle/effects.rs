@@ -279,6 +279,10 @@ impl VehicleState {
     }
 
     fn tell_refusal(&mut self, now: NodeTime, refusal: &Refusal) {
+        // That a link is lost is told once, when it is; that nothing is sent meanwhile says nothing more.
+        if matches!(refusal, Refusal::LinkLost { .. }) {
+            return;
+        }
         let repeated = self
             .told_refusal
             .is_some_and(|(code, told)| code == refusal.code() && now.seconds_since(told) < REFUSAL_REPEAT_S);

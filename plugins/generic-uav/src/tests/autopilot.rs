@@ -40,6 +40,8 @@ pub struct Autopilot {
     pub ready: Option<bool>,
     pub home: PositionNed,
     pub has_position: bool,
+    /// What was heard last, of a vehicle that is not heard any more.
+    pub last_heard: Option<VehicleKinematics>,
     pub link_connected: bool,
     pub arm: Answer,
     pub disarm: Answer,
@@ -69,6 +71,7 @@ impl Default for Autopilot {
             ready: Some(true),
             home: place,
             has_position: true,
+            last_heard: None,
             link_connected: true,
             arm: Answer::Obeys,
             disarm: Answer::Obeys,
@@ -96,7 +99,7 @@ impl Autopilot {
             measured: now,
         };
         OwnState {
-            kinematics: self.has_position.then_some(kinematics),
+            kinematics: self.has_position.then_some(self.last_heard.unwrap_or(kinematics)),
             mode: self.mode,
             armed: self.armed,
             landed: self.landed(),

@@ -300,39 +300,37 @@ fn without_an_anchor_a_follower_holds_and_says_so() {
     rig.assert_no_jump_since(start);
 }
 
-#[test]
-fn a_slot_is_flown_only_with_an_anchor_of_its_own_time() {
-    // The leader changes: the new slot belongs to the new leader's anchor, the old one to the old leader's.
+/// Another leads, who is so far off where its predecessor's slot had it; its anchor comes in the very batch of the change at first, from
+/// before it.
+fn led_by_another(off_m: [f64; 3]) {
     let mut rig = Rig::holding(10.0);
     let start = rig.now;
     let mut leader = Leader::ahead_of(&rig, 5.0);
     rig.task(follow(0.0));
     leader.run(&mut rig, 5.0);
-    let new_leader = |rig: &Rig, leader: &Leader| AnchorReference {
-        position: leader.anchor.position.moved([0.0, 20.0, 0.0].into()),
-        time: rig.now,
-        ..leader.anchor
-    };
+    leader.anchor.position = leader.anchor.position.moved([0.0, 20.0, 0.0].into());
+    leader.anchor.position = leader.anchor.position.moved(off_m.into());
     rig.task(Task::Follow {
         leader: Some(VehicleId(2)),
         slot: slot(-20.0),
     });
-    // In the very batch of the change comes an anchor from before it.
-    rig.anchor(new_leader(&rig, &leader));
-    rig.tick();
-    leader.anchor.position.north_m += 5.0 * PERIOD_S;
-    for _ in 0..250 {
-        rig.anchor(new_leader(&rig, &leader));
-        rig.tick();
-        leader.anchor.position.north_m += 5.0 * PERIOD_S;
-    }
+    leader.run(&mut rig, 5.0);
     rig.assert_no_jump_since(start);
     let expected = leader.anchor.position.moved([-5.0, 0.0, 0.0].into());
-    assert!(
-        rig.here().distance_m(&expected) < 0.3,
-        "{} m",
-        rig.here().distance_m(&expected)
-    );
+    let expected = expected.moved([0.0, -20.0, 0.0].into());
+    let off_m = rig.here().distance_m(&expected);
+    assert!(off_m < 0.3, "{off_m} m");
+}
+
+#[test]
+fn a_slot_is_flown_only_with_an_anchor_of_its_own_time() {
+    // The leader changes: the new slot belongs to the new leader's anchor, the old one to the old leader's.
+    led_by_another([0.0, 0.0, 0.0]);
+}
+
+#[test]
+fn a_successor_that_is_not_where_its_slot_was_moves_nobody_at_once() {
+    led_by_another([-1.5, 0.8, 0.4]);
 }
 
 #[test]
@@ -443,6 +441,29 @@ fn a_leader_that_is_not_heard_publishes_nothing() {
         anchors(&effects).is_empty() && effects.iter().any(|e| matches!(e, Effect::Setpoint(_))),
         "{effects:?}"
     );
+}
+
+#[test]
+fn the_anchor_of_a_leader_fallen_silent_is_carried_on_and_not_stopped() {
+    let mut rig = Rig::holding(10.0);
+    rig.task(lead(Some(route(&rig, &[[40.0, 0.0, 0.0]]))));
+    rig.run(4.0);
+    rig.autopilot.last_heard = rig.autopilot.own_state(rig.now).kinematics;
+    let mut expected: Option<AnchorReference> = None;
+    for _ in 0..60 {
+        let anchor = *anchors(&rig.tick()).last().expect("an anchor");
+        let here = anchor
+            .position
+            .after(&anchor.velocity, rig.now.seconds_since(anchor.time));
+        if let Some(before) = expected {
+            let there = before.position.after(&before.velocity, PERIOD_S);
+            assert!(here.distance_m(&there) < 0.01, "{here:?} after {there:?}");
+        }
+        expected = Some(AnchorReference {
+            position: here,
+            ..anchor
+        });
+    }
 }
 
 #[test]
