@@ -132,6 +132,20 @@ pub fn filter_in(
     decide(&own, wanted, &demands, bounds, settings)
 }
 
+/// The velocity without a place that flies the same as a setpoint with one, for a moment. `None` if that cannot be told, or if the filter
+/// is off.
+#[must_use]
+pub fn as_velocity(
+    own: VehicleId,
+    own_kinematics: &VehicleKinematics,
+    wanted: &Setpoint,
+    settings: &AvoidanceSettings,
+    now: NodeTime,
+) -> Option<Setpoint> {
+    let own = own_now(own, own_kinematics, wanted, settings, now)?;
+    Some(flown::setpoint(wanted, &own.wanted, &[]))
+}
+
 fn unchanged(wanted: &Setpoint) -> Filtered {
     Filtered {
         setpoint: *wanted,

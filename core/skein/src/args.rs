@@ -71,7 +71,7 @@ pub struct DemoArguments {
     /// What is flown; each scenario has criteria of its own.
     #[arg(long, value_enum, default_value_t = Scenario::Tour, value_name = "NAME")]
     pub scenario: Scenario,
-    /// How many vehicles fly [default: 6; 8 in `formations`].
+    /// How many vehicles fly [default: 6].
     #[arg(long, value_parser = clap::value_parser!(u8).range(2..=100))]
     pub vehicles: Option<u8>,
     /// The tour is laid out to be over within so many seconds [default: what the number of vehicles needs].
@@ -104,15 +104,14 @@ pub struct DemoArguments {
     pub plugins: Vec<PathBuf>,
 }
 
+/// How many vehicles fly if nothing else is said.
+const VEHICLES: u8 = 6;
+
 impl DemoArguments {
     /// How many vehicles fly.
     #[must_use]
     pub fn count(&self) -> u8 {
-        let usual = match self.scenario {
-            Scenario::Formations => 8,
-            _ => 6,
-        };
-        self.vehicles.unwrap_or(usual)
+        self.vehicles.unwrap_or(VEHICLES)
     }
 }
 

@@ -39,6 +39,7 @@ impl Judge {
                 max_speed_m_s: settings.max_speed_m_s,
                 braking_m_s2: settings.braking_m_s2,
                 reaction_s: settings.reaction_s,
+                margin_m: 0.0,
             },
             least_m: settings.min_separation_m,
             order: (0..case.starts.len()).collect(),

@@ -264,7 +264,10 @@ impl VehicleState {
     /// A refused setpoint is answered with a stop: the vehicle holds where it was when the refusals began. Nothing is sent when the
     /// vehicle is not ours to steer or cannot be steered.
     fn refused(&mut self, refusal: Refusal, now: NodeTime) {
-        self.tell_refusal(now, &refusal);
+        // That the link is lost, or that a pilot or the autopilot itself flies, was told when it began: that nothing is sent says no more.
+        if !matches!(refusal, Refusal::LinkLost { .. } | Refusal::PilotInControl) {
+            self.tell_refusal(now, &refusal);
+        }
         let own = self.board.peers.load().entry(self.cell.id).and_then(|e| e.kinematics);
         if steering::is_answered_by_holding(&refusal)
             && let Some(own) = own
@@ -279,10 +282,6 @@ impl VehicleState {
     }
 
     fn tell_refusal(&mut self, now: NodeTime, refusal: &Refusal) {
-        // That a link is lost is told once, when it is; that nothing is sent meanwhile says nothing more.
-        if matches!(refusal, Refusal::LinkLost { .. }) {
-            return;
-        }
         let repeated = self
             .told_refusal
             .is_some_and(|(code, told)| code == refusal.code() && now.seconds_since(told) < REFUSAL_REPEAT_S);

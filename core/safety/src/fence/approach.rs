@@ -23,14 +23,17 @@ pub struct Approach {
     pub braking_m_s2: f64,
     /// For so long it goes on at its speed before it brakes, in seconds.
     pub reaction_s: f64,
+    /// It is to stand so far in front of a boundary, in metres.
+    pub margin_m: f64,
 }
 
 impl Approach {
-    /// The speed from which a vehicle stops within a distance in metres: `v·reaction + v²/2b = distance`. Zero without a usable
-    /// braking.
+    /// The speed from which a vehicle stops within a distance in metres, less the margin: `v·reaction + v²/2b = distance`. Zero without
+    /// a usable braking.
     #[must_use]
     pub fn speed_m_s(&self, distance_m: f64) -> f64 {
         let (b, delay_s) = (self.braking_m_s2, self.reaction_s.max(0.0));
+        let distance_m = distance_m - self.margin_m.max(0.0);
         if !(b > 0.0 && b.is_finite() && delay_s.is_finite() && distance_m > 0.0) {
             return 0.0;
         }

@@ -15,6 +15,7 @@ impl Gate {
             max_speed_m_s: self.limits.max_speed_m_s.max(self.limits.max_climb_m_s),
             braking_m_s2: MAX_BRAKING_M_S2,
             reaction_s: REACTION_S,
+            margin_m: 0.0,
         }
     }
 

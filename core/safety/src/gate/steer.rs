@@ -2,10 +2,13 @@
 //! the vehicle off others and inside of the fences.
 
 use super::{Gate, invalid};
-use crate::avoidance::{AvoidanceSettings, Change, Surroundings, filter_in};
+use crate::avoidance::{AvoidanceSettings, Change, Surroundings, as_velocity, filter_in};
 use crate::fence::Approach;
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{NodeTime, Refusal, Setpoint, VehicleId};
+
+/// A place that moves slower than this stands still, in metres per second.
+const STANDS_M_S: f64 = 0.5;
 
 /// A setpoint that may be sent.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,14 +65,15 @@ impl Gate {
                 change: None,
             });
         }
-        if let Some(position) = &wanted.position {
-            self.fences.may_move(&own_kinematics.position, position, airborne)?;
-        }
         let settings = self.avoidance();
+        let along = self.along_the_fence(own, own_kinematics, wanted, &settings, now)?;
+        let wanted = along.as_ref().unwrap_or(wanted);
         let approach = Approach {
             max_speed_m_s: settings.max_speed_m_s,
             braking_m_s2: settings.braking_m_s2,
             reaction_s: settings.reaction_s,
+            // Where it is known to be may be wrong by so much: a boundary is to be kept in the truth.
+            margin_m: settings.noise_m,
         };
         // The fences' conditions on the velocity, beside those of the others.
         let bounds = self.fences.velocity_limits(&own_kinematics.position, &approach);
@@ -78,6 +82,32 @@ impl Gate {
             setpoint: filtered.setpoint,
             change: filtered.change,
         })
+    }
+
+    /// A place behind a fence that moves along, such as a slot of a formation that reaches over the boundary, becomes the velocity with
+    /// which it would be flown to: the fences' bounds leave of it what leads along the boundary, so that the vehicle keeps up on the
+    /// inside. `None` where the place may be flown to.
+    ///
+    /// # Errors
+    /// Of a place that stands still behind a fence: nothing is gained by going nearer.
+    fn along_the_fence(
+        &self,
+        own: VehicleId,
+        own_kinematics: &VehicleKinematics,
+        wanted: &Setpoint,
+        settings: &AvoidanceSettings,
+        now: NodeTime,
+    ) -> Result<Option<Setpoint>, Refusal> {
+        let Some(position) = &wanted.position else {
+            return Ok(None);
+        };
+        let Err(refusal) = self.fences.may_move(&own_kinematics.position, position, true) else {
+            return Ok(None);
+        };
+        let moves = wanted.velocity.is_some_and(|v| v.norm() > STANDS_M_S);
+        // Without the filter nobody would keep the velocity inside.
+        let velocity = as_velocity(own, own_kinematics, wanted, settings, now).filter(|_| moves);
+        velocity.map(Some).ok_or(refusal)
     }
 }
 

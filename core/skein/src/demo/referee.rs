@@ -59,6 +59,8 @@ pub struct Figures {
     pub may_land: BTreeSet<u8>,
     /// System ids of vehicles that came down although nobody had told them to.
     pub came_down: BTreeSet<u8>,
+    /// Looks at vehicles in flight, and at how many the separation filter changed what was flown.
+    filtered: (u64, u64),
     up: BTreeSet<u8>,
     looks: Option<pointing::Looks>,
     steady_since_s: Option<f64>,
@@ -69,6 +71,12 @@ impl Figures {
     /// Whether gimbals were told to look at something.
     pub fn expects_gimbals(&self) -> bool {
         self.looks.is_some()
+    }
+
+    /// In what share of the flight, all vehicles together, the separation filter changed what was flown; in percent.
+    pub fn filtered_percent(&self) -> Option<f64> {
+        let (of, filtered) = self.filtered;
+        (of > 0).then(|| 100.0 * filtered as f64 / of as f64)
     }
 }
 
@@ -205,6 +213,15 @@ fn look(figures: &mut Figures, truth: &TruthFrame, node: &NodeHandle) {
         return;
     }
     watch_heights(figures, truth);
+    for vehicle in node
+        .snapshot()
+        .vehicles
+        .iter()
+        .filter(|v| v.flight_state.is_available_in_air())
+    {
+        figures.filtered.0 += 1;
+        figures.filtered.1 += u64::from(vehicle.avoiding.as_ref().is_some_and(|a| a.because.is_some()));
+    }
     let now = node.now();
     let Some(slots) = node.slots().filter(|s| now.seconds_since(s.settled_at) > 1.0) else {
         figures.steady_since_s = None;

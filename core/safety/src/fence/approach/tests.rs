@@ -10,6 +10,7 @@ const APPROACH: Approach = Approach {
     max_speed_m_s: 12.0,
     braking_m_s2: 3.0,
     reaction_s: 0.1,
+    margin_m: 0.0,
 };
 const PERIOD_S: f64 = 0.02;
 

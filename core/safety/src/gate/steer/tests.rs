@@ -1,4 +1,4 @@
-//! Tests of steering: untouched where nothing is near, away from others, slower towards a fence, refused behind it.
+//! Tests of steering: untouched where nothing is near, away from others, slower towards a fence, along it, refused behind it.
 
 use super::*;
 use crate::avoidance::{Cooperation, Neighbour, NeighbourId};
@@ -80,6 +80,43 @@ fn towards_a_fence_it_is_slowed_and_behind_it_refused() {
     assert_eq!(change.because, None);
     let behind = Setpoint::hold(PositionNed::new(104.0, 0.0, -10.0), None);
     assert!(matches!(steer(&own, &behind, &[]), Err(Refusal::OutsideFence { .. })));
+}
+
+#[test]
+fn a_slot_that_moves_along_behind_the_fence_is_kept_up_with_on_the_inside() {
+    const PERIOD_S: f64 = 0.02;
+    let mut own = at(90.0, 0.0);
+    own.velocity = VelocityNed::new(0.0, 4.0, 0.0);
+    let mut slot = PositionNed::new(104.0, 0.0, -10.0);
+    for _ in 0..750 {
+        slot.east_m += 4.0 * PERIOD_S;
+        let wanted = Setpoint {
+            position: Some(slot),
+            velocity: Some(VelocityNed::new(0.0, 4.0, 0.0)),
+            ..Setpoint::default()
+        };
+        let flown = steer(&own, &wanted, &[]).expect("is led along").setpoint;
+        assert_eq!(flown.position, None, "no place behind a fence reaches the vehicle");
+        // A vehicle follows a velocity with a lag.
+        let change = (flown.velocity.expect("has one").vector() - own.velocity.vector()) * (PERIOD_S / 0.3);
+        own.velocity = (own.velocity.vector() + change).into();
+        own.position = own.position.after(&own.velocity, PERIOD_S);
+        assert!(
+            own.position.north_m <= 99.8,
+            "{:?} is too near to the boundary",
+            own.position
+        );
+    }
+    assert!(
+        (own.position.east_m - slot.east_m).abs() < 1.0,
+        "{:?} for {slot:?}",
+        own.position
+    );
+    assert!(
+        own.position.north_m > 99.0,
+        "as near to its slot as it may be: {:?}",
+        own.position
+    );
 }
 
 #[test]
