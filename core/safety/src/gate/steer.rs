@@ -7,6 +7,9 @@ use crate::fence::Approach;
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{NodeTime, Refusal, Setpoint, VehicleId};
 
+/// How far inside of a boundary a vehicle is kept, in metres, for what its known place and its control may be wrong by: the boundary is to
+/// be kept in the truth.
+const FENCE_MARGIN_M: f64 = 0.5;
 /// A place that moves slower than this stands still, in metres per second.
 const STANDS_M_S: f64 = 0.5;
 
@@ -72,8 +75,7 @@ impl Gate {
             max_speed_m_s: settings.max_speed_m_s,
             braking_m_s2: settings.braking_m_s2,
             reaction_s: settings.reaction_s,
-            // Where it is known to be may be wrong by so much: a boundary is to be kept in the truth.
-            margin_m: settings.noise_m,
+            margin_m: FENCE_MARGIN_M,
         };
         // The fences' conditions on the velocity, beside those of the others.
         let bounds = self.fences.velocity_limits(&own_kinematics.position, &approach);

@@ -117,9 +117,20 @@ impl<'a> Stage<'a> {
         self.pause(receipt.duration_s + layout::SETTLE_S).await;
         let worst_m = self.referee.slots_reached(label);
         self.say(&format!(
-            "{label} formed: the farthest vehicle is {worst_m:.2} m from its slot"
+            "{label} formed: the farthest vehicle is {worst_m:.2} m from its slot{}",
+            self.giving_way()
         ));
         Ok(receipt)
+    }
+
+    /// Who gives way at this moment, for a message.
+    pub fn giving_way(&self) -> String {
+        let fleet = self.node.snapshot();
+        let gives_way = |v: &VehicleSnapshot| {
+            let to = v.avoiding.as_ref()?.because.as_ref()?;
+            Some(format!("; vehicle {} gives way to {to}", v.id))
+        };
+        fleet.vehicles.iter().filter_map(gives_way).collect()
     }
 
     /// Asks for a formation and says how it will go.

@@ -15,7 +15,7 @@ use tokio::time::Instant;
 /// Time between two reports.
 const REPORT_PERIOD: Duration = Duration::from_millis(200);
 /// The way: straight, a quarter turn to the left, straight; in metres.
-const FIRST_LEG_M: f64 = 30.0;
+const FIRST_LEG_M: f64 = 45.0;
 const TURN_RADIUS_M: f64 = 20.0;
 const SECOND_LEG_M: f64 = 12.0;
 /// It speeds up this hard, in metres per second squared.

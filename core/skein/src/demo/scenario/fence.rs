@@ -31,6 +31,8 @@ struct Seen {
     watching: bool,
     /// Deepest beyond the boundary of the field, or inside of a zone to keep out of, in metres; negative: never.
     deepest_m: Option<f64>,
+    /// Whose that was, and where.
+    deepest_of: Option<(u8, PositionNed)>,
     /// Fastest towards the boundary, of whom is driven at it, in metres per second.
     fastest_m_s: f64,
 }
@@ -86,7 +88,10 @@ fn look(seen: &mut Seen, truth: &TruthFrame) {
     }
     for vehicle in truth.vehicles.iter().filter(|v| v.alive) {
         let depth_m = breach_m(&vehicle.position);
-        seen.deepest_m = Some(seen.deepest_m.map_or(depth_m, |deepest| deepest.max(depth_m)));
+        if seen.deepest_m.is_none_or(|deepest| depth_m > deepest) {
+            seen.deepest_m = Some(depth_m);
+            seen.deepest_of = Some((vehicle.system_id, vehicle.position));
+        }
         seen.fastest_m_s = seen.fastest_m_s.max(vehicle.velocity.vector().xy().norm());
     }
 }
@@ -184,7 +189,7 @@ impl Fence {
         self.slid = true;
         self.reached_over_m = Some(reached_over_m);
         stage.say(&format!(
-            "the formation's slots reached {reached_over_m:.1} m over the boundary; nobody flew there"
+            "the formation's slots reached {reached_over_m:.1} m over the boundary; who had them flew along on the inside"
         ));
         Ok(())
     }
@@ -231,7 +236,12 @@ impl Flight for Fence {
         let behind = PositionNed::new(70.0, MAST_M.0[1] + 1.0, here.down_m);
         stage.say(&format!("vehicle {id} flies to the other side of the mast"));
         match self.go_to(stage, id, behind, 6.0).await {
-            Ok(off_m) => self.around_off_m = Some(off_m),
+            Ok(off_m) => {
+                self.around_off_m = Some(off_m);
+                stage.say(&format!(
+                    "it is there, {off_m:.2} m off its goal, without having crossed the mast's zone"
+                ));
+            }
             Err(error) => stage.say(&format!("not flown: {error:#}")),
         }
         let edge = PositionNed::new(FIELD_M[2] - 1.0, 60.0, here.down_m);
@@ -245,11 +255,30 @@ impl Flight for Fence {
         let truth = stage.referee.truth();
         let vehicle = crate::demo::referee::vehicle(&truth, id).context("the vehicle is not in the truth")?;
         self.stopped_short_m = Some(FIELD_M[2] - vehicle.position.north_m);
-        stage.say(&format!("it was at {:.1} m/s on the way", self.seen.lock().fastest_m_s));
+        stage.say(&format!(
+            "it was at {:.1} m/s on the way and stands {:.2} m in front of the boundary",
+            self.seen.lock().fastest_m_s,
+            self.stopped_short_m.unwrap_or_default()
+        ));
         self.go_to(stage, id, here, 6.0).await?;
         self.slide(stage).await?;
         self.home(stage).await?;
-        stage.land_in_grid().await
+        stage.land_in_grid().await?;
+        let seen = self.seen.lock();
+        if let (Some(deepest_m), Some((id, place))) = (seen.deepest_m, seen.deepest_of) {
+            stage.say(&format!(
+                "nearest to where nobody may be was vehicle {id} at {:.1} m north, {:.1} m east: {:.2} m {}",
+                place.north_m,
+                place.east_m,
+                deepest_m.abs(),
+                if deepest_m > 0.0 {
+                    "beyond the boundary"
+                } else {
+                    "were left"
+                }
+            ));
+        }
+        Ok(())
     }
 
     fn criteria(&self, _referee: &Referee) -> Vec<Criterion> {

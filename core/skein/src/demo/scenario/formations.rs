@@ -3,24 +3,23 @@
 
 use super::car::Car;
 use super::{Flight, Setup, swarm_origin};
+use crate::demo::layout::SPACING_M;
 use crate::demo::referee::{Errors, Referee};
 use crate::demo::report::{Criterion, at_least, at_most};
 use crate::demo::stage::Stage;
 use skein_domain::{FormationAnchor, FormationRequest, HeadingRequest, OffsetFrd, PositionNed, Route, Shape};
 use std::collections::HashSet;
 
-/// Distance between neighbours in metres: close, so that a change takes little time.
-const SPACING_M: f64 = 4.0;
 /// Height of the flight in metres: a sphere hangs some metres below its anchor.
-const HEIGHT_M: f64 = 12.0;
+const HEIGHT_M: f64 = 10.0;
 /// Speed of every anchor in metres per second.
 const SPEED_M_S: f64 = 4.0;
 /// Radius of corners in metres.
 const CORNER_RADIUS_M: f64 = 15.0;
-/// At 50 looks of the truth in a second, for each follower: at least so much straight flight of the column is judged.
-const STRAIGHT_LOOKS: u64 = 75;
+/// So much straight flight of each part is judged, in looks at the truth at each follower: 50 are a second.
+const STRAIGHT_LOOKS: u64 = 50;
 /// It flies straight on no longer than this for it, in seconds.
-const STRAIGHT_S: f64 = 6.0;
+const STRAIGHT_S: f64 = 7.0;
 /// Name of the moving reference.
 const CAR: &str = "car";
 /// In this share of the flight, all vehicles together, may the separation filter change what is flown: changes of shape are planned so
@@ -31,8 +30,8 @@ const FILTERED_PERCENT: f64 = 2.0;
 const BEHIND_LEADER: [Shape; 6] = [
     Shape::Line,
     Shape::Column,
-    Shape::Wedge,
     Shape::EchelonLeft,
+    Shape::Wedge,
     Shape::EchelonRight,
     Shape::Diamond,
 ];
@@ -75,6 +74,15 @@ impl Formations {
         Ok(())
     }
 
+    /// Some straight flight in which nothing changes, so that it can be judged.
+    async fn straight_on(stage: &Stage<'_>) {
+        let enough = STRAIGHT_LOOKS * (stage.vehicles as u64 - 1);
+        let until_s = stage.elapsed_s() + STRAIGHT_S;
+        while stage.referee.figures().straight.samples < enough && stage.elapsed_s() < until_s {
+            stage.pause(0.1).await;
+        }
+    }
+
     /// What a part of the flight came to.
     fn end_part(&self, stage: &Stage<'_>, what: &str) -> (Errors, Errors) {
         let (straight, turning) = stage.referee.next_part();
@@ -104,12 +112,7 @@ impl Formations {
             .await?;
         self.shapes(stage, &BEHIND_LEADER[1..2], &FormationAnchor::Leader)
             .await?;
-        // Some straight flight in which nothing changes.
-        let enough = STRAIGHT_LOOKS * (stage.vehicles as u64 - 1);
-        let until_s = stage.elapsed_s() + STRAIGHT_S;
-        while stage.referee.figures().straight.samples < enough && stage.elapsed_s() < until_s {
-            stage.pause(0.1).await;
-        }
+        Self::straight_on(stage).await;
         self.shapes(stage, &BEHIND_LEADER[2..], &FormationAnchor::Leader)
             .await?;
         stage.route_end(60.0).await?;
@@ -118,14 +121,16 @@ impl Formations {
         Ok(())
     }
 
-    /// A virtual leader flies three legs from where the formation is; the square's parameters change one after the other.
+    /// A virtual leader flies three legs from where the formation is, the first the way it faces; the square's parameters change one after the other.
     async fn on_path(&mut self, stage: &Stage<'_>) -> anyhow::Result<()> {
         let start = stage.leader_position()?;
-        let route = route(&start, &[(0.0, 45.0), (45.0, 45.0), (45.0, 20.0)]);
-        let length_m = 45.0 + 45.0 + 25.0;
+        let route = route(&start, &[(50.0, 0.0), (50.0, 50.0), (20.0, 50.0)]);
+        let length_m = 50.0 + 50.0 + 30.0;
         let anchor = FormationAnchor::Path { route };
         let began_s = stage.elapsed_s();
-        self.shapes(stage, &ON_PATH, &anchor).await?;
+        self.shapes(stage, &ON_PATH[..1], &anchor).await?;
+        Self::straight_on(stage).await;
+        self.shapes(stage, &ON_PATH[1..], &anchor).await?;
         let mut square = request(Shape::Square, stage.vehicles, anchor);
         for (label, morph) in MORPHS {
             morph(&mut square);
@@ -146,7 +151,9 @@ impl Formations {
         let car = Car::drive(stage.node.clone(), CAR, start, SPEED_M_S);
         stage.pause(1.0).await;
         let anchor = FormationAnchor::Reference { name: CAR.into() };
-        self.shapes(stage, &ABOUT_CAR, &anchor).await?;
+        self.shapes(stage, &ABOUT_CAR[..1], &anchor).await?;
+        Self::straight_on(stage).await;
+        self.shapes(stage, &ABOUT_CAR[1..], &anchor).await?;
         stage
             .until(40.0, "the car at the end of its way", |_| car.arrived())
             .await?;
@@ -205,7 +212,8 @@ impl Flight for Formations {
         };
         self.shapes(stage, &AT_PLACE, &place).await?;
         self.filtered = stage.referee.figures().filtered_percent();
-        stage.land_in_grid().await
+        // Out of the offsets they were given, which leave room on the ground.
+        stage.land().await
     }
 
     fn criteria(&self, _referee: &Referee) -> Vec<Criterion> {

@@ -23,7 +23,7 @@ const SUCCESSION_LIMIT_MS: f64 = 60.0;
 /// A leader not heard for so long is lost, in seconds.
 const LOST_AFTER_S: f64 = 0.6;
 /// A step of a setpoint that is no jump, beyond what its speed explains, in metres.
-const STEP_LIMIT_M: f64 = 1.0;
+const STEP_LIMIT_M: f64 = 0.5;
 
 /// The flight and what it showed.
 #[derive(Default)]
@@ -138,12 +138,12 @@ impl Flight for LeaderLoss {
         let start = stage.leader_position()?;
         let at = |north: f64, east: f64| start.moved(nalgebra::Vector3::new(north, east, 0.0));
         let out = Route {
-            waypoints: vec![at(80.0, 0.0), at(80.0, 60.0), at(30.0, 60.0)],
+            waypoints: vec![at(60.0, 0.0), at(60.0, 45.0), at(30.0, 45.0)],
             speed_m_s: SPEED_M_S,
             corner_radius_m: CORNER_RADIUS_M,
         };
         stage.begin_route("north, east and south", &out).await?;
-        stage.pause(8.0).await;
+        stage.pause(6.0).await;
         let (lost, successor) = self.lose_leader(stage).await?;
         // The silent one stops in their way: what it takes to pass it says nothing about the formation.
         stage.pause(4.0).await;
@@ -156,12 +156,16 @@ impl Flight for LeaderLoss {
         let truth = stage.referee.truth();
         let end = out.waypoints.last().copied().unwrap_or(start);
         self.end_off_m = vehicle(&truth, successor).map(|v| v.position.distance_m(&end));
+        stage.say(&format!(
+            "vehicle {successor} is at the end of its predecessor's route, {:.2} m off",
+            self.end_off_m.unwrap_or(f64::INFINITY)
+        ));
         let back = Route {
-            waypoints: vec![at(-10.0, 60.0), at(-10.0, 0.0)],
+            waypoints: vec![at(-10.0, 45.0), at(-10.0, -15.0)],
             ..out
         };
         stage.begin_route("south and west", &back).await?;
-        stage.pause(5.0).await;
+        stage.pause(3.0).await;
         self.replace_leader(stage).await?;
         stage.route_end(60.0).await?;
         self.after_replacement = Some(stage.referee.next_part());

@@ -23,7 +23,7 @@ const CORNER_RADIUS_M: f64 = 15.0;
 /// Two places not farther apart than this many spacings are neighbours.
 const NEIGHBOURS_WITHIN: f64 = 1.6;
 /// A step of a setpoint that is no jump, beyond what its speed explains, in metres.
-const STEP_LIMIT_M: f64 = 1.0;
+const STEP_LIMIT_M: f64 = 0.5;
 
 /// Pairs of neighbours with the distance they should keep, and how far they are off it.
 #[derive(Default)]
