@@ -20,28 +20,28 @@ impl Costs {
     /// From what each way costs, asked as `(vehicle, slot)`. Below zero counts as zero; what is not finite is forbidden.
     #[must_use]
     pub fn from_fn(vehicles: usize, slots: usize, length: impl Fn(usize, usize) -> f64) -> Self {
-        let lengths = (0..vehicles).flat_map(|vehicle| {
-            let length = &length;
-            (0..slots).map(move |slot| usable(length(vehicle, slot)))
-        });
+        let mut lengths = Vec::with_capacity(vehicles * slots);
+        for vehicle in 0..vehicles {
+            lengths.extend((0..slots).map(|slot| usable(length(vehicle, slot))));
+        }
         Self {
             vehicles,
             slots,
-            lengths: lengths.collect(),
+            lengths,
         }
     }
 
     /// The straight distances in metres.
     #[must_use]
     pub fn between(from: &[OffsetFrd], slots: &[OffsetFrd]) -> Self {
-        let lengths = from.iter().flat_map(|a| {
-            let a = a.vector();
-            slots.iter().map(move |b| usable((a - b.vector()).norm()))
-        });
+        let mut lengths = Vec::with_capacity(from.len() * slots.len());
+        for a in from.iter().map(OffsetFrd::vector) {
+            lengths.extend(slots.iter().map(|b| usable((a - b.vector()).norm())));
+        }
         Self {
             vehicles: from.len(),
             slots: slots.len(),
-            lengths: lengths.collect(),
+            lengths,
         }
     }
 

@@ -195,6 +195,38 @@ proptest! {
     }
 
     #[test]
+    fn many_and_few_allowed_ways_cost_what_another_solver_finds(
+        (from, slots) in (120_usize..160, 0_usize..30).prop_flat_map(|(n, spare)| {
+            (prop::collection::vec(offset(), n), prop::collection::vec(offset(), n + spare))
+        }),
+        (longest_first, squares, in_rows) in (any::<bool>(), any::<bool>(), any::<bool>()),
+    ) {
+        // In rows, so that many ways are equally long, and with more columns than those of a core.
+        let placed = |o: &OffsetFrd| if in_rows { OffsetFrd::new((o.forward_m / 20.0).round() * 20.0, o.right_m.round(), 0.0) } else { *o };
+        let place = |list: &[OffsetFrd]| list.iter().map(placed).collect::<Vec<_>>();
+        let costs = Costs::between(&place(&from), &place(&slots));
+        let total = if squares { Total::Squares } else { Total::Ways };
+        let found = if longest_first { least_longest(&costs, total) } else { least_total(&costs, total) };
+        prop_assert!(found.slots.iter().all(Option::is_some));
+        let cost = |length: f64| if squares { length * length } else { length };
+        let longest = if longest_first { found.longest } else { f64::INFINITY };
+        let whole = pathfinding::prelude::Matrix::from_fn(from.len(), slots.len(), |(i, j)| {
+            let length = costs.length(i, j);
+            if length <= longest { (cost(length) * 1e6).round() as i64 } else { 1_i64 << 50 }
+        });
+        let (least, _) = pathfinding::prelude::kuhn_munkres_min(&whole);
+        let least = least as f64 * 1e-6;
+        let sum: f64 = found.slots.iter().enumerate().map(|(i, slot)| cost(costs.length(i, slot.unwrap()))).sum();
+        prop_assert!((sum - least).abs() < 1e-6 * (1.0 + least), "{sum} {least}");
+        if longest_first {
+            let without = pathfinding::prelude::Matrix::from_fn(from.len(), slots.len(), |(i, j)| {
+                i64::from(costs.length(i, j) >= found.longest)
+            });
+            prop_assert!(pathfinding::prelude::kuhn_munkres_min(&without).0 >= 1);
+        }
+    }
+
+    #[test]
     fn the_least_longest_way_is_the_least_that_lets_everyone_through(
         from in prop::collection::vec(offset(), 40), slots in prop::collection::vec(offset(), 40),
     ) {
