@@ -1,4 +1,5 @@
-//! `bench`: the whole program beside a bare loop that only receives, parses and sends, in one run.
+//! `bench`: what the program takes, each figure beside something plain that is measured in the same run: a bare loop that only
+//! receives, parses and sends; distances of all pairs; SciPy's assignments.
 //!
 //! Must never do: judge. It prints figures; the tests hold the limits.
 
@@ -6,9 +7,13 @@ use crate::demo;
 use crate::workspace::Workspace;
 use anyhow::{Context, Result, ensure};
 use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-/// Builds the release program, measures a call into a plugin and a swarm's decisions, and becomes `skein bench fleet`.
+/// How many vehicles the decisions of a whole swarm are measured for.
+const SWARMS: [&str; 2] = ["200", "1000"];
+
+/// Builds the release program, measures a call into a plugin, a swarm's decisions and assignments, and becomes `skein bench fleet`.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Result<ExitCode> {
     demo::build(workspace)?;
     let built = workspace
@@ -17,10 +22,48 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Result<ExitCode> {
         .status()?;
     ensure!(built.success(), "bench-echo was not built");
     let binary = workspace.target.join("release/skein");
-    let measured = Command::new(&binary).args(["plugin", "bench"]).status()?;
-    ensure!(measured.success(), "skein plugin bench failed");
-    let measured = Command::new(&binary).args(["bench", "swarm"]).status()?;
-    ensure!(measured.success(), "skein bench swarm failed");
+    measure(&binary, &["plugin", "bench"])?;
+    for vehicles in SWARMS {
+        measure(&binary, &["bench", "swarm", "--vehicles", vehicles])?;
+    }
+    match scipy(&workspace.target) {
+        Ok(python) => {
+            let python = python.to_string_lossy();
+            measure(&binary, &["bench", "assignment", "--python", &python])?;
+        }
+        Err(error) => println!("no assignments beside SciPy's: {error:#}"),
+    }
     let error = Command::new(&binary).args(["bench", "fleet"]).args(arguments).exec();
     Err(error).with_context(|| format!("cannot start {}", binary.display()))
+}
+
+fn measure(binary: &Path, arguments: &[&str]) -> Result<()> {
+    let measured = Command::new(binary).args(arguments).status()?;
+    ensure!(measured.success(), "skein {} failed", arguments.join(" "));
+    Ok(())
+}
+
+/// A Python with SciPy, in a virtual environment within the build directory.
+fn scipy(target: &Path) -> Result<PathBuf> {
+    let folder = target.join("bench-python");
+    let python = folder.join("bin/python");
+    let works = || {
+        let asked = Command::new(&python)
+            .args(["-c", "import numpy, scipy.optimize"])
+            .output();
+        asked.is_ok_and(|answer| answer.status.success())
+    };
+    if works() {
+        return Ok(python);
+    }
+    println!("installing SciPy into {}", folder.display());
+    let made = Command::new("python3").args(["-m", "venv"]).arg(&folder).status();
+    let made = made.context("cannot start python3")?;
+    ensure!(made.success(), "python3 cannot make a virtual environment");
+    let installed = Command::new(&python)
+        .args(["-m", "pip", "install", "--quiet", "scipy", "numpy"])
+        .status();
+    let installed = installed.context("cannot start pip")?;
+    ensure!(installed.success() && works(), "pip cannot install SciPy");
+    Ok(python)
 }

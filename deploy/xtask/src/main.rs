@@ -63,7 +63,7 @@ enum Task {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<String>,
     },
-    /// Measures the program beside a bare loop; arguments go on to `skein bench fleet`.
+    /// Measures the program beside plain loops and SciPy; arguments go on to `skein bench fleet`.
     Bench {
         /// For example `--vehicles 100 --seconds 10`.
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]

@@ -14,7 +14,7 @@ use std::time::Instant;
 /// The other side, for a Python that has SciPy.
 const SCIPY: &str = include_str!("assignment/scipy.py");
 /// How many vehicles, and how often each is solved; the quickest time counts.
-const SIZES: [(usize, u32); 3] = [(50, 50), (200, 20), (1000, 5)];
+const SIZES: [(usize, u32); 4] = [(100, 50), (200, 20), (500, 5), (1000, 5)];
 /// Totals may differ by this share.
 const ROUNDING: f64 = 1e-6;
 
@@ -186,7 +186,7 @@ fn scipy(args: &AssignmentBenchArgs, problems: &[Problem]) -> Result<Answers, Be
     serde_json::from_slice(&output.stdout).map_err(BenchError::Settings)
 }
 
-/// Random places, a launch grid into a circle, and a grid whose spacing changes: from loose to very regular.
+/// From loose to very regular: random places, and formations into others. In the last ones very many ways are equally long.
 fn problems() -> Vec<Problem> {
     let mut problems = Vec::new();
     for (vehicles, rounds) in SIZES {
@@ -196,15 +196,24 @@ fn problems() -> Vec<Problem> {
         };
         let mut random = Random(vehicles as u64);
         let size_m = 10.0 * (vehicles as f64).sqrt();
-        let mut places = || {
+        let mut places = || -> Vec<[f64; 3]> {
             (0..vehicles)
                 .map(|_| [random.next() * size_m, random.next() * size_m, 0.0])
                 .collect()
         };
+        let grid = shape(Shape::Grid, 5.0);
         for (name, from, slots) in [
             ("random", places(), places()),
-            ("grid to circle", shape(Shape::Grid, 5.0), shape(Shape::Circle, 5.0)),
-            ("grid to wider grid", shape(Shape::Grid, 5.0), shape(Shape::Grid, 6.0)),
+            ("random to grid", places(), grid.clone()),
+            ("grid to circle", grid.clone(), shape(Shape::Circle, 5.0)),
+            ("circle to line", shape(Shape::Circle, 5.0), shape(Shape::Line, 5.0)),
+            ("wedge to column", shape(Shape::Wedge, 5.0), shape(Shape::Column, 5.0)),
+            ("grid to wider grid", grid.clone(), shape(Shape::Grid, 6.0)),
+            (
+                "grid turned by 90 deg",
+                grid.clone(),
+                grid.iter().map(|[f, r, d]| [-r, *f, *d]).collect(),
+            ),
         ] {
             problems.push(Problem {
                 name,

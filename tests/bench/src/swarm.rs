@@ -76,8 +76,12 @@ pub struct SwarmBenchReport {
     pub filter_crowded: Beside,
     /// Share of a control period that the crowded one takes, in percent.
     pub filter_share_percent: f64,
-    /// The filter per pair of vehicles in cruise, in nanoseconds.
+    /// The filter per pair of vehicles, in nanoseconds: in cruise, where most pairs are out of each other's reach.
     pub filter_per_pair_ns: f64,
+    /// The same where everybody has to give way.
+    pub filter_crowded_per_pair_ns: f64,
+    /// The distance of a pair in a bare loop, in nanoseconds.
+    pub distance_per_pair_ns: f64,
     /// A leader replaced, beside the same distances.
     pub succession: Beside,
 }
@@ -108,7 +112,11 @@ impl fmt::Display for SwarmBenchReport {
             "filter, crowded: {:.1} % of a period of {PERIOD_MS} ms",
             self.filter_share_percent
         )?;
-        writeln!(f, "filter, cruise: {:.1} ns per pair", self.filter_per_pair_ns)
+        writeln!(
+            f,
+            "per pair of vehicles: filter in cruise {:.1} ns, crowded {:.1} ns; distance in a bare loop {:.1} ns",
+            self.filter_per_pair_ns, self.filter_crowded_per_pair_ns, self.distance_per_pair_ns
+        )
     }
 }
 
@@ -140,6 +148,8 @@ pub fn run_swarm_bench(args: &SwarmBenchArgs) -> Result<SwarmBenchReport, BenchE
         filter_crowded: Beside::of(crowded_ms, distances_ms),
         filter_share_percent: 100.0 * crowded_ms / PERIOD_MS,
         filter_per_pair_ns: 1e6 * cruise_ms / pairs,
+        filter_crowded_per_pair_ns: 1e6 * crowded_ms / pairs,
+        distance_per_pair_ns: 1e6 * distances_ms / pairs,
         succession: Beside::of(succeeded_ms, distances_ms),
     })
 }
