@@ -36,6 +36,7 @@ const health = (name, incarnation) => ({ name, status: 'running', incarnation, l
 function fleetInfo() {
   return {
     type: 'fleet', frame: { origin }, formation, faults_enabled: false, actors: [health('coordinator', 1)],
+    dead_man: { state: process.env.DEAD_MAN ?? 'off', warns_after_s: process.env.DEAD_MAN ? 20 : null },
     unadopted: [{ system_id: 99, endpoint: 'sitl', why: 'no adoption rule fits system id 99' }],
     vehicles: vehicles.map((v) => ({
       id: v.id, name: `uav-${v.id}`, system_id: v.id, plugin: 'generic-uav', plugin_version: '0.1.0', state_detail: '',
@@ -160,14 +161,16 @@ let fences = {
   breach_return: null,
 };
 let emergencyKey = '';
-const snapshot = (v) => ({
-  id: v.id, name: `uav-${v.id}`, ladder: null, avoiding: null, stopped: v.stopped ?? false,
+const safety = (v) => ({
+  id: v.id, ladder: null, avoiding: null, stopped: v.stopped ?? false,
   energy: {
     remaining: v.battery / 100, needed_home: 0.05, reserve: 0.15, margin: v.battery / 100 - 0.2, endurance_s: v.battery * 12,
     return_in_s: v.battery * 9, level: v.battery < 25 ? 'return_now' : 'ok', learned: true, ground_speed_home_m_s: 4,
   },
 });
-const item = (id, title, status, value, why, limit = null, unit = '') => ({ id, title, status, value, number: null, unit, limit, why });
+const item = (id, title, status, value, why, limit = null, unit = '') => ({
+  id, title, status, value, number: null, unit, limit, why, may_be_overridden: status === 'red',
+});
 const preflight = () => ({
   overrides: [],
   swarm: {
@@ -184,7 +187,7 @@ const preflight = () => ({
 });
 function preview(request) {
   const slots = slotsOf(request.shape, request.members?.length ?? count, request.spacing_m * request.scale, request.altitude_step_m);
-  return { slots: slots.map(([f, r, u]) => ({ forward_m: f, right_m: r, down_m: -u })), smallest_distance_m: request.spacing_m };
+  return { slots: slots.map(([f, r, u]) => ({ forward_m: f, right_m: r, down_m: -u })), smallest_distance_m: request.spacing_m, views: slots.map(() => 'ahead'), looking: 0 };
 }
 
 const server = createServer(async (request, response) => {
@@ -198,8 +201,8 @@ const server = createServer(async (request, response) => {
   switch (`${request.method} ${url.pathname.slice(8)}`) {
     case 'GET version':
       return answer(200, { program: 'skein', version: '0.1.0-dev', node: 'dev', protocol: 1 });
-    case 'GET vehicles':
-      return answer(200, { time: nodeTime(), vehicles: vehicles.map(snapshot), unadopted: [] });
+    case 'POST operator/alive':
+      return response.writeHead(204).end();
     case 'GET references':
       return answer(200, { references: [] });
     case 'GET preflight':
@@ -251,8 +254,12 @@ new WebSocketServer({ server, path: '/api/v1/stream' }).on('connection', (socket
   const rate = (hz) => (clearInterval(timer), (timer = setInterval(() => socket.send(frame()), 1000 / hz)));
   socket.send(JSON.stringify({ type: 'hello', protocol: 1, version: '0.1.0-dev', node: 'dev' }));
   socket.on('message', (data) => rate(Math.max(1, Math.min(50, JSON.parse(data).rate_hz))));
-  const slow = setInterval(() => socket.send(JSON.stringify(fleetInfo())), 500);
-  socket.send(JSON.stringify(fleetInfo()));
+  const tell = () => {
+    socket.send(JSON.stringify(fleetInfo()));
+    socket.send(JSON.stringify({ type: 'safety', vehicles: vehicles.map(safety) }));
+  };
+  const slow = setInterval(tell, 500);
+  tell();
   rate(10);
   socket.on('close', () => (clients.delete(socket), clearInterval(timer), clearInterval(slow)));
 });

@@ -139,11 +139,11 @@ impl<'a> Place<'a> {
         Self::Root
     }
 
-    fn field(&'a self, name: &'a str) -> Self {
+    pub(crate) fn field(&'a self, name: &'a str) -> Self {
         Self::Field(self, name)
     }
 
-    fn item(&'a self, index: usize) -> Self {
+    pub(crate) fn item(&'a self, index: usize) -> Self {
         Self::Item(self, index)
     }
 
@@ -155,7 +155,7 @@ impl<'a> Place<'a> {
     }
 
     /// A finite number within limits.
-    fn number(&self, value: f64, at_least: f64, at_most: f64) -> Result<(), ApiError> {
+    pub(crate) fn number(&self, value: f64, at_least: f64, at_most: f64) -> Result<(), ApiError> {
         if value >= at_least && value <= at_most {
             return Ok(());
         }
@@ -163,7 +163,7 @@ impl<'a> Place<'a> {
     }
 
     /// A finite number above zero.
-    fn positive(&self, value: f64, at_most: f64) -> Result<(), ApiError> {
+    pub(crate) fn positive(&self, value: f64, at_most: f64) -> Result<(), ApiError> {
         if value > 0.0 && value <= at_most {
             return Ok(());
         }
@@ -171,14 +171,14 @@ impl<'a> Place<'a> {
     }
 
     /// A list that is neither empty nor too long.
-    fn length(&self, length: usize, at_most: usize) -> Result<(), ApiError> {
+    pub(crate) fn length(&self, length: usize, at_most: usize) -> Result<(), ApiError> {
         if (1..=at_most).contains(&length) {
             return Ok(());
         }
         Err(self.wrong(format!("{length} entries; 1 to {at_most} are taken")))
     }
 
-    fn position(&self, position: &PositionNed) -> Result<(), ApiError> {
+    pub(crate) fn position(&self, position: &PositionNed) -> Result<(), ApiError> {
         self.field("north_m")
             .number(position.north_m, -MAX_DISTANCE_M, MAX_DISTANCE_M)?;
         self.field("east_m")
@@ -198,7 +198,7 @@ impl<'a> Place<'a> {
         Ok(())
     }
 
-    fn vehicles(&self, vehicles: &[VehicleId]) -> Result<(), ApiError> {
+    pub(crate) fn vehicles(&self, vehicles: &[VehicleId]) -> Result<(), ApiError> {
         self.length(vehicles.len(), MAX_VEHICLES)?;
         let mut seen = std::collections::BTreeSet::new();
         for (index, vehicle) in vehicles.iter().enumerate() {

@@ -4,6 +4,7 @@
 mod carried;
 mod formations;
 mod safety;
+mod trajectories;
 
 use crate::app::App;
 use crate::protocol::{Accepted, CommandBody, CommandReceipts, EventList, Health, VehicleList, VersionInfo};
@@ -141,6 +142,7 @@ pub(crate) fn all() -> Vec<Endpoint> {
     let mut all = node();
     all.extend(fleet());
     all.extend(formations::formations());
+    all.extend(trajectories::trajectories());
     all.extend(safety::safety());
     all.extend(carried::plugins());
     all.extend(carried::payloads());

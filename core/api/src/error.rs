@@ -9,7 +9,7 @@ use axum::extract::rejection::{JsonRejection, PathRejection, QueryRejection};
 use axum::http::{Method, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 use serde_json::{Value, json};
-use skein_domain::Refusal;
+use skein_domain::{Refusal, TrajectoryObjection};
 use skein_runtime::PluginRefusal;
 use thiserror::Error;
 
@@ -22,6 +22,9 @@ pub enum ApiError {
     /// The node refused something about a plugin.
     #[error("{0}")]
     Plugin(#[from] PluginRefusal),
+    /// The node refused trajectories, item by item.
+    #[error("{}", sentences(.0))]
+    Trajectories(Vec<TrajectoryObjection>),
     /// Not one of the vehicles a command was for is known.
     #[error("none of these vehicles is known here")]
     NoneKnown(CommandReceipts),
@@ -121,6 +124,11 @@ impl ApiError {
         match self {
             Self::Refused(refusal) => refusal_status(refusal),
             Self::Plugin(refusal) => plugin_refusal(refusal).0,
+            // Of several the status of what they have in common, which is a conflict with the state of things.
+            Self::Trajectories(against) => match against.as_slice() {
+                [one] => refusal_status(&one.refusal),
+                _ => StatusCode::CONFLICT,
+            },
             Self::NoneKnown(_) | Self::NotFound { .. } => StatusCode::NOT_FOUND,
             Self::Body(rejection) => rejection.status(),
             Self::TooSlow => StatusCode::REQUEST_TIMEOUT,
@@ -143,6 +151,7 @@ impl ApiError {
         match self {
             Self::Refused(refusal) => refusal.code(),
             Self::Plugin(refusal) => plugin_refusal(refusal).1,
+            Self::Trajectories(_) => "trajectories_refused",
             Self::NoneKnown(_) => "unknown_vehicle",
             Self::Body(rejection) => body_code(rejection),
             Self::TooSlow => "too_slow",
@@ -168,6 +177,7 @@ impl ApiError {
         match self {
             Self::Refused(refusal) => json!(refusal),
             Self::NoneKnown(receipts) => json!(receipts),
+            Self::Trajectories(against) => json!({ "against": against }),
             Self::UnknownField { field } => json!({ "field": field }),
             Self::OutOfRange { field, problem } => json!({ "field": field, "problem": problem }),
             Self::TooManyStreams { limit } => json!({ "limit": limit }),
@@ -192,6 +202,11 @@ impl IntoResponse for ApiError {
         tracing::debug!(status = status.as_u16(), code = self.code(), "refused: {self}");
         (status, Json(ErrorBody { error: self.detail() })).into_response()
     }
+}
+
+/// What is against trajectories, as one sentence.
+fn sentences(against: &[TrajectoryObjection]) -> String {
+    against.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 
 /// Which status a refusal is: a conflict with the state of things, unless it is something else.
@@ -220,6 +235,7 @@ fn refusal_status(refusal: &Refusal) -> StatusCode {
         | Refusal::StaleIncarnation { .. }
         | Refusal::NotSupported { .. }
         | Refusal::Preflight { .. }
+        | Refusal::Clock { .. }
         | Refusal::DuplicateSystemId { .. } => StatusCode::CONFLICT,
     }
 }

@@ -8,12 +8,14 @@ pub(crate) mod golden;
 use crate::protocol::{
     Accepted, ClientMessage, CommandBody, CommandReceipts, EmergencyStopBody, ErrorBody, EventList, FenceFileBody,
     FencePlanBody, FormationAnswer, FormationPreview, Health, ImportedFencePlan, OverrideBody, PayloadList, PluginList,
-    ReferenceList, RestartList, RouteBody, ServerMessage, VehicleList, VersionInfo,
+    ReferenceList, RestartList, RouteBody, ServerMessage, TrajectoriesEnded, TrajectoryList, VehicleList, VersionInfo,
 };
 use crate::wire::{self, Field, Header, Record, flag};
 use skein_config::PayloadRule;
 use skein_domain::payload::{CameraCommand, CameraState, GimbalCommand, GimbalState, RadioCommand, RadioState};
-use skein_domain::{FlightMode, FlightState, FormationRequest, GnssFix, LandedState};
+use skein_domain::{
+    FlightMode, FlightState, FormationRequest, GnssFix, LandedState, TrajectoryObjection, TrajectoryPlan, TrajectoryRequest,
+};
 use skein_runtime::snapshot::FleetSnapshot;
 use skein_runtime::{
     EmergencyKey, Fault, FenceAnswer, FormationReceipt, PreflightAnswer, ReferenceReport, UpgradeReceipt,
@@ -76,6 +78,11 @@ fn types() -> String {
     found.visit::<FormationPreview>();
     found.visit::<ReferenceList>();
     found.visit::<ReferenceReport>();
+    found.visit::<TrajectoryRequest>();
+    found.visit::<TrajectoryPlan>();
+    found.visit::<TrajectoryObjection>();
+    found.visit::<TrajectoryList>();
+    found.visit::<TrajectoriesEnded>();
     found.visit::<PreflightAnswer>();
     found.visit::<OverrideBody>();
     found.visit::<FenceAnswer>();

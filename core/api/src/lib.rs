@@ -22,9 +22,11 @@ mod preflight;
 pub mod protocol;
 mod references;
 mod routes;
+mod safety_view;
 mod server;
 mod settings;
 mod stream;
+mod trajectories;
 mod view;
 pub mod wire;
 

@@ -7,8 +7,11 @@ use serde::{Deserialize, Serialize};
 use skein_config::Isolation;
 use skein_domain::fence::FencePlan;
 use skein_domain::payload::PayloadKind;
-use skein_domain::{Geodetic, NodeTime, OffsetFrd, Route, SwarmFrame, SystemId, VehicleCommand, VehicleId};
-use skein_runtime::snapshot::{ActorHealth, EventRecord, FormationSnapshot, UnadoptedVehicle, VehicleSnapshot};
+use skein_domain::{
+    EnergyState, Geodetic, LadderState, NodeTime, OffsetFrd, Route, SwarmFrame, SystemId, TrajectoryStatus,
+    VehicleCommand, VehicleId,
+};
+use skein_runtime::snapshot::{ActorHealth, Avoidance, EventRecord, FormationSnapshot, UnadoptedVehicle, VehicleSnapshot};
 use skein_runtime::{CommandReceipt, PayloadSnapshot, PluginInfo, ReferenceSnapshot, RestartRecord, Targets};
 use ts_rs::TS;
 
@@ -128,6 +131,38 @@ pub struct FormationPreview {
     pub slots: Vec<OffsetFrd>,
     /// Smallest distance between two of them in metres; null for one alone.
     pub smallest_distance_m: Option<f64>,
+    /// From each place, where a camera can look without another vehicle in its picture.
+    pub views: Vec<SlotView>,
+    /// How many of the vehicles carry a camera that is to look out of the formation.
+    pub looking: u32,
+}
+
+/// Where a camera can look from a place of a formation, without another place within 30 degrees of that direction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, TS, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SlotView {
+    /// Along the formation's heading.
+    Ahead,
+    /// Not ahead, but away from the middle of the formation.
+    Outward,
+    /// Neither.
+    Blocked,
+}
+
+/// How trajectories are getting on.
+#[derive(Debug, Clone, PartialEq, Serialize, TS, JsonSchema)]
+pub struct TrajectoryList {
+    /// Now, on the node's clock: what a start is to be told by.
+    pub time: NodeTime,
+    /// By ascending vehicle.
+    pub trajectories: Vec<TrajectoryStatus>,
+}
+
+/// Trajectories that have ended.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, TS, JsonSchema)]
+pub struct TrajectoriesEnded {
+    /// Whose.
+    pub vehicles: Vec<VehicleId>,
 }
 
 /// Things that formations may be anchored to.
@@ -244,6 +279,47 @@ pub struct FleetInfo {
     pub actors: Vec<ActorHealth>,
     /// Whether faults may be injected here.
     pub faults_enabled: bool,
+    /// Whether an operator has to give signs of life, and does.
+    pub dead_man: DeadMan,
+}
+
+/// The operator's dead-man's switch.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, TS, JsonSchema)]
+pub struct DeadMan {
+    /// How it stands.
+    pub state: DeadManState,
+    /// After how many seconds without a sign of life vehicles in the air begin to react; absent if they never do.
+    pub warns_after_s: Option<f64>,
+}
+
+/// How a dead-man's switch stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, TS, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum DeadManState {
+    /// Nobody has to give signs of life.
+    #[default]
+    Off,
+    /// Nobody has ever given one: it counts from take-off.
+    Unheard,
+    /// Somebody is there.
+    Heard,
+    /// The last sign of life is so old that vehicles in the air react.
+    Silent,
+}
+
+/// What is wrong with a vehicle, or done to keep it safe. Rounded: what hardly changes is not told again.
+#[derive(Debug, Clone, PartialEq, Serialize, TS, JsonSchema)]
+pub struct VehicleSafety {
+    /// The swarm's id for it.
+    pub id: VehicleId,
+    /// What is wrong with it in flight and what is done about it; absent if nothing is.
+    pub ladder: Option<LadderState>,
+    /// Its charge against its way home; absent as long as one of them is not known.
+    pub energy: Option<EnergyState>,
+    /// What is changed of its setpoints at this moment; absent if nothing.
+    pub avoiding: Option<Avoidance>,
+    /// Its motors were stopped in an emergency.
+    pub stopped: bool,
 }
 
 /// What changes seldom about one vehicle.
@@ -309,6 +385,11 @@ pub enum ServerMessage {
     },
     /// The slow part of the fleet's state, whole; sent at the start and when it has changed.
     Fleet(Box<FleetInfo>),
+    /// The safety of vehicles: of all at the start, then of those of which it has changed.
+    Safety {
+        /// By ascending id.
+        vehicles: Vec<VehicleSafety>,
+    },
     /// Something happened.
     Event(Box<EventRecord>),
     /// Events were lost, because this client was too slow or had been away for too long.

@@ -3,14 +3,14 @@
 use crate::app::App;
 use crate::body::Body;
 use crate::error::ApiError;
-use crate::protocol::{FormationPreview, ReferenceList};
+use crate::protocol::{FormationPreview, ReferenceList, SlotView};
 use axum::Json;
 use axum::extract::rejection::PathRejection;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use skein_domain::{FormationRequest, Refusal};
 use skein_flight::formation;
-use skein_runtime::ReferenceReport;
+use skein_runtime::{ReferenceReport, VehicleSnapshot};
 
 type Name = Result<Path<String>, PathRejection>;
 
@@ -41,12 +41,25 @@ pub(crate) async fn preview(
     State(app): State<App>,
     Body(request): Body<FormationRequest>,
 ) -> Result<Json<FormationPreview>, ApiError> {
-    let available = app.node.snapshot().vehicles.len();
-    let count = request.members.as_ref().map_or(available, Vec::len).max(1);
+    let snapshot = app.node.snapshot();
+    let count = request.members.as_ref().map_or(snapshot.vehicles.len(), Vec::len).max(1);
+    let takes_part = |id| request.members.as_ref().is_none_or(|members| members.contains(id));
+    let looks = |vehicle: &&VehicleSnapshot| vehicle.limits.is_some_and(|limits| limits.keeps_view);
+    let members = snapshot.vehicles.iter().filter(|vehicle| takes_part(&vehicle.id));
     let slots =
         formation::anchored_slots(&request, count).map_err(|e| Refusal::InvalidValue { detail: e.to_string() })?;
     Ok(Json(FormationPreview {
         smallest_distance_m: Some(formation::smallest_distance_m(&slots)).filter(|d| d.is_finite()),
+        views: formation::views(&slots).into_iter().map(view).collect(),
+        looking: u32::try_from(members.filter(looks).count()).unwrap_or(u32::MAX),
         slots,
     }))
+}
+
+fn view(view: formation::View) -> SlotView {
+    match view {
+        formation::View::Ahead => SlotView::Ahead,
+        formation::View::Outward => SlotView::Outward,
+        formation::View::Blocked => SlotView::Blocked,
+    }
 }

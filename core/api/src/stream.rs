@@ -8,7 +8,7 @@
 
 use crate::app::{App, Closing};
 use crate::error::ApiError;
-use crate::protocol::{ClientMessage, ErrorDetail, PROTOCOL_VERSION, ServerMessage};
+use crate::protocol::{ClientMessage, ErrorDetail, PROTOCOL_VERSION, ServerMessage, VehicleSafety};
 use crate::view;
 use axum::extract::rejection::QueryRejection;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
@@ -19,7 +19,9 @@ use axum::{Extension, body::Bytes};
 use metrics::{counter, gauge};
 use schemars::JsonSchema;
 use serde::Deserialize;
+use skein_domain::VehicleId;
 use skein_runtime::EventRecord;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::broadcast;
@@ -120,6 +122,8 @@ struct Client {
     last_event: u64,
     /// The slow state as it was last sent.
     fleet: Option<Utf8Bytes>,
+    /// The safety of the vehicles as it was last sent.
+    safety: BTreeMap<VehicleId, VehicleSafety>,
     rate_hz: f64,
     frames: Interval,
     /// Frames sent, and the last of them whose ping was answered.
@@ -141,6 +145,7 @@ impl Client {
             events,
             last_event,
             fleet: None,
+            safety: BTreeMap::new(),
             rate_hz: DEFAULT_RATE_HZ,
             frames: ticks(Duration::from_secs_f64(1.0 / DEFAULT_RATE_HZ)),
             sent: 0,
@@ -176,6 +181,7 @@ impl Client {
         };
         self.say(&hello).await?;
         self.send_fleet().await?;
+        self.send_safety().await?;
         self.send_events().await?;
         let mut closed = std::pin::pin!(closed(closing));
         let (mut fleet, mut look) = (ticks(FLEET_EVERY), ticks(LOOK_EVERY));
@@ -191,7 +197,10 @@ impl Client {
                     Err(RecvError::Closed) => return Err(End::Closing),
                 },
                 _ = self.frames.tick(), if may_send => self.send_frame().await?,
-                _ = fleet.tick() => self.send_fleet().await?,
+                _ = fleet.tick() => {
+                    self.send_fleet().await?;
+                    self.send_safety().await?;
+                }
                 _ = look.tick() => if self.heard.elapsed() > HEARD_WITHIN { return Err(End::TooSlow) },
             }
         }
@@ -218,6 +227,18 @@ impl Client {
         }
         self.fleet = Some(newest.clone());
         self.send(Message::Text(newest)).await
+    }
+
+    /// What has changed of the safety of the vehicles.
+    async fn send_safety(&mut self) -> Result<(), End> {
+        let newest = self.app.view.safety(&self.app.node);
+        let changed = |safety: &&VehicleSafety| self.safety.get(&safety.id) != Some(*safety);
+        let vehicles: Vec<VehicleSafety> = newest.iter().filter(changed).cloned().collect();
+        if vehicles.is_empty() {
+            return Ok(());
+        }
+        self.safety.extend(vehicles.iter().map(|safety| (safety.id, safety.clone())));
+        self.say(&ServerMessage::Safety { vehicles }).await
     }
 
     async fn send_events(&mut self) -> Result<(), End> {

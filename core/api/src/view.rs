@@ -2,14 +2,15 @@
 //!
 //! Must never do: hold its lock across an await, or keep more than the newest.
 
-use crate::protocol::{FleetInfo, PayloadInfo, ServerMessage, VehicleInfo};
-use crate::wire;
+use crate::protocol::{FleetInfo, PayloadInfo, ServerMessage, VehicleInfo, VehicleSafety};
+use crate::{safety_view, wire};
 use axum::body::Bytes;
 use axum::extract::ws::Utf8Bytes;
 use parking_lot::Mutex;
 use skein_domain::NodeTime;
 use skein_runtime::snapshot::FleetSnapshot;
 use skein_runtime::{NodeHandle, PayloadSnapshot};
+use std::sync::Arc;
 
 /// A frame is made anew from the same snapshot after so long, so that its ages are right.
 const FRAME_GOOD_FOR_S: f64 = 0.02;
@@ -19,6 +20,7 @@ const FRAME_GOOD_FOR_S: f64 = 0.02;
 pub struct View {
     frame: Mutex<Option<Frame>>,
     fleet: Mutex<Option<Fleet>>,
+    safety: Mutex<Option<(u64, Arc<Vec<VehicleSafety>>)>>,
 }
 
 #[derive(Debug)]
@@ -63,12 +65,28 @@ impl View {
         {
             return fleet.text.clone();
         }
-        let text = text(&ServerMessage::Fleet(Box::new(fleet_info(&snapshot, node.config()))));
+        let text = text(&ServerMessage::Fleet(Box::new(fleet_info(&snapshot, node))));
         *kept = Some(Fleet {
             sequence: snapshot.sequence,
             text: text.clone(),
         });
         text
+    }
+}
+
+impl View {
+    /// The newest safety of all vehicles.
+    pub fn safety(&self, node: &NodeHandle) -> Arc<Vec<VehicleSafety>> {
+        let snapshot = node.snapshot();
+        let mut kept = self.safety.lock();
+        if let Some((sequence, safety)) = kept.as_ref()
+            && *sequence == snapshot.sequence
+        {
+            return safety.clone();
+        }
+        let safety = Arc::new(safety_view::of(&snapshot));
+        *kept = Some((snapshot.sequence, safety.clone()));
+        safety
     }
 }
 
@@ -93,7 +111,7 @@ fn payload_info(payload: &PayloadSnapshot) -> PayloadInfo {
 }
 
 /// What is not in the binary frame.
-fn fleet_info(snapshot: &FleetSnapshot, config: &skein_config::NodeConfig) -> FleetInfo {
+fn fleet_info(snapshot: &FleetSnapshot, node: &NodeHandle) -> FleetInfo {
     let vehicle = |vehicle: &skein_runtime::VehicleSnapshot| VehicleInfo {
         id: vehicle.id,
         name: vehicle.name.clone(),
@@ -113,6 +131,7 @@ fn fleet_info(snapshot: &FleetSnapshot, config: &skein_config::NodeConfig) -> Fl
         unadopted: snapshot.unadopted.clone(),
         formation: snapshot.formation.clone(),
         actors: snapshot.actors.clone(),
-        faults_enabled: config.faults.enabled,
+        faults_enabled: node.config().faults.enabled,
+        dead_man: safety_view::dead_man(node),
     }
 }

@@ -22,6 +22,7 @@ pub mod refusal;
 pub mod setpoint;
 pub mod telemetry;
 pub mod time;
+pub mod trajectory;
 
 pub use command::{AutopilotCommand, VehicleCommand};
 pub use energy::{EnergyLevel, EnergySettings, EnergyState};
@@ -49,3 +50,7 @@ pub use telemetry::{
     Telemetry,
 };
 pub use time::{Clock, NodeTime};
+pub use trajectory::{
+    JourneyPlan, JourneyRequest, RouteUpload, TrajectoryKind, TrajectoryObjection, TrajectoryPlan, TrajectoryProgress,
+    TrajectoryRequest, TrajectoryStart, TrajectoryStatus,
+};

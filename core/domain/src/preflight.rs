@@ -13,6 +13,9 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "snake_case")]
 #[cbor(index_only)]
 pub enum ItemStatus {
+    /// Says nothing now: it is about a vehicle on the ground, and this one flies.
+    #[n(3)]
+    NotApplicable,
     /// Good.
     #[default]
     #[n(0)]
@@ -53,6 +56,12 @@ pub struct PreflightItem {
     /// Why it stands so, or why it matters.
     #[n(7)]
     pub why: String,
+    /// It keeps from arming, and a permitted operator may take that upon himself. Filled in when the report is finished, whoever made
+    /// the item.
+    #[n(8)]
+    #[cbor(default)]
+    #[serde(default)]
+    pub may_be_overridden: bool,
 }
 
 /// What was found before arming one vehicle, or for the swarm.
@@ -71,6 +80,15 @@ pub struct PreflightReport {
 }
 
 impl PreflightReport {
+    /// With its items marked that may be overridden: those that are red and not among [`NEVER_OVERRIDDEN`].
+    #[must_use]
+    pub fn finished(mut self) -> Self {
+        for item in &mut self.items {
+            item.may_be_overridden = item.status == ItemStatus::Red && never_overridden(&item.id).is_none();
+        }
+        self
+    }
+
     /// How the worst item stands. A report without items is red: nothing was looked at.
     #[must_use]
     pub fn worst(&self) -> ItemStatus {

@@ -223,6 +223,14 @@ pub enum Refusal {
         #[n(0)]
         name: String,
     },
+    /// A time cannot be kept, or a clock cannot be relied on.
+    #[error("clock: {detail}")]
+    #[n(24)]
+    Clock {
+        /// Which, and what would be right.
+        #[n(0)]
+        detail: String,
+    },
 }
 
 impl Refusal {
@@ -254,6 +262,7 @@ impl Refusal {
             Self::UnknownTrack { .. } => "unknown_track",
             Self::UnknownReference { .. } => "unknown_reference",
             Self::Preflight { .. } => "preflight",
+            Self::Clock { .. } => "clock",
         }
     }
 }

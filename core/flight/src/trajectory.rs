@@ -2,6 +2,7 @@
 //!
 //! Must never do: hand out a trajectory whose limits or distances were only sampled. Peaks and distances are proven bounds.
 
+mod derived;
 mod distance;
 mod peaks;
 mod polynomial;
@@ -13,6 +14,7 @@ mod upload;
 use skein_domain::{AccelerationNed, FlightLimits, NodeTime, PositionNed, Trajectory, VelocityNed};
 use thiserror::Error;
 
+pub use derived::{length_m, rest, standing, with_heights_scaled};
 pub use distance::min_distance_m;
 pub use peaks::{Peaks, peaks};
 pub use sampling::{TrajectorySample, check, duration_s, end, sample};

@@ -11,7 +11,7 @@ use crate::payload::PayloadCell;
 use crate::plugin_life::LifeRecord;
 use crate::references::References;
 use crate::snapshot::{ActorHealth, Avoidance, FleetSnapshot, RestartRecord, UnadoptedVehicle};
-use crate::vehicle::{Itinerary, VehicleMessage, Watch};
+use crate::vehicle::{HeldRoute, Itinerary, VehicleMessage, Watch};
 use arc_swap::{ArcSwap, ArcSwapOption};
 use parking_lot::{Mutex, RwLock};
 use ractor::ActorRef;
@@ -249,6 +249,8 @@ pub struct VehicleCell {
     pub watch: Mutex<Watch>,
     /// A command in several legs that is being carried out.
     pub itinerary: Mutex<Option<Itinerary>>,
+    /// The route that was put on its autopilot.
+    pub route: Mutex<HeldRoute>,
     /// Its motors were stopped in an emergency: nothing flies it until an operator arms it again.
     stopped: AtomicBool,
 }
@@ -275,6 +277,7 @@ impl VehicleCell {
             state: Mutex::default(),
             watch: Mutex::default(),
             itinerary: Mutex::default(),
+            route: Mutex::default(),
             stopped: AtomicBool::new(false),
         }
     }

@@ -7,11 +7,13 @@ mod membership;
 mod plan;
 mod succession;
 mod tasks;
+mod trajectories;
 
 pub use membership::{Changed, Judging};
 pub use plan::{PlanInput, PlanLimits, fitted, plan};
 pub use succession::{by_fitness, succeed};
 pub use tasks::intent;
+pub use trajectories::{Flight, PlannedFlights, TrajectoryInput, plan_trajectories};
 
 use crate::board::PeerSnapshot;
 use skein_domain::{
@@ -29,6 +31,8 @@ pub struct Coordination {
     pub route: Option<ActiveRoute>,
     /// Vehicles that were seen taking off, so that a newcomer in the air is told from one that left.
     pub taking_off: Vec<VehicleId>,
+    /// Trajectories of single vehicles, also those that are over: what is told of them lasts until the vehicle is given another.
+    pub flights: BTreeMap<VehicleId, Flight>,
 }
 
 /// A formation being flown.
@@ -54,6 +58,8 @@ pub struct Formation {
     pub settled_at: NodeTime,
     /// Smallest distance foreseen on the way, in metres.
     pub min_distance_m: f64,
+    /// Members that carry a camera and whose places leave it no free view.
+    pub view_blocked: Vec<VehicleId>,
     /// How fast it can go as a whole, in metres per second: its slowest member's limit, with turns taken into account.
     pub max_speed_m_s: f64,
 }

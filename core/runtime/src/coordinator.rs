@@ -6,8 +6,10 @@
 
 mod planning;
 mod relief;
+mod trajectories;
 
 pub use planning::Planned;
+pub use trajectories::{PlannedTrajectories, TrajectoryAnswer, TrajectoryAsk};
 
 use crate::board::{Board, PeerSnapshot};
 use crate::coordination::{self, ActiveRoute, Coordination, Formation};
@@ -41,6 +43,12 @@ pub enum CoordinatorMessage {
     SetRoute(Route, RpcReplyPort<Result<Route, Refusal>>),
     /// A plan is there.
     Planned(Box<Planned>),
+    /// Plan trajectories of single vehicles, and fly them if that is asked for.
+    PlanTrajectories(Box<TrajectoryAsk>),
+    /// Trajectories are planned.
+    TrajectoriesPlanned(Box<PlannedTrajectories>),
+    /// End all trajectories.
+    EndTrajectories(RpcReplyPort<Result<Vec<VehicleId>, Refusal>>),
     /// Look whether the leader is still there: every control period.
     Watch,
     /// Look whether the formation is still whole.
@@ -52,6 +60,8 @@ pub struct CoordinatorState {
     board: Arc<Board>,
     /// Grows with every change of the formation: a plan made for an earlier one does not fit.
     generation: u64,
+    /// Grows with every change of the trajectories.
+    flights_version: u64,
     /// A plan to regroup is being made.
     regrouping: bool,
     /// The formation is not in the shape that was asked for: to be planned anew.
@@ -83,6 +93,7 @@ impl Actor for Coordinator {
         Ok(CoordinatorState {
             board,
             generation: 0,
+            flights_version: 0,
             regrouping: false,
             reshape: false,
             keeps_itself,
@@ -112,6 +123,9 @@ impl Actor for Coordinator {
                 let _ = reply.send(state.set_route(route));
             }
             CoordinatorMessage::Planned(planned) => state.take_plan(&myself, *planned),
+            CoordinatorMessage::PlanTrajectories(ask) => state.begin_trajectories(&myself, *ask, 0),
+            CoordinatorMessage::TrajectoriesPlanned(planned) => state.take_trajectories(&myself, *planned),
+            CoordinatorMessage::EndTrajectories(reply) => drop(reply.send(Ok(state.end_trajectories()))),
             CoordinatorMessage::Watch => state.watch(),
             CoordinatorMessage::Review => {
                 state.review(&myself);
@@ -139,6 +153,8 @@ impl CoordinatorState {
     }
 
     fn fly(&mut self, formation: Formation, severity: Severity, text: String) {
+        let view_blocked = formation.view_blocked.clone();
+        self.leave_trajectories(&formation.members);
         let leader_changed = self.board.coordination.lock().take_up(formation);
         self.generation += 1;
         if leader_changed {
@@ -146,6 +162,10 @@ impl CoordinatorState {
         }
         self.publish();
         self.record(severity, text);
+        if !view_blocked.is_empty() {
+            let text = format!("no free view for the camera of {}", list(&view_blocked));
+            self.record(Severity::Advisory, text);
+        }
     }
 
     fn record(&self, severity: Severity, text: impl Into<String>) {
@@ -267,6 +287,7 @@ impl CoordinatorState {
             return;
         }
         let peers = self.board.peers.load_full();
+        self.review_trajectories(&peers);
         let now = self.board.now();
         let finished = |leader| {
             let cell = self.board.cell(leader);

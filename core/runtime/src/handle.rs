@@ -1,5 +1,7 @@
 //! The typed handle to a running node: the only way in for the API, the demo and the tests. The actors' messages stay private.
 
+mod trajectories;
+
 use crate::board::Board;
 use crate::coordinator::CoordinatorMessage;
 use crate::node::Parts;
@@ -59,6 +61,8 @@ pub struct FormationReceipt {
     pub planned_min_distance_m: f64,
     /// How fast it can go as a whole, in metres per second.
     pub max_speed_m_s: f64,
+    /// Members that carry a camera and whose places leave it no free view, neither ahead nor outwards.
+    pub view_blocked: Vec<VehicleId>,
 }
 
 /// A fault to inject, where the configuration permits it. A plugin is the vehicle's UAV model, or with a name its payload.
@@ -335,6 +339,12 @@ impl NodeHandle {
     /// An operator gives a sign of life: the dead man's switch, where the configuration has it on, counts from the last one.
     pub fn hear_operator(&self) {
         self.board.hear_operator();
+    }
+
+    /// When an operator last gave a sign of life, if ever.
+    #[must_use]
+    pub fn operator_heard(&self) -> Option<NodeTime> {
+        self.board.operator_heard()
     }
 
     /// Tells where a reference is that formations may be anchored to.

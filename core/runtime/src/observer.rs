@@ -190,6 +190,7 @@ fn formation(
         keeps_itself: formation.keeps_itself(now),
         max_speed_m_s: formation.max_speed_m_s,
         members: formation.members.clone(),
+        view_blocked: formation.view_blocked.clone(),
         route: coordination.route.as_ref().map(|r| r.route.clone()),
         route_finished: coordination.route.as_ref().is_some_and(|r| r.finished),
         settled_at: formation.settled_at,

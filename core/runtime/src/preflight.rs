@@ -84,7 +84,7 @@ fn vehicle_report(board: &Board, cell: &VehicleCell, now: NodeTime) -> Preflight
     for payload in cell.payloads() {
         report.items.extend(payload.state.lock().preflight.iter().cloned());
     }
-    report
+    report.finished()
 }
 
 fn checks(board: &Board, cell: &VehicleCell, entry: &PeerEntry, now: NodeTime) -> VehicleChecks {
@@ -151,7 +151,7 @@ fn swarm_report(board: &Board, now: NodeTime) -> PreflightReport {
             .collect(),
         homes_unknown: heard().filter(|e| e.home.is_none()).map(|e| e.id).collect(),
     };
-    preflight::swarm_report(&checks, &board.config.safety.preflight, now)
+    preflight::swarm_report(&checks, &board.config.safety.preflight, now).finished()
 }
 
 /// A coordinator that looked at its formation within this time runs, in seconds.

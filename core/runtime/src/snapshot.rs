@@ -279,6 +279,8 @@ pub struct FormationSnapshot {
     pub max_speed_m_s: f64,
     /// Who takes part, leader first.
     pub members: Vec<VehicleId>,
+    /// Members that carry a camera and whose places leave it no free view, neither ahead nor outwards.
+    pub view_blocked: Vec<VehicleId>,
     /// The leader's route, if one is being flown.
     pub route: Option<Route>,
     /// Whether the leader has come to the end of its route.
@@ -356,6 +358,8 @@ pub enum EventKind {
     EmergencyStop,
     /// The formation was changed, or its leader.
     Formation,
+    /// Trajectories were planned, ended, or put on a vehicle.
+    Trajectory,
     /// An actor or plugin ended and what its supervisor does about it.
     Supervision {
         /// Name in the supervision tree.

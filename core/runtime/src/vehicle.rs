@@ -8,10 +8,12 @@ mod effects;
 mod itinerary;
 mod model;
 mod period;
+mod route;
 mod watch;
 
 pub use itinerary::Itinerary;
 pub use period::{own_state, told};
+pub use route::HeldRoute;
 pub use watch::Watch;
 
 use crate::board::{Board, VehicleCell};
@@ -24,6 +26,7 @@ use crate::snapshot::{ActorHealth, ActorStatus, EventKind};
 use model::Model;
 use ractor::{Actor, ActorProcessingErr, ActorRef, RpcReplyPort};
 use skein_domain::exchange::{CommandProgress, Event, FaultDrill, Severity};
+use skein_domain::link::RoutePoint;
 use skein_domain::{CommandId, Incarnation, NodeTime, PositionNed, Refusal, RequestId, VehicleCommand};
 use skein_plugin_host::Plugin;
 use std::collections::{BTreeMap, VecDeque};
@@ -54,6 +57,8 @@ pub enum VehicleMessage {
         /// Why not; absent if accepted.
         refusal: Option<Refusal>,
     },
+    /// Put this route on the autopilot.
+    UploadRoute(Vec<RoutePoint>),
     /// Make the plugin fail.
     Drill(FaultDrill),
     /// End the plugin's process, or make it panic if it has none of its own.
@@ -178,6 +183,7 @@ impl Actor for Vehicle {
             VehicleMessage::PayloadResult { request, refusal } => {
                 state.waiting.push(Event::PayloadResult { request, refusal });
             }
+            VehicleMessage::UploadRoute(route) => state.upload_route(&route),
             VehicleMessage::Drill(drill) => {
                 state.waiting.push(Event::FaultDrill(drill));
             }

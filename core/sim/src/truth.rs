@@ -101,6 +101,8 @@ pub struct VehicleTruth {
     pub camera: Option<CameraTruth>,
     /// How its radio is heard, if it has one.
     pub radio: Option<RadioTruth>,
+    /// The places of the mission that it keeps.
+    pub mission: Arc<Vec<Geodetic>>,
 }
 
 /// Where somebody else is.

@@ -573,6 +573,7 @@ impl Vehicle {
             gimbal: self.gimbal_truth(),
             camera: self.camera_truth(),
             radio: self.radio_truth(),
+            mission: self.mission.places().clone(),
         }
     }
 }

@@ -6,6 +6,7 @@ import { Commander } from '../model/commander.svelte';
 import { EmergencyStop } from '../model/emergencyStop.svelte';
 import { FormationDraft } from '../model/formationDraft.svelte';
 import { Journal } from '../model/journal.svelte';
+import { Presence } from '../model/presence.svelte';
 import { Session } from '../model/session.svelte';
 import { Targets } from '../model/targets.svelte';
 import { Watch } from '../model/watch.svelte';
@@ -19,8 +20,9 @@ export class Console {
   readonly session = new Session(this.commander, this.journal);
   readonly targets = new Targets(() => this.session.rows);
   readonly watch = new Watch(this.session);
-  readonly emergency = new EmergencyStop(this.watch, this.journal);
+  readonly emergency = new EmergencyStop(this.journal);
   readonly formation = new FormationDraft(this.session, this.targets, this.journal, () => this.watch.references);
+  readonly presence = new Presence(this.session);
   readonly navigation = new Navigation();
   readonly map = new MapState();
 }

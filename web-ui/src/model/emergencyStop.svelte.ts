@@ -5,7 +5,6 @@ import { ApiError, emergencyStop, unlockEmergencyStop } from '../protocol/rest';
 import type { Targets } from '../protocol/types';
 import { idRanges } from './idRanges';
 import type { Journal } from './journal.svelte';
-import type { Watch } from './watch.svelte';
 
 /** After unlocking nothing is stopped for so long: the second click of a double click is no second step. */
 export const SETTLE_MS = 500;
@@ -21,13 +20,11 @@ export class EmergencyStop {
   busy = $state(false);
   outcome = $state.raw<EmergencyOutcome>(null);
 
-  readonly #watch: Watch;
   readonly #journal: Journal;
   #key = '';
   #timer: ReturnType<typeof setInterval> | undefined;
 
-  constructor(watch: Watch, journal: Journal) {
-    this.#watch = watch;
+  constructor(journal: Journal) {
     this.#journal = journal;
   }
 
@@ -80,7 +77,6 @@ export class EmergencyStop {
     } catch (error) {
       this.#fail(`Emergency stop of ${who} failed`, error);
     }
-    this.#watch.refreshSafety();
   }
 
   /** Forgets the key. */

@@ -3,7 +3,6 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { EmergencyStop, SETTLE_MS } from './emergencyStop.svelte';
 import type { Journal } from './journal.svelte';
-import type { Watch } from './watch.svelte';
 
 const sent: { path: string; body: unknown }[] = [];
 let answer: (path: string) => Response;
@@ -11,8 +10,7 @@ let answer: (path: string) => Response;
 function made() {
   const notices: string[] = [];
   const journal = { notice: (_: string, __: string, text: string) => notices.push(text) } as unknown as Journal;
-  const watch = { refreshSafety: () => {} } as unknown as Watch;
-  return { stop: new EmergencyStop(watch, journal), notices };
+  return { stop: new EmergencyStop(journal), notices };
 }
 
 beforeEach(() => {

@@ -50,7 +50,7 @@ it('a path looks along its first leg, a single point nowhere', () => {
 
 describe('flownText', () => {
   const flown = (part: Partial<FormationSnapshot>): FormationSnapshot => ({
-    request: requestOf(FORM), leader: 2, anchor: null, keeps_itself: false, max_speed_m_s: 5, members: [2, 3, 4], route: null,
+    request: requestOf(FORM), leader: 2, anchor: null, keeps_itself: false, max_speed_m_s: 5, members: [2, 3, 4], view_blocked: [], route: null,
     route_finished: false, settled_at: 0, planned_min_distance_m: 4, intent_version: 1, ...part,
   });
 
@@ -60,6 +60,10 @@ describe('flownText', () => {
     expect(about(PLACE)).toBe(' of 3, 5 m apart, about a fixed place');
     expect(about({ kind: 'reference', name: 'car' })).toBe(' of 3, 5 m apart, about car');
     expect(about({ kind: 'path', route: { waypoints: [], speed_m_s: 5, corner_radius_m: 0 } })).toBe(' of 3, 5 m apart, along a path');
+  });
+
+  it('says whose camera sees nothing but the others', () => {
+    expect(flownText(flown({ view_blocked: [3, 4] })).rest).toBe(' of 3, 5 m apart, behind 2; no free view for 3-4');
   });
 
   it('says scale and control where they are not as usual', () => {

@@ -2,6 +2,7 @@
 
 import type { FormationAnchor, FormationRequest, FormationSnapshot, OffsetFrd, Shape } from '../protocol/types';
 import { label } from '../protocol/words';
+import { idRanges } from './idRanges';
 
 /** All shapes, in the order they are offered. */
 export const SHAPES: readonly Shape[] = [
@@ -32,7 +33,8 @@ export function flownText(flown: FormationSnapshot): { shape: string; rest: stri
   const { request } = flown;
   const scaled = request.scale === 1 ? '' : `, ${request.scale} times as large`;
   const kept = flown.keeps_itself ? `, keeps itself by ${request.control}` : '';
-  const rest = ` of ${flown.members.length}, ${request.spacing_m} m apart${scaled}, ${anchorText(request.anchor, flown.leader)}${kept}`;
+  const blocked = flown.view_blocked.length === 0 ? '' : `; no free view for ${idRanges(flown.view_blocked)}`;
+  const rest = ` of ${flown.members.length}, ${request.spacing_m} m apart${scaled}, ${anchorText(request.anchor, flown.leader)}${kept}${blocked}`;
   return { shape: label(request.shape), rest };
 }
 

@@ -3,13 +3,13 @@ import type { ItemStatus, PreflightAnswer, PreflightItem } from '../protocol/typ
 import { limitText, mayBeOverridden, overrideOf, viewOf } from './preflight';
 
 const item = (id: string, status: ItemStatus): PreflightItem => ({
-  id, title: id, status, value: '5', number: 5, unit: 'm', limit: 6, why: 'because',
+  id, title: id, status, value: '5', number: 5, unit: 'm', limit: 6, why: 'because', may_be_overridden: status === 'red' && id !== 'position',
 });
 const report = (vehicle: number | null, ...items: PreflightItem[]) => ({ vehicle, items, made_at: 0 });
 const ANSWER: PreflightAnswer = {
   swarm: report(null, item('coordinator', 'green')),
   vehicles: [
-    report(1, item('link', 'green'), item('battery', 'amber')),
+    report(1, item('on_ground', 'not_applicable'), item('link', 'green'), item('battery', 'amber')),
     report(2, item('on_ground', 'red'), item('link', 'green')),
     report(3, item('link', 'green'), item('home', 'red')),
   ],
@@ -21,12 +21,12 @@ describe('viewOf', () => {
     const view = viewOf(ANSWER, () => false);
     expect(view.reports.map((r) => r.report.vehicle)).toEqual([null, 2, 3, 1]);
     expect(view.reports[2]!.items.map((i) => i.status)).toEqual(['red', 'green']);
-    expect(view.counts).toEqual({ red: 2, amber: 1, green: 4 });
+    expect(view.counts).toEqual({ red: 2, amber: 1, green: 4, not_applicable: 1 });
   });
 
   it('what flies is not counted and stands last', () => {
     const view = viewOf(ANSWER, (id) => id === 2);
-    expect(view.counts).toEqual({ red: 1, amber: 1, green: 3 });
+    expect(view.counts).toEqual({ red: 1, amber: 1, green: 3, not_applicable: 1 });
     expect(view.reports.map((r) => r.report.vehicle)).toEqual([null, 3, 1, 2]);
     expect(view.reports.at(-1)!.flying).toBe(true);
   });

@@ -3,10 +3,7 @@
 import type { ItemStatus, PreflightAnswer, PreflightItem, PreflightOverride, PreflightReport } from '../protocol/types';
 import { quantity } from './vehicleSafety';
 
-/** Items that the server lets nobody override. */
-export const NEVER_OVERRIDDEN: ReadonlySet<string> = new Set(['position', 'duplicate_system_id', 'model']);
-
-const RANK: Record<ItemStatus, number> = { red: 0, amber: 1, green: 2 };
+const RANK: Record<ItemStatus, number> = { red: 0, amber: 1, green: 2, not_applicable: 3 };
 
 export type Counts = Record<ItemStatus, number>;
 
@@ -18,18 +15,18 @@ export type PreflightView = {
 };
 
 export function countItems(items: readonly PreflightItem[]): Counts {
-  const counts: Counts = { red: 0, amber: 0, green: 0 };
+  const counts: Counts = { red: 0, amber: 0, green: 0, not_applicable: 0 };
   for (const item of items) counts[item.status]++;
   return counts;
 }
 
 /** `flying` says who is in the air: what is asked before arming means nothing of them. */
 export function viewOf(answer: PreflightAnswer, flying: (vehicle: number) => boolean): PreflightView {
-  const counts: Counts = { red: 0, amber: 0, green: 0 };
+  const counts: Counts = { red: 0, amber: 0, green: 0, not_applicable: 0 };
   const reports = [answer.swarm, ...answer.vehicles].map((report) => {
     const inAir = report.vehicle !== null && flying(report.vehicle);
     const own = countItems(report.items);
-    if (!inAir) for (const status of ['red', 'amber', 'green'] as const) counts[status] += own[status];
+    if (!inAir) for (const status of ['red', 'amber', 'green', 'not_applicable'] as const) counts[status] += own[status];
     const items = [...report.items].sort((a, b) => RANK[a.status] - RANK[b.status]);
     return { report, counts: own, items, flying: inAir };
   });
@@ -58,6 +55,7 @@ export function overrideOf(
   );
 }
 
+/** Whether the server would let a permitted operator override an item. */
 export function mayBeOverridden(item: PreflightItem): boolean {
-  return item.status === 'red' && !NEVER_OVERRIDDEN.has(item.id);
+  return item.status === 'red' && item.may_be_overridden;
 }

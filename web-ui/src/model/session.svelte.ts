@@ -4,11 +4,10 @@
 import { getEvents, measureLatencyMs } from '../protocol/rest';
 import { Stream, streamUrl } from '../protocol/stream';
 import type { StreamState } from '../protocol/stream';
-import type { EventRecord, FleetInfo, VehicleInfo, VehicleSnapshot } from '../protocol/types';
+import type { EventRecord, FleetInfo, VehicleInfo, VehicleSafety } from '../protocol/types';
 import { Fleet } from '../telemetry/fleet';
 import type { Commander } from './commander.svelte';
 import type { Journal } from './journal.svelte';
-import type { VehicleSafety } from './vehicleSafety';
 import { VehicleRow } from './vehicleRow.svelte';
 
 /** How often the list is brought up to date. */
@@ -23,6 +22,7 @@ const RESTART_MS = 2000;
 
 const NO_INFO: FleetInfo = {
   frame: null, vehicles: [], unadopted: [], formation: null, actors: [], faults_enabled: false,
+  dead_man: { state: 'off', warns_after_s: null },
 };
 
 export class Session {
@@ -68,6 +68,7 @@ export class Session {
       state: (state) => this.#onState(state),
       frame: (buffer) => this.#onFrame(buffer),
       fleet: (info) => this.#onFleet(info),
+      safety: (vehicles) => this.#onSafety(vehicles),
       event: (event) => (this.#historyLoaded ? this.#takeEvent(event) : this.#waiting.push(event)),
       gap: (missed) => journal.notice('warning', 'stream', `${missed} events did not reach this page`),
       unreadable: (why) => journal.notice('warning', 'stream', why),
@@ -102,11 +103,6 @@ export class Session {
   /** Calls `listener` with the first frame of every connection. */
   onLive(listener: () => void): void {
     this.#liveListeners.push(listener);
-  }
-
-  /** Takes what the stream does not carry; it shows with the next tick. */
-  takeVehicles(vehicles: readonly VehicleSnapshot[]): void {
-    this.#safetyById = new Map(vehicles.map(({ id, ladder, energy, avoiding, stopped }) => [id, { ladder, energy, avoiding, stopped }]));
   }
 
   /** What the node's clock says now, in ms. */
@@ -216,6 +212,11 @@ export class Session {
     this.info = info;
     this.#infoById = new Map(info.vehicles.map((v) => [v.id, v]));
     this.fleet.setOrigin(info.frame?.origin ?? null);
+  }
+
+  /** It shows with the next tick. */
+  #onSafety(vehicles: readonly VehicleSafety[]): void {
+    for (const safety of vehicles) this.#safetyById.set(safety.id, safety);
   }
 
   #beat(): void {

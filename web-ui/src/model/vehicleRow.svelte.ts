@@ -2,8 +2,7 @@
 // DOM. Numbers are already text here: formatting happens once per tick, not per component.
 
 import { FLAG } from '../protocol/frame';
-import type { VehicleInfo } from '../protocol/types';
-import type { FlightMode, FlightState, GnssFix } from '../protocol/types';
+import type { FlightMode, FlightState, GnssFix, VehicleInfo, VehicleSafety } from '../protocol/types';
 import { FLIGHT_MODES, FLIGHT_STATES, GNSS_FIXES, LANDED_STATES } from '../protocol/words';
 import type { Fleet } from '../telemetry/fleet';
 import { ageText, classify } from '../telemetry/staleness';
@@ -11,7 +10,6 @@ import type { Staleness } from '../telemetry/staleness';
 import { LEVEL, problemsOf, worst } from './severity';
 import type { Level } from './severity';
 import { percentText, returnText, safetyProblems } from './vehicleSafety';
-import type { VehicleSafety } from './vehicleSafety';
 
 /** What stands where a value is not known. */
 export const UNKNOWN = '–';

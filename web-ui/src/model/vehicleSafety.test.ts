@@ -2,7 +2,7 @@ import { describe, expect, it } from 'vitest';
 import type { Alarm, EnergyState, Order } from '../protocol/types';
 import { LEVEL, worst } from './severity';
 import { alarmText, avoidanceText, durationText, orderText, quantity, returnText, safetyProblems } from './vehicleSafety';
-import type { VehicleSafety } from './vehicleSafety';
+import type { VehicleSafety } from '../protocol/types';
 
 const WELL: VehicleSafety = { ladder: null, energy: null, avoiding: null, stopped: false };
 const ALARM: Alarm = { trigger: 'link_loss', value: 4.25, limit: 3, unit: 's', since: 10_000_000, reaction: 'return', report_only: null };

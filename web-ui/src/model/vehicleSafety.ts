@@ -1,13 +1,10 @@
 // What the safety functions of the node say of one vehicle, in the words an operator reads: the ladder's alarms and its order, the
 // charge against the way home, whom it gives way to. Must never decide anything: limits and reactions are the server's. Pure.
 
-import type { Alarm, Avoidance, EnergyState, LadderState, Order, Reaction, VehicleSnapshot } from '../protocol/types';
+import type { Alarm, Avoidance, EnergyState, LadderState, Order, Reaction, VehicleSafety } from '../protocol/types';
 import { label, spoken } from '../protocol/words';
 import { LEVEL } from './severity';
 import type { Level, Problem } from './severity';
-
-/** The fields of a vehicle's snapshot that the stream does not carry. */
-export type VehicleSafety = Pick<VehicleSnapshot, 'ladder' | 'energy' | 'avoiding' | 'stopped'>;
 
 const REACTIONS: Record<Reaction, string> = {
   warn: 'warning only',

@@ -1,13 +1,11 @@
-// What the stream does not carry, asked for at a pace that fits it: the safety fields of the vehicles, the fences in force, the
-// preflight report, the references. Events about them bring the question forward. Must never ask while nobody looks.
+// What the stream does not carry, asked for at a pace that fits it: the fences in force, the preflight report, the references. Events about them bring the question forward. Must never ask while nobody looks.
 
-import { getFences, getPreflight, getReferences, getVehicles } from '../protocol/rest';
+import { getFences, getPreflight, getReferences } from '../protocol/rest';
 import type { EventRecord, FenceAnswer, PreflightAnswer, ReferenceSnapshot } from '../protocol/types';
 import type { Session } from './session.svelte';
 
-const SAFETY_EVERY_MS = 1500;
-/** Above so many vehicles the pace goes down with their number: one answer holds them all. */
-const SAFETY_FULL_PACE = 40;
+/** Above so many vehicles the pace of the preflight report goes down with their number: one answer holds them all. */
+const FULL_PACE = 40;
 const FENCES_EVERY_MS = 4000;
 const PREFLIGHT_EVERY_MS = 2500;
 const REFERENCES_EVERY_MS = 1000;
@@ -59,7 +57,6 @@ export class Watch {
   references = $state.raw<readonly ReferenceSnapshot[]>([]);
 
   readonly #session: Session;
-  readonly #safety: Pulse;
   readonly #fencePulse: Pulse;
   readonly #preflightPulse: Pulse;
   readonly #referencePulse: Pulse;
@@ -67,22 +64,19 @@ export class Watch {
   constructor(session: Session) {
     this.#session = session;
     const live = () => session.canCommand;
-    const crowd = () => Math.max(1, session.rows.length / SAFETY_FULL_PACE);
-    this.#safety = new Pulse(async () => session.takeVehicles(await getVehicles()), () => SAFETY_EVERY_MS * crowd(), live);
+    const crowd = () => Math.max(1, session.rows.length / FULL_PACE);
     this.#fencePulse = new Pulse(async () => void (this.fences = await getFences()), () => FENCES_EVERY_MS, live);
     this.#preflightPulse = new Pulse(async () => void (this.preflight = await getPreflight()), () => PREFLIGHT_EVERY_MS * crowd(), live);
     this.#referencePulse = new Pulse(async () => void (this.references = await getReferences()), () => REFERENCES_EVERY_MS, live);
   }
 
   start(): void {
-    this.#safety.start();
     this.#fencePulse.start();
     this.#preflightPulse.start();
     this.#session.onEvent((event) => this.#event(event));
     this.#session.onLive(() => {
-      for (const pulse of [this.#safety, this.#fencePulse, this.#preflightPulse]) pulse.soon();
+      for (const pulse of [this.#fencePulse, this.#preflightPulse]) pulse.soon();
     });
-    document.addEventListener('visibilitychange', () => this.#safety.soon());
   }
 
   /** Asks for the references until the returned function is called. */
@@ -95,17 +89,8 @@ export class Watch {
     this.#preflightPulse.soon();
   }
 
-  refreshSafety(): void {
-    this.#safety.soon();
-  }
-
   #event(event: EventRecord): void {
     switch (event.kind.kind) {
-      case 'ladder':
-      case 'avoidance':
-      case 'emergency_stop':
-        this.#safety.soon();
-        break;
       case 'fences':
         this.#fencePulse.soon();
         this.#preflightPulse.soon();

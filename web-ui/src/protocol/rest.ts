@@ -3,7 +3,7 @@
 import type {
   CommandBody, CommandReceipt, CommandReceipts, EmergencyKey, EmergencyStopBody, ErrorBody, EventList, FenceAnswer, FenceFileBody,
   FencePlan, FencePlanBody, FormationPreview, FormationReceipt, FormationRequest, ImportedFencePlan, OverrideBody, PreflightAnswer,
-  PreflightOverride, ReferenceList, ReferenceSnapshot, Route, RouteBody, Targets, VehicleCommand, VehicleList, VehicleSnapshot,
+  PreflightOverride, ReferenceList, ReferenceSnapshot, Route, RouteBody, Targets, VehicleCommand, VehicleSnapshot,
 } from './types';
 
 /** A call that was answered with an error, or not at all (`status` 0). */
@@ -116,9 +116,9 @@ export async function emergencyStop(key: string, targets: Targets): Promise<Comm
   return ((await (await call('POST', 'emergency-stop', body)).json()) as CommandReceipts).receipts;
 }
 
-/** All vehicles, whole: what the stream does not carry. */
-export async function getVehicles(): Promise<VehicleSnapshot[]> {
-  return ((await (await call('GET', 'vehicles')).json()) as VehicleList).vehicles;
+/** A sign of life of the operator before this page. */
+export async function operatorAlive(): Promise<void> {
+  await call('POST', 'operator/alive');
 }
 
 /** One vehicle, whole. */

@@ -2,7 +2,7 @@
 // Must never keep vehicle state: who listens decides what a message means.
 
 import { waitMs } from './backoff';
-import type { EventRecord, FleetInfo, ServerMessage } from './types';
+import type { EventRecord, FleetInfo, ServerMessage, VehicleSafety } from './types';
 
 /** The server's greeting. */
 export type Hello = Extract<ServerMessage, { type: 'hello' }>;
@@ -25,6 +25,8 @@ export type StreamListener = {
   state(state: StreamState): void;
   frame(buffer: ArrayBuffer): void;
   fleet(info: FleetInfo): void;
+  /** Of all vehicles first, then of those of which it has changed. */
+  safety(vehicles: readonly VehicleSafety[]): void;
   event(event: EventRecord): void;
   /** Events were lost on the way. */
   gap(missed: number): void;
@@ -111,6 +113,9 @@ export class Stream {
         break;
       case 'fleet':
         if (this.#greeted) this.listener.fleet(message);
+        break;
+      case 'safety':
+        if (this.#greeted) this.listener.safety(message.vehicles);
         break;
       case 'event':
         if (this.#greeted) this.listener.event(message);

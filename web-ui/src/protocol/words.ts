@@ -80,6 +80,8 @@ export function refusalText(refusal: Refusal): string {
       return `there is no track ${refusal.track}`;
     case 'preflight':
       return `preflight not met: ${refusal.items.map(spoken).join(', ')}`;
+    case 'clock':
+      return `clock: ${refusal.detail}`;
     case 'unknown_reference':
       return `there is no reference "${refusal.name}"`;
     default:

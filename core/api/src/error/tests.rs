@@ -89,6 +89,12 @@ fn every_refusal() -> Vec<(Refusal, u16)> {
             },
             403,
         ),
+        (
+            Refusal::Clock {
+                detail: "the start has passed".into(),
+            },
+            409,
+        ),
     ]
 }
 

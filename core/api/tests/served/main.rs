@@ -10,3 +10,4 @@ mod node;
 mod raw;
 mod safety;
 mod stream;
+mod trajectories;

@@ -159,6 +159,12 @@ async fn a_formation_is_previewed_without_being_flown() {
         "{wedge}"
     );
     assert!(wedge["smallest_distance_m"].as_f64().unwrap() >= 5.0 - 1e-6);
+    // The leader at the tip looks ahead; nobody of this swarm carries a camera.
+    assert_eq!(
+        (&wedge["views"][0], wedge["views"].as_array().map(Vec::len)),
+        (&json!("ahead"), Some(5))
+    );
+    assert_eq!(wedge["looking"], 0);
     let (_, larger) = served
         .ask("POST", preview, Some(ask("wedge", json!({ "scale": 2.0 }))))
         .await;

@@ -74,6 +74,37 @@ async fn events(served: &Served, count: usize) {
     }
 }
 
+/// The fleet as it is told next, with its dead-man's switch in this state.
+async fn dead_man(client: &mut Client, state: &str) -> Value {
+    next(client, |message| {
+        said(message).filter(|value| value["type"] == "fleet" && value["dead_man"]["state"] == state)
+    })
+    .await
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn it_tells_whether_an_operator_is_heard() {
+    let served = Served::start_with(|config| {
+        let rule = &mut config.safety.ladder.operator_dead_man;
+        rule.mode = skein_domain::ladder::TriggerMode::React;
+        rule.steps = vec![skein_domain::ladder::Step {
+            after_s: 1.5,
+            reaction: skein_domain::Reaction::Warn,
+        }];
+    })
+    .await;
+    let mut client = open(&served, "").await;
+    let unheard = dead_man(&mut client, "unheard").await;
+    assert_eq!(unheard["dead_man"]["warns_after_s"], 1.5);
+    let (status, _) = served.ask("POST", "/api/v1/operator/alive", None).await;
+    assert_eq!(status, 204);
+    dead_man(&mut client, "heard").await;
+    dead_man(&mut client, "silent").await;
+    served.ask("POST", "/api/v1/operator/alive", None).await;
+    dead_man(&mut client, "heard").await;
+    served.stop().await;
+}
+
 fn with_faults(config: &mut skein_config::NodeConfig) {
     config.faults.enabled = true;
 }

@@ -24,6 +24,7 @@ proptest! {
             unit: "GB".into(),
             limit: number,
             why: "pictures would be lost".into(),
+            may_be_overridden: red,
         };
         prop_assert_eq!(crosses(&item), item);
     }
@@ -82,4 +83,28 @@ fn the_worst_item_counts_and_red_ones_block() {
     assert_eq!(report.worst(), ItemStatus::Red);
     assert_eq!(report.blocking().map(|i| i.id.as_str()).collect::<Vec<_>>(), ["b"]);
     assert_eq!(PreflightReport::default().worst(), ItemStatus::Red);
+    // What does not apply is no better and no worse than what is good.
+    assert!(ItemStatus::NotApplicable < ItemStatus::Green);
+}
+
+#[test]
+fn what_is_red_may_be_overridden_but_for_what_never_may() {
+    let item = |id: &str, status| PreflightItem {
+        id: id.into(),
+        status,
+        // Whoever made it has no say in it.
+        may_be_overridden: status != ItemStatus::Red,
+        ..PreflightItem::default()
+    };
+    let report = PreflightReport {
+        items: vec![
+            item("battery", ItemStatus::Red),
+            item("position", ItemStatus::Red),
+            item("home", ItemStatus::Amber),
+            item("not_moving", ItemStatus::NotApplicable),
+        ],
+        ..PreflightReport::default()
+    };
+    let may: Vec<bool> = report.finished().items.iter().map(|i| i.may_be_overridden).collect();
+    assert_eq!(may, [true, false, false, false]);
 }

@@ -9,6 +9,7 @@ use skein_domain::{
     AnchorPlan, AnchorReference, FlightLimits, FormationAnchor, FormationControl, FormationHeading, FormationRequest,
     HeadingRequest, Keeping, KeepingLaw, NodeTime, OffsetFrd, PositionNed, Refusal, Route, VehicleId,
 };
+use skein_flight::formation::View;
 use skein_flight::transition::{self, Change, MotionLimits};
 use skein_flight::{consensus, formation, limits};
 use skein_safety::Gate;
@@ -127,6 +128,7 @@ pub fn plan(input: &PlanInput, peers: &PeerSnapshot) -> Result<Formation, Refusa
         },
         leader,
         anchor,
+        view_blocked: view_blocked(&members, &able, &ends),
         keeping: keeping(input, &members, leader, &ends, basis.heading_rad, planned.duration_s),
         slots: members.iter().copied().zip(planned.moves).skip(skipped).collect(),
         members,
@@ -136,6 +138,18 @@ pub fn plan(input: &PlanInput, peers: &PeerSnapshot) -> Result<Formation, Refusa
         min_distance_m: planned.min_distance_m,
         max_speed_m_s: together.max_speed_m_s * limits::TURN_SPEED_SHARE,
     })
+}
+
+/// Members whose camera is to look out and cannot from their places.
+fn view_blocked(members: &[VehicleId], able: &[FlightLimits], places: &[OffsetFrd]) -> Vec<VehicleId> {
+    let views = formation::views(places);
+    let blocked = |(_, (able, view)): &(&VehicleId, (&FlightLimits, View))| able.keeps_view && *view == View::Blocked;
+    members
+        .iter()
+        .zip(able.iter().zip(views))
+        .filter(blocked)
+        .map(|(id, _)| *id)
+        .collect()
 }
 
 /// Whether everyone's place is one that may be flown to, as far as is known now: about the anchor as it stands. Where it goes later is
@@ -203,7 +217,7 @@ fn choose_leader(input: &PlanInput, members: &[VehicleId], peers: &PeerSnapshot)
 }
 
 /// What each member can do: as its model says, or else as the configuration has it for all.
-fn capabilities(members: &[VehicleId], peers: &PeerSnapshot, limits: &PlanLimits) -> Vec<FlightLimits> {
+pub(super) fn capabilities(members: &[VehicleId], peers: &PeerSnapshot, limits: &PlanLimits) -> Vec<FlightLimits> {
     let assumed = FlightLimits {
         max_speed_m_s: limits.max_speed_m_s,
         max_climb_m_s: limits.transition.climb_m_s,

@@ -1,10 +1,10 @@
-//! The intent that follows from formation and route: one task per vehicle, whose version changes only with the task.
+//! The intent that follows from formation, route and trajectories: one task per vehicle, whose version changes only with the task.
 
 use super::{Coordination, Formation};
 use skein_domain::{Intent, NodeTime, Task, VehicleId, VehicleTask};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The intent that follows from formation and route. Tasks that do not change keep their version, so that nobody starts anew. Who was
+/// The intent that follows from formation, route and trajectories. Tasks that do not change keep their version, so that nobody starts anew. Who was
 /// withdrawn by an operator gets no task at all: a task of a newer version would outrank the operator's command.
 #[must_use]
 pub fn intent(before: &Intent, coordination: &Coordination, withdrawn: &BTreeSet<VehicleId>, now: NodeTime) -> Intent {
@@ -13,6 +13,11 @@ pub fn intent(before: &Intent, coordination: &Coordination, withdrawn: &BTreeSet
         .formation
         .as_ref()
         .map_or_else(BTreeMap::new, |formation| members_tasks(formation, coordination, now));
+    for (id, flight) in coordination.flights.iter().filter(|(_, flight)| flight.is_on()) {
+        wanted
+            .entry(*id)
+            .or_insert_with(|| Task::Fly(flight.trajectory.clone()));
+    }
     // Who had a place in the formation and has none now is told to hold, once.
     for (id, task) in &before.tasks {
         if task.task != Task::Hold && !withdrawn.contains(id) {

@@ -7,6 +7,7 @@ use crate::handle::FormationReceipt;
 use ractor::{ActorRef, RpcReplyPort};
 use skein_domain::exchange::Severity;
 use skein_domain::{FormationAnchor, FormationRequest, Refusal};
+use std::sync::Arc;
 
 /// How often a request is planned anew because the formation changed meanwhile.
 const ATTEMPTS: u8 = 5;
@@ -53,7 +54,10 @@ impl CoordinatorState {
             self.regrouping = true;
         }
         let (generation, input) = (self.generation, self.plan_input(request.clone()));
-        let peers = self.board.peers.load_full();
+        let mut peers = self.board.peers.load_full();
+        if request.members.is_none() {
+            peers = Arc::new(self.without_flights(&peers));
+        }
         let myself = myself.clone();
         tokio::spawn(async move {
             let planned = tokio::task::spawn_blocking(move || coordination::plan(&input, &peers)).await;
@@ -136,6 +140,7 @@ impl CoordinatorState {
             duration_s: formation.settled_at.seconds_since(formation.decided),
             planned_min_distance_m: formation.min_distance_m,
             max_speed_m_s: formation.max_speed_m_s,
+            view_blocked: formation.view_blocked.clone(),
         };
         let behind = formation
             .leader

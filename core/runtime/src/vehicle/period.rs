@@ -1,6 +1,7 @@
 //! One control period of a vehicle: gather what happened, ask the model, carry out what it wants.
 
 use super::VehicleState;
+use super::route::is_upload;
 use crate::board::{PeerEntry, PeerSnapshot};
 use crate::emergency::EMERGENCY_REQUEST;
 use crate::payload::others;
@@ -87,6 +88,7 @@ impl VehicleState {
         let name = &self.cell.name;
         match event {
             LinkEvent::Result { request, outcome } if request == EMERGENCY_REQUEST => self.tell_emergency(&outcome),
+            LinkEvent::Result { request, outcome } if is_upload(request) => self.tell_upload(request, outcome),
             LinkEvent::Result { request, outcome } => {
                 events.push(Event::AutopilotResult {
                     request,

@@ -30,6 +30,7 @@ fn good_vehicle() -> VehicleChecks {
         inside_fence: Some(true),
         has_fence: true,
         landed: LandedState::OnGround,
+        airborne: false,
         speed_m_s: Some(0.03),
         clock_error_s: Some(0.004),
         model: Some(NamedRunning {
@@ -159,6 +160,25 @@ fn each_thing_that_is_wrong_with_a_vehicle_is_its_own_item() {
     for id in ids {
         assert!(wrong.iter().any(|(wrong, ..)| *wrong == id), "{id} is not tested");
     }
+}
+
+#[test]
+fn nothing_is_asked_of_the_ground_in_flight() {
+    let flying = vehicle(|c| {
+        (c.airborne, c.landed, c.speed_m_s) = (true, LandedState::InAir, Some(7.0));
+    });
+    for id in ["on_ground", "not_moving"] {
+        let item = flying.items.iter().find(|i| i.id == id).expect("is there");
+        assert_eq!(
+            (item.status, item.number),
+            (ItemStatus::NotApplicable, None),
+            "{item:?}"
+        );
+    }
+    assert_eq!(may_arm(&flying, &[], now()), Ok(()));
+    // Whoever is not known to fly is asked.
+    let unknown = vehicle(|c| c.landed = LandedState::InAir);
+    assert_eq!(unknown.blocking().map(|i| i.id.as_str()).collect::<Vec<_>>(), ["on_ground"]);
 }
 
 #[test]

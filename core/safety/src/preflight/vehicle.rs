@@ -51,8 +51,10 @@ pub struct VehicleChecks {
     pub inside_fence: Option<bool>,
     /// There is a fence.
     pub has_fence: bool,
-    /// It stands on the ground.
+    /// What its land detector says.
     pub landed: LandedState,
+    /// It is armed and not on the ground: what is asked of a vehicle that stands does not apply.
+    pub airborne: bool,
     /// How fast it moves, in metres per second.
     pub speed_m_s: Option<f64>,
     /// How unsure the offset between its clock and the node's is, in seconds; absent if the offset is not known.
@@ -87,6 +89,7 @@ impl VehicleChecks {
             battery: t.battery.remaining.map(f64::from),
             home_known: t.home.is_some_and(|h| h.is_valid()),
             landed: t.landed,
+            airborne: t.armed && t.landed != LandedState::OnGround,
             speed_m_s: t.velocity.map(|v| v.norm()),
             // Half the way there and back is what the offset can be wrong by.
             clock_error_s: link
@@ -238,19 +241,18 @@ fn place_items(c: &VehicleChecks, s: &PreflightSettings) -> Vec<PreflightItem> {
         (true, Some(false)) => (ItemStatus::Red, "outside"),
         (true, None) => (ItemStatus::Red, "not known"),
     };
+    let in_flight = |subject: Subject| subject.word(ItemStatus::NotApplicable, "in flight");
+    let on_ground = ground.word(must_be(Some(c.landed == LandedState::OnGround)), c.landed.word());
+    let limit_m_s = s.max_ground_speed_m_s;
+    let stands = still.at_most(c.speed_m_s, limit_m_s, limit_m_s, Unit::METRES_PER_S);
     vec![
         home.word(
             must_be(Some(c.home_known)),
             if c.home_known { "known" } else { "not known" },
         ),
         fence.word(fence_status, fence_value),
-        ground.word(must_be(Some(c.landed == LandedState::OnGround)), c.landed.word()),
-        still.at_most(
-            c.speed_m_s,
-            s.max_ground_speed_m_s,
-            s.max_ground_speed_m_s,
-            Unit::METRES_PER_S,
-        ),
+        if c.airborne { in_flight(ground) } else { on_ground },
+        if c.airborne { in_flight(still) } else { stands },
     ]
 }
 

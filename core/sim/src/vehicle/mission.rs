@@ -14,6 +14,7 @@ use mavlink::dialects::common::{
 };
 use nalgebra::Vector3;
 use skein_domain::{FlightMode, Geodetic};
+use std::sync::Arc;
 
 use MavMissionResult::{
     MAV_MISSION_ACCEPTED as ACCEPTED, MAV_MISSION_ERROR as ERROR, MAV_MISSION_NO_SPACE as NO_SPACE,
@@ -45,6 +46,8 @@ struct Transfer {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Mission {
     items: Vec<MISSION_ITEM_INT_DATA>,
+    /// The places among them, for the truth.
+    places: Arc<Vec<Geodetic>>,
     transfer: Option<Transfer>,
     current: usize,
     /// The item that is being flown to.
@@ -66,12 +69,20 @@ impl Mission {
     pub(super) fn restart(&mut self) {
         *self = Self {
             items: std::mem::take(&mut self.items),
+            places: self.places.clone(),
             ..Self::default()
         };
     }
 
+    /// The places that are kept, with the heights as they came: over the sea or over the launch place.
+    pub(super) fn places(&self) -> &Arc<Vec<Geodetic>> {
+        &self.places
+    }
+
     fn replace(&mut self, items: Vec<MISSION_ITEM_INT_DATA>) {
+        let is_place = |item: &&MISSION_ITEM_INT_DATA| item.command == MavCmd::MAV_CMD_NAV_WAYPOINT;
         *self = Self {
+            places: Arc::new(items.iter().filter(is_place).map(place_in).collect()),
             items,
             partner: self.partner,
             ..Self::default()
@@ -304,11 +315,7 @@ impl Vehicle {
 
     /// Where a waypoint lies in the vehicle's own frame.
     fn place_of(&self, item: &MISSION_ITEM_INT_DATA) -> Vector3<f64> {
-        let place = Geodetic {
-            latitude_deg: f64::from(item.x) * 1e-7,
-            longitude_deg: f64::from(item.y) * 1e-7,
-            altitude_amsl_m: f64::from(item.z),
-        };
+        let place = place_in(item);
         let mut own = self.own_frame().position(&place).vector();
         if is_relative(item.frame) {
             own.z = self.home_or_here().z - f64::from(item.z);
@@ -371,5 +378,14 @@ fn problem(item: &MISSION_ITEM_INT_DATA) -> Option<MavMissionResult> {
             (!is_above_sea(item.frame) && !is_relative(item.frame)).then_some(UNSUPPORTED_FRAME)
         }
         _ => Some(UNSUPPORTED),
+    }
+}
+
+/// The place of an item as it stands there.
+fn place_in(item: &MISSION_ITEM_INT_DATA) -> Geodetic {
+    Geodetic {
+        latitude_deg: f64::from(item.x) * 1e-7,
+        longitude_deg: f64::from(item.y) * 1e-7,
+        altitude_amsl_m: f64::from(item.z),
     }
 }

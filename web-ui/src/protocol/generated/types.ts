@@ -378,6 +378,24 @@ capable: boolean,
 priority: number, };
 
 /**
+ * The operator's dead-man's switch.
+ */
+export type DeadMan = { 
+/**
+ * How it stands.
+ */
+state: DeadManState, 
+/**
+ * After how many seconds without a sign of life vehicles in the air begin to react; absent if they never do.
+ */
+warns_after_s: number | null, };
+
+/**
+ * How a dead-man's switch stands.
+ */
+export type DeadManState = "off" | "unheard" | "heard" | "silent";
+
+/**
  * The key of the second step.
  */
 export type EmergencyKey = { 
@@ -509,7 +527,7 @@ refusal: Refusal, } | { "kind": "ladder",
 /**
  * What.
  */
-event: LadderEvent, } | { "kind": "avoidance" } | { "kind": "fences" } | { "kind": "preflight" } | { "kind": "emergency_stop" } | { "kind": "formation" } | { "kind": "supervision", 
+event: LadderEvent, } | { "kind": "avoidance" } | { "kind": "fences" } | { "kind": "preflight" } | { "kind": "emergency_stop" } | { "kind": "formation" } | { "kind": "trajectory" } | { "kind": "supervision", 
 /**
  * Name in the supervision tree.
  */
@@ -722,7 +740,11 @@ actors: Array<ActorHealth>,
 /**
  * Whether faults may be injected here.
  */
-faults_enabled: boolean, };
+faults_enabled: boolean, 
+/**
+ * Whether an operator has to give signs of life, and does.
+ */
+dead_man: DeadMan, };
 
 /**
  * The fleet at one moment.
@@ -850,7 +872,15 @@ slots: Array<OffsetFrd>,
 /**
  * Smallest distance between two of them in metres; null for one alone.
  */
-smallest_distance_m: number | null, };
+smallest_distance_m: number | null, 
+/**
+ * From each place, where a camera can look without another vehicle in its picture.
+ */
+views: Array<SlotView>, 
+/**
+ * How many of the vehicles carry a camera that is to look out of the formation.
+ */
+looking: number, };
 
 /**
  * What a change of formation will look like.
@@ -875,7 +905,11 @@ planned_min_distance_m: number,
 /**
  * How fast it can go as a whole, in metres per second.
  */
-max_speed_m_s: number, };
+max_speed_m_s: number, 
+/**
+ * Members that carry a camera and whose places leave it no free view, neither ahead nor outwards.
+ */
+view_blocked: Array<VehicleId>, };
 
 /**
  * A formation as an operator asks for it.
@@ -966,6 +1000,10 @@ max_speed_m_s: number,
  * Who takes part, leader first.
  */
 members: Array<VehicleId>, 
+/**
+ * Members that carry a camera and whose places leave it no free view, neither ahead nor outwards.
+ */
+view_blocked: Array<VehicleId>, 
 /**
  * The leader's route, if one is being flown.
  */
@@ -1270,7 +1308,49 @@ export type Isolation = "in_process" | "child";
 /**
  * How an item stands.
  */
-export type ItemStatus = "green" | "amber" | "red";
+export type ItemStatus = "not_applicable" | "green" | "amber" | "red";
+
+/**
+ * The planned way of one vehicle.
+ */
+export type JourneyPlan = { 
+/**
+ * The vehicle.
+ */
+vehicle: VehicleId, 
+/**
+ * How long it takes in seconds.
+ */
+duration_s: number, 
+/**
+ * How long the way is, in metres.
+ */
+length_m: number, 
+/**
+ * When it passes each of its waypoints, in seconds after the start.
+ */
+passes_s: Array<number>, 
+/**
+ * Its largest speed in metres per second: never exceeded, and reached to within a few in a thousand.
+ */
+max_speed_m_s: number, 
+/**
+ * Its largest acceleration in metres per second squared.
+ */
+max_acceleration_m_s2: number, };
+
+/**
+ * The way of one vehicle.
+ */
+export type JourneyRequest = { 
+/**
+ * The vehicle.
+ */
+vehicle: VehicleId, 
+/**
+ * The places it passes, in the swarm's frame; it stops at the last.
+ */
+waypoints: Array<PositionNed>, };
 
 /**
  * One thing that happened on the ladder of a vehicle.
@@ -1776,7 +1856,12 @@ limit: number | null,
 /**
  * Why it stands so, or why it matters.
  */
-why: string, };
+why: string, 
+/**
+ * It keeps from arming, and a permitted operator may take that upon himself. Filled in when the report is finished, whoever made
+ * the item.
+ */
+may_be_overridden: boolean, };
 
 /**
  * Red items that a person takes upon themselves. Recorded when it is given and when it is used.
@@ -2077,7 +2162,11 @@ items: Array<string>, } | { "reason": "unknown_reference",
 /**
  * The name asked for.
  */
-name: string, };
+name: string, } | { "reason": "clock", 
+/**
+ * Which, and what would be right.
+ */
+detail: string, };
 
 /**
  * Why a trigger is reported and nothing is done about it.
@@ -2154,6 +2243,23 @@ export type RouteBody = {
 route: Route, };
 
 /**
+ * What became of putting a route on a vehicle.
+ */
+export type RouteUpload = { "is": "sending", 
+/**
+ * So many points.
+ */
+points: number, } | { "is": "held", 
+/**
+ * So many points.
+ */
+points: number, } | { "is": "failed", 
+/**
+ * Why.
+ */
+refusal: Refusal, };
+
+/**
  * What the server says on the stream as text. Readers skip types they do not know.
  */
 export type ServerMessage = { "type": "hello", 
@@ -2168,7 +2274,11 @@ version: string,
 /**
  * Name of the node.
  */
-node: string, } | { "type": "fleet" } & FleetInfo | { "type": "event" } & EventRecord | { "type": "gap", 
+node: string, } | { "type": "fleet" } & FleetInfo | { "type": "safety", 
+/**
+ * By ascending id.
+ */
+vehicles: Array<VehicleSafety>, } | { "type": "event" } & EventRecord | { "type": "gap", 
 /**
  * How many.
  */
@@ -2191,6 +2301,11 @@ export type Severity = "info" | "advisory" | "warning" | "critical";
  * The outline of a formation. What "forward" and "right" mean is the formation's heading.
  */
 export type Shape = "line" | "column" | "wedge" | "echelon_left" | "echelon_right" | "diamond" | "circle" | "arc" | "square" | "grid" | "box" | "sphere" | "helix" | "free";
+
+/**
+ * Where a camera can look from a place of a formation, without another place within 30 degrees of that direction.
+ */
+export type SlotView = "ahead" | "outward" | "blocked";
 
 /**
  * The swarm's one common frame: north-east-down about a geodetic origin that all members share.
@@ -2248,6 +2363,160 @@ velocity: VelocityNed,
  * When that was, on the node's clock.
  */
 time: NodeTime, };
+
+/**
+ * Trajectories that have ended.
+ */
+export type TrajectoriesEnded = { 
+/**
+ * Whose.
+ */
+vehicles: Array<VehicleId>, };
+
+/**
+ * What is made as small as possible along a trajectory.
+ */
+export type TrajectoryKind = "jerk" | "snap";
+
+/**
+ * How trajectories are getting on.
+ */
+export type TrajectoryList = { 
+/**
+ * Now, on the node's clock: what a start is to be told by.
+ */
+time: NodeTime, 
+/**
+ * By ascending vehicle.
+ */
+trajectories: Array<TrajectoryStatus>, };
+
+/**
+ * One reason against a plan.
+ */
+export type TrajectoryObjection = { 
+/**
+ * Whose way it is about; absent if about all of them.
+ */
+vehicle: VehicleId | null, 
+/**
+ * The reason.
+ */
+refusal: Refusal, };
+
+/**
+ * Ways planned together.
+ */
+export type TrajectoryPlan = { 
+/**
+ * When all begin, on the node's clock.
+ */
+start: NodeTime, 
+/**
+ * How long after the plan was made that is, in seconds.
+ */
+starts_in_s: number, 
+/**
+ * When the last of them arrives, in seconds after the start.
+ */
+duration_s: number, 
+/**
+ * None of them comes nearer than this to another or to anything that stands in the air, in metres: a proven lower bound. Heights
+ * count by less, as the separation filter counts them. Absent if there is nothing to come near to.
+ */
+min_distance_m: number | null, 
+/**
+ * Which two come that near.
+ */
+nearest: [VehicleId, VehicleId] | null, 
+/**
+ * One by one.
+ */
+vehicles: Array<JourneyPlan>, };
+
+/**
+ * How a vehicle is getting on with its trajectory.
+ */
+export type TrajectoryProgress = { "is": "waiting" } | { "is": "flying" } | { "is": "flown" } | { "is": "ended", 
+/**
+ * Why.
+ */
+why: string, };
+
+/**
+ * Ways that are planned together: all start at one time and pass their k-th waypoints at one time, as slowly as the slowest needs.
+ */
+export type TrajectoryRequest = { 
+/**
+ * Who flies where.
+ */
+vehicles: Array<JourneyRequest>, 
+/**
+ * How smooth.
+ */
+kind: TrajectoryKind, 
+/**
+ * When it begins.
+ */
+start: TrajectoryStart, 
+/**
+ * No faster than this, in metres per second; as fast as vehicles and gate permit if left out.
+ */
+max_speed_m_s: number | null, 
+/**
+ * The ways are put on the vehicles' autopilots as missions as well. They are flown by setpoints all the same.
+ */
+upload: boolean, };
+
+/**
+ * When all begin, on the node's clock.
+ */
+export type TrajectoryStart = { "when": "soon" } | { "when": "in", 
+/**
+ * Seconds.
+ */
+in_s: number, } | { "when": "at", 
+/**
+ * Microseconds since the node started, as in `GET /api/v1/health`.
+ */
+time: NodeTime, };
+
+/**
+ * A vehicle's trajectory and how it is getting on.
+ */
+export type TrajectoryStatus = { 
+/**
+ * The vehicle.
+ */
+vehicle: VehicleId, 
+/**
+ * When it begins, on the node's clock.
+ */
+start: NodeTime, 
+/**
+ * As planned.
+ */
+plan: JourneyPlan, 
+/**
+ * The waypoints.
+ */
+waypoints: Array<PositionNed>, 
+/**
+ * How many of them it has passed.
+ */
+passed: number, 
+/**
+ * Seconds since the start; negative before it.
+ */
+elapsed_s: number, 
+/**
+ * How it is getting on.
+ */
+progress: TrajectoryProgress, 
+/**
+ * The route on its autopilot; absent if none was asked for.
+ */
+upload: RouteUpload | null, };
 
 /**
  * What may go wrong with one vehicle in flight.
@@ -2428,6 +2697,31 @@ vehicles: Array<VehicleSnapshot>,
  * Those that are heard but not flown.
  */
 unadopted: Array<UnadoptedVehicle>, };
+
+/**
+ * What is wrong with a vehicle, or done to keep it safe. Rounded: what hardly changes is not told again.
+ */
+export type VehicleSafety = { 
+/**
+ * The swarm's id for it.
+ */
+id: VehicleId, 
+/**
+ * What is wrong with it in flight and what is done about it; absent if nothing is.
+ */
+ladder: LadderState | null, 
+/**
+ * Its charge against its way home; absent as long as one of them is not known.
+ */
+energy: EnergyState | null, 
+/**
+ * What is changed of its setpoints at this moment; absent if nothing.
+ */
+avoiding: Avoidance | null, 
+/**
+ * Its motors were stopped in an emergency.
+ */
+stopped: boolean, };
 
 /**
  * One vehicle at one moment.

@@ -1,0 +1,101 @@
+//! Trajectories for everyone outside of the node: planned, flown, ended, and how each is getting on.
+
+use super::{NodeHandle, PLAN_WITHIN};
+use crate::coordination::Flight;
+use crate::coordinator::{CoordinatorMessage, TrajectoryAnswer, TrajectoryAsk};
+use ractor::rpc::CallResult;
+use skein_domain::{
+    NodeTime, Refusal, RouteUpload, TrajectoryObjection, TrajectoryPlan, TrajectoryProgress, TrajectoryRequest,
+    TrajectoryStatus, VehicleId,
+};
+
+impl NodeHandle {
+    /// Plans trajectories and flies them.
+    ///
+    /// # Errors
+    /// Everything that is against them, item by item; nothing has changed then.
+    pub async fn fly_trajectories(
+        &self,
+        request: TrajectoryRequest,
+    ) -> Result<TrajectoryPlan, Vec<TrajectoryObjection>> {
+        self.ask_trajectories(request, true).await
+    }
+
+    /// Plans trajectories without flying them.
+    ///
+    /// # Errors
+    /// As [`Self::fly_trajectories`].
+    pub async fn preview_trajectories(
+        &self,
+        request: TrajectoryRequest,
+    ) -> Result<TrajectoryPlan, Vec<TrajectoryObjection>> {
+        self.ask_trajectories(request, false).await
+    }
+
+    async fn ask_trajectories(&self, request: TrajectoryRequest, fly: bool) -> TrajectoryAnswer {
+        let against = |refusal| Err(vec![TrajectoryObjection { vehicle: None, refusal }]);
+        let not_running = Refusal::NotRunning {
+            what: "the coordinator".into(),
+        };
+        let Some(coordinator) = self.parts.coordinator.load_full() else {
+            return against(not_running);
+        };
+        let asked_at = self.now();
+        let message = |reply| {
+            CoordinatorMessage::PlanTrajectories(Box::new(TrajectoryAsk {
+                request,
+                fly,
+                asked_at,
+                reply,
+            }))
+        };
+        match coordinator.call(message, Some(PLAN_WITHIN)).await {
+            Ok(CallResult::Success(answer)) => answer,
+            Ok(CallResult::Timeout) => against(Refusal::TimedOut {
+                what: "the coordinator".into(),
+                after_s: PLAN_WITHIN.as_secs_f64(),
+            }),
+            _ => against(not_running),
+        }
+    }
+
+    /// Ends all trajectories; who flew one holds. Whose they were.
+    ///
+    /// # Errors
+    /// When the coordinator is not running.
+    pub async fn end_trajectories(&self) -> Result<Vec<VehicleId>, Refusal> {
+        self.coordinate(|reply| CoordinatorMessage::EndTrajectories(reply)).await
+    }
+
+    /// How each is getting on, by ascending id. One that has ended is told of until the vehicle is given another.
+    #[must_use]
+    pub fn trajectories(&self) -> Vec<TrajectoryStatus> {
+        let now = self.now();
+        let flights = self.board.coordination.lock().flights.clone();
+        let upload = |id| self.board.cell(id).and_then(|cell| cell.route.lock().state());
+        flights
+            .into_iter()
+            .map(|(id, flight)| status(flight, upload(id), now))
+            .collect()
+    }
+}
+
+fn status(flight: Flight, upload: Option<RouteUpload>, now: NodeTime) -> TrajectoryStatus {
+    let elapsed_s = now.seconds_since(flight.trajectory.start);
+    let passed = flight.plan.passes_s.iter().filter(|s| **s <= elapsed_s).count();
+    TrajectoryStatus {
+        vehicle: flight.plan.vehicle,
+        start: flight.trajectory.start,
+        passed: u32::try_from(passed).unwrap_or(u32::MAX),
+        elapsed_s,
+        progress: match flight.ended {
+            Some(why) => TrajectoryProgress::Ended { why },
+            None if flight.finished => TrajectoryProgress::Flown,
+            None if elapsed_s < 0.0 => TrajectoryProgress::Waiting,
+            None => TrajectoryProgress::Flying,
+        },
+        plan: flight.plan,
+        waypoints: flight.waypoints,
+        upload,
+    }
+}
