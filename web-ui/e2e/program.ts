@@ -2,6 +2,8 @@
 
 import { spawn } from 'node:child_process';
 import type { ChildProcess } from 'node:child_process';
+import { mkdtempSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
 import { once } from 'node:events';
 import { dirname, join, resolve } from 'node:path';
 import { createInterface } from 'node:readline';
@@ -19,7 +21,17 @@ export class Program {
 
   /** Starts it with vehicles on the ground; port 0 lets the system choose one. */
   static async start(vehicles: number, port = 0): Promise<Program> {
-    const args = ['demo', '--manual', '--vehicles', `${vehicles}`, '--port', `${port}`, '--plugins', PLUGINS];
+    return Program.#run(['demo', '--manual', '--vehicles', `${vehicles}`, '--port', `${port}`, '--plugins', PLUGINS]);
+  }
+
+  /** Starts a node without vehicles, with these lines of configuration. */
+  static async node(lines: readonly string[]): Promise<Program> {
+    const file = join(mkdtempSync(join(tmpdir(), 'skein-')), 'node.toml');
+    writeFileSync(file, [...lines, '[web]', 'listen = "127.0.0.1:0"', '[plugins]', `directories = [${JSON.stringify(PLUGINS)}]`].join('\n'));
+    return Program.#run(['run', '--config', file]);
+  }
+
+  static async #run(args: readonly string[]): Promise<Program> {
     const child = spawn(BINARY, args, { stdio: ['ignore', 'pipe', 'pipe'] });
     const said: string[] = [];
     child.stderr.on('data', (text: Buffer) => said.push(text.toString()));

@@ -13,7 +13,7 @@ try {
   const pages = [];
   for (const [name, width, height] of [
     ['console', 1440, 900],
-    ['console-tablet', 1024, 768],
+    ['console-tablet', 820, 1180],
   ]) {
     const page = await browser.newPage({ viewport: { width, height } });
     await page.goto(address);

@@ -6,15 +6,22 @@ use crate::workspace::Workspace;
 use crate::{browser, demo, ui};
 use anyhow::{Context, Result, ensure};
 use std::io::{BufRead, BufReader};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitCode, Stdio};
 
 /// The script that drives the browser; it runs where the dashboard's packages are.
 const SCRIPT: &str = include_str!("screenshot.mjs");
 
+/// A program that is built already, with this dashboard in it, and its plugins: as the browser tests take them.
+const BINARY: &str = "SKEIN_BINARY";
+const PLUGINS: &str = "SKEIN_PLUGINS";
+
 /// Flies the demo and takes the pictures.
 pub fn run(workspace: &Workspace, into: &Path, vehicles: u16, after_s: u64) -> Result<ExitCode> {
-    demo::build(workspace)?;
+    let built = std::env::var_os(BINARY);
+    if built.is_none() {
+        demo::build(workspace)?;
+    }
     let chromium = browser::chromium()?;
     let into = workspace.root.join(into);
     std::fs::create_dir_all(&into)?;
@@ -43,9 +50,15 @@ struct Flight(Child);
 impl Flight {
     fn start(workspace: &Workspace, vehicles: u16) -> Result<Self> {
         ui::install(workspace)?;
-        let mut command = Command::new(workspace.target.join("release/skein"));
+        let binary = std::env::var_os(BINARY).map_or_else(|| workspace.target.join("release/skein"), PathBuf::from);
+        let mut command = Command::new(binary);
+        if let Some(plugins) = std::env::var_os(PLUGINS) {
+            command.arg("demo").arg("--plugins").arg(plugins);
+        } else {
+            command.arg("demo");
+        }
         command
-            .args(["demo", "--port", "0", "--vehicles", &vehicles.to_string()])
+            .args(["--port", "0", "--vehicles", &vehicles.to_string()])
             .stdin(Stdio::null())
             .stdout(Stdio::piped());
         Ok(Self(command.spawn().context("cannot start the demo")?))

@@ -10,6 +10,7 @@ use skein_api::wire::{FRAME_MAGIC, Field, HEADER_BYTES, Header, RECORD_BYTES, Re
 use skein_config::NodeConfig;
 use skein_domain::FlightState;
 use skein_testkit::{Swarm, patience};
+use std::collections::BTreeMap;
 use std::time::Duration;
 use tokio::net::TcpStream;
 use tokio_tungstenite::tungstenite::Message;
@@ -59,6 +60,7 @@ impl Rest {
 struct Watch {
     stream: WebSocketStream<MaybeTlsStream<TcpStream>>,
     fleet: Value,
+    safety: BTreeMap<u64, Value>,
     events: Vec<Value>,
     frame: Vec<u8>,
 }
@@ -70,6 +72,7 @@ impl Watch {
         Self {
             stream,
             fleet: Value::Null,
+            safety: BTreeMap::new(),
             events: Vec::new(),
             frame: Vec::new(),
         }
@@ -98,6 +101,12 @@ impl Watch {
     fn heard(&mut self, message: Value) {
         match message["type"].as_str().unwrap() {
             "fleet" => self.fleet = message,
+            "safety" => {
+                for vehicle in message["vehicles"].as_array().unwrap() {
+                    let before = self.safety.insert(vehicle["id"].as_u64().unwrap(), vehicle.clone());
+                    assert_ne!(before.as_ref(), Some(vehicle), "only what has changed is told");
+                }
+            }
             "event" => self.events.push(message),
             "hello" => assert_eq!(message["protocol"], 1),
             other => panic!("unexpected {other}: {message}"),
@@ -169,6 +178,11 @@ async fn a_swarm_is_flown_by_rest_and_watched_by_websocket() {
     assert_eq!(read(&watch.frame, Header::FIELDS, "magic"), i64::from(FRAME_MAGIC));
     on_the_ground(&rest).await;
     take_off(&rest, &mut watch).await;
+    assert_eq!(watch.safety.keys().copied().collect::<Vec<_>>(), [1, 2, 3], "told of all of them");
+    for safety in watch.safety.values() {
+        assert!(safety["energy"]["remaining"].as_f64().is_some_and(|share| share > 0.5), "{safety}");
+        assert_eq!((&safety["stopped"], &safety["ladder"]), (&json!(false), &Value::Null));
+    }
     fly_in_formation(&rest, &mut watch).await;
     land(&rest, &mut watch).await;
     swarm.stop().await;

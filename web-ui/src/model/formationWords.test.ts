@@ -63,7 +63,7 @@ describe('flownText', () => {
   });
 
   it('says whose camera sees nothing but the others', () => {
-    expect(flownText(flown({ view_blocked: [3, 4] })).rest).toBe(' of 3, 5 m apart, behind 2; no free view for 3-4');
+    expect(flownText(flown({ view_blocked: [3, 4] })).rest).toBe(' of 3, 5 m apart, behind 2; no free view for 3, 4');
   });
 
   it('says scale and control where they are not as usual', () => {

@@ -4,7 +4,7 @@ import { LEVEL, worst } from './severity';
 import { alarmText, avoidanceText, durationText, orderText, quantity, returnText, safetyProblems } from './vehicleSafety';
 import type { VehicleSafety } from '../protocol/types';
 
-const WELL: VehicleSafety = { ladder: null, energy: null, avoiding: null, stopped: false };
+const WELL: VehicleSafety = { id: 1, ladder: null, energy: null, avoiding: null, stopped: false };
 const ALARM: Alarm = { trigger: 'link_loss', value: 4.25, limit: 3, unit: 's', since: 10_000_000, reaction: 'return', report_only: null };
 const ORDER: Order = { reaction: 'return', trigger: 'link_loss', ordered_at: 12_000_000, effective_at: 13_000_000, recovered: false };
 const ENERGY: EnergyState = {

@@ -395,3 +395,26 @@ fn who_is_not_heard_any_more_is_neither_a_newcomer_nor_a_stray() {
     left.members.retain(|id| *id != VehicleId(4));
     assert_eq!(judging.changed(&left, &[VehicleId(4)], false), None);
 }
+
+#[test]
+fn whose_camera_sees_nothing_but_the_others_is_told() {
+    let mut peers = peers(9);
+    let grid = || FormationRequest::new(Shape::Grid, 5.0);
+    let nobody = plan(&input(grid(), None), &peers).expect("plans");
+    assert_eq!(nobody.view_blocked, [], "nobody carries a camera");
+    for entry in &mut peers.entries {
+        entry.limits = Some(skein_domain::FlightLimits {
+            max_speed_m_s: 10.0,
+            max_climb_m_s: 3.0,
+            max_descent_m_s: 3.0,
+            max_acceleration_m_s2: 3.0,
+            min_turn_radius_m: 0.0,
+            endurance_s: None,
+            keeps_view: true,
+        });
+    }
+    // In three rows of three the one in the middle has others all around it.
+    let formation = plan(&input(grid(), None), &peers).expect("plans");
+    assert_eq!(formation.view_blocked.len(), 1, "{:?}", formation.view_blocked);
+    assert_ne!(Some(formation.view_blocked[0]), formation.leader);
+}

@@ -109,10 +109,9 @@ fn all_begin_at_one_time_and_pass_their_waypoints_at_one_time() {
     }
     assert!((one.plan.length_m - 90.3).abs() < 2.0, "{}", one.plan.length_m);
     assert!((planned.plan.starts_in_s - 2.0).abs() < 1e-9);
-    // Vehicle 3 stands beside the second's way.
+    // At the start they are nearest, and vehicle 3 that stands beside them is no nearer.
     let nearest_m = planned.plan.min_distance_m.expect("there are others");
-    assert!((5.5..6.5).contains(&nearest_m), "{nearest_m}");
-    assert_eq!(planned.plan.nearest, Some((VehicleId(2), VehicleId(3))));
+    assert!((9.0..=10.0).contains(&nearest_m), "{nearest_m}");
     assert!(planned.routes.is_empty());
 }
 
@@ -170,21 +169,25 @@ fn ways_that_meet_are_refused_pair_by_pair() {
 
 #[test]
 fn who_flies_elsewhere_is_met_where_it_will_be() {
-    let mut first = input(&[(1, &[at(60.0, 0.0)])]);
+    let mut first = input(&[(1, &[at(15.0, 5.0), at(60.0, -20.0)])]);
     let planned = plan_trajectories(&first, &peers(2)).expect("can be flown");
-    // The way of the second ends on that of the first: refused until that is past.
+    // Half of the second's way is the first's waypoint: refused where both would be there at one time.
     let mut second = input(&[(2, &[at(30.0, 0.0)])]);
+    let alone = plan_trajectories(&second, &peers(2)).expect("can be flown");
+    let passed_s = planned.flights[&VehicleId(1)].plan.passes_s[0];
+    second.start = first.start.plus_seconds(passed_s - 0.5 * alone.plan.duration_s);
     second.flights = planned.flights.clone();
     let mut peers = peers(2);
     peers.entries[0].flight_state = FlightState::GoingTo;
     assert_eq!(against(&second, &peers), [(Some(2), "too_close")]);
+    let met_at = second.start;
     second.start = first.start.plus_seconds(0.8 * planned.plan.duration_s);
     second.now = second.start.plus_seconds(-1.0);
     assert!(plan_trajectories(&second, &peers).is_ok());
     // Who has left its trajectory is where it stands.
     let flight = second.flights.get_mut(&VehicleId(1)).expect("is there");
     flight.ended = Some("commanded otherwise".into());
-    second.start = first.start;
+    second.start = met_at;
     second.now = now();
     assert!(plan_trajectories(&second, &peers).is_ok());
     first.members = vec![VehicleId(1)];
@@ -253,4 +256,28 @@ fn a_mission_has_every_waypoint_and_its_speeds() {
     }
     let speeds = route.iter().filter_map(|point| point.speed_m_s);
     assert!(speeds.clone().count() == route.len() && speeds.fold(0.0, f64::max) <= 12.0);
+}
+
+#[test]
+fn a_trajectory_is_a_task_until_it_has_ended() {
+    use crate::coordination::{Coordination, intent};
+    use skein_domain::{Intent, Task};
+    let planned = plan_trajectories(&input(&[(1, &[at(30.0, 0.0)]), (2, &[at(30.0, 10.0)])]), &peers(2));
+    let mut coordination = Coordination {
+        flights: planned.expect("can be flown").flights,
+        ..Coordination::default()
+    };
+    let nobody = BTreeSet::new();
+    let first = intent(&Intent::default(), &coordination, &nobody, now());
+    assert!(first.tasks.values().all(|t| matches!(t.task, Task::Fly(_))) && first.tasks.len() == 2);
+    let same = intent(&first, &coordination, &nobody, now());
+    assert_eq!(same.tasks, first.tasks, "nobody begins anew");
+    // One is commanded by an operator, whose command no task may outrank; the other is told to hold when all is ended.
+    let withdrawn = BTreeSet::from([VehicleId(1)]);
+    for flight in coordination.flights.values_mut() {
+        flight.ended = Some("ended by an operator".into());
+    }
+    let ended = intent(&same, &coordination, &withdrawn, now());
+    assert_eq!(ended.tasks.keys().collect::<Vec<_>>(), [&VehicleId(2)]);
+    assert_eq!(ended.tasks[&VehicleId(2)].task, Task::Hold);
 }
