@@ -14,7 +14,8 @@ use crate::wire::{self, Field, Header, Record, flag};
 use skein_config::PayloadRule;
 use skein_domain::payload::{CameraCommand, CameraState, GimbalCommand, GimbalState, RadioCommand, RadioState};
 use skein_domain::{
-    FlightMode, FlightState, FormationRequest, GnssFix, LandedState, TrajectoryObjection, TrajectoryPlan, TrajectoryRequest,
+    FlightMode, FlightState, FormationRequest, GnssFix, LandedState, TrajectoryObjection, TrajectoryPlan,
+    TrajectoryRequest,
 };
 use skein_runtime::snapshot::FleetSnapshot;
 use skein_runtime::{

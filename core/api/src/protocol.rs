@@ -11,7 +11,9 @@ use skein_domain::{
     EnergyState, Geodetic, LadderState, NodeTime, OffsetFrd, Route, SwarmFrame, SystemId, TrajectoryStatus,
     VehicleCommand, VehicleId,
 };
-use skein_runtime::snapshot::{ActorHealth, Avoidance, EventRecord, FormationSnapshot, UnadoptedVehicle, VehicleSnapshot};
+use skein_runtime::snapshot::{
+    ActorHealth, Avoidance, EventRecord, FormationSnapshot, UnadoptedVehicle, VehicleSnapshot,
+};
 use skein_runtime::{CommandReceipt, PayloadSnapshot, PluginInfo, ReferenceSnapshot, RestartRecord, Targets};
 use ts_rs::TS;
 

@@ -42,7 +42,11 @@ pub(crate) async fn preview(
     Body(request): Body<FormationRequest>,
 ) -> Result<Json<FormationPreview>, ApiError> {
     let snapshot = app.node.snapshot();
-    let count = request.members.as_ref().map_or(snapshot.vehicles.len(), Vec::len).max(1);
+    let count = request
+        .members
+        .as_ref()
+        .map_or(snapshot.vehicles.len(), Vec::len)
+        .max(1);
     let takes_part = |id| request.members.as_ref().is_none_or(|members| members.contains(id));
     let looks = |vehicle: &&VehicleSnapshot| vehicle.limits.is_some_and(|limits| limits.keeps_view);
     let members = snapshot.vehicles.iter().filter(|vehicle| takes_part(&vehicle.id));

@@ -237,7 +237,8 @@ impl Client {
         if vehicles.is_empty() {
             return Ok(());
         }
-        self.safety.extend(vehicles.iter().map(|safety| (safety.id, safety.clone())));
+        self.safety
+            .extend(vehicles.iter().map(|safety| (safety.id, safety.clone())));
         self.say(&ServerMessage::Safety { vehicles }).await
     }
 

@@ -59,9 +59,11 @@ async fn a_shape_kept_by_directions_stays_as_it_is_behind_a_leader_that_moves() 
     let receipt = put(&swarm, "/api/v1/formation", &body).await;
     assert_eq!(receipt["leader"], 1);
     swarm
-        .until("the members keep their places by themselves", Duration::from_secs(40), |fleet| {
-            fleet.formation.as_ref().is_some_and(|f| f.keeps_itself)
-        })
+        .until(
+            "the members keep their places by themselves",
+            Duration::from_secs(40),
+            |fleet| fleet.formation.as_ref().is_some_and(|f| f.keeps_itself),
+        )
         .await;
     let wanted = planned(&swarm);
     swarm
@@ -72,9 +74,7 @@ async fn a_shape_kept_by_directions_stays_as_it_is_behind_a_leader_that_moves() 
 
     // Out and, after a corner, off to the side: directions do not turn with it.
     let leader = swarm.simulation().truth().vehicle(1).unwrap().position;
-    let corner = |north: f64, east: f64| {
-        json!({ "north_m": leader.north_m + north, "east_m": leader.east_m + east, "down_m": leader.down_m })
-    };
+    let corner = |north: f64, east: f64| json!({ "north_m": leader.north_m + north, "east_m": leader.east_m + east, "down_m": leader.down_m });
     let route = json!({ "route": { "waypoints": [corner(40.0, 0.0), corner(40.0, 30.0)], "speed_m_s": 4.0, "corner_radius_m": 8.0 } });
     put(&swarm, "/api/v1/formation/route", &route).await;
     let worst = std::cell::Cell::new((0.0_f64, f64::INFINITY));

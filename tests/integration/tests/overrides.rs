@@ -29,9 +29,17 @@ async fn start() -> Swarm {
         config.safety.preflight.min_satellites = 60;
         config.operators = vec![
             // Of "password".
-            operator("anna", "5e884898da28047151d0e56f8dc6292773603d0d6aabbdd62a11ef721d1542d8", true),
+            operator(
+                "anna",
+                "5e884898da28047151d0e56f8dc6292773603d0d6aabbdd62a11ef721d1542d8",
+                true,
+            ),
             // Of "secret".
-            operator("bert", "2bb80d537b1da3e38bd30361aa855686bde0eacd7162fef6a25fe97bf527a25b", false),
+            operator(
+                "bert",
+                "2bb80d537b1da3e38bd30361aa855686bde0eacd7162fef6a25fe97bf527a25b",
+                false,
+            ),
         ];
     })
     .await
@@ -113,7 +121,10 @@ fn on_record(swarm: &Swarm) {
     let recorded = recorded(swarm);
     let told = |says: &str| {
         let fits = |(vehicle, text): &&(Option<VehicleId>, String)| {
-            *vehicle == Some(VehicleId(1)) && [says, ITEM, "anna", "an indoor test"].iter().all(|part| text.contains(part))
+            *vehicle == Some(VehicleId(1))
+                && [says, ITEM, "anna", "an indoor test"]
+                    .iter()
+                    .all(|part| text.contains(part))
         };
         recorded.iter().any(|e| fits(&e))
     };

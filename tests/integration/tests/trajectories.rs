@@ -40,9 +40,7 @@ fn place(fleet: &FleetSnapshot, id: u16) -> PositionNed {
 
 /// A body that sends each of these vehicles along these offsets from a place.
 fn request(ways: &[(u16, PositionNed, &[[f64; 3]])], more: Value) -> Value {
-    let point = |from: &PositionNed, [north_m, east_m, down_m]: &[f64; 3]| {
-        json!({ "north_m": from.north_m + north_m, "east_m": from.east_m + east_m, "down_m": from.down_m + down_m })
-    };
+    let point = |from: &PositionNed, [north_m, east_m, down_m]: &[f64; 3]| json!({ "north_m": from.north_m + north_m, "east_m": from.east_m + east_m, "down_m": from.down_m + down_m });
     let vehicles: Vec<Value> = ways
         .iter()
         .map(|(id, from, way)| {
@@ -272,10 +270,7 @@ async fn left_for_a_command(swarm: &Swarm) {
     let over = NodeTime(plan["start"].as_u64().unwrap()).plus_seconds(2.5);
     swarm.until("they fly", FLIGHT, |fleet| fleet.time > over).await;
     let one = Targets::Vehicles(vec![VehicleId(2)]);
-    assert_eq!(
-        swarm.node().command(&one, VehicleCommand::Hold).await[0].refusal,
-        None
-    );
+    assert_eq!(swarm.node().command(&one, VehicleCommand::Hold).await[0].refusal, None);
     swarm
         .until("the commanded one has left", FLIGHT, |_| {
             let all = progress(swarm);
@@ -310,7 +305,10 @@ async fn a_route_is_put_on_the_vehicle_that_flies_it() {
     let truth = swarm.simulation().truth();
     let held = truth.vehicle(1).unwrap().mission.clone();
     assert_eq!(held.len() as u64, points, "every point is there");
-    assert!(truth.vehicle(2).unwrap().mission.is_empty(), "nobody else was given one");
+    assert!(
+        truth.vehicle(2).unwrap().mission.is_empty(),
+        "nobody else was given one"
+    );
     let frame = fleet.frame.unwrap();
     let end = frame.position(held.last().unwrap());
     let off_m = end.distance_m(&from.moved(way[2].into()));

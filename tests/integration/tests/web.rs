@@ -178,9 +178,16 @@ async fn a_swarm_is_flown_by_rest_and_watched_by_websocket() {
     assert_eq!(read(&watch.frame, Header::FIELDS, "magic"), i64::from(FRAME_MAGIC));
     on_the_ground(&rest).await;
     take_off(&rest, &mut watch).await;
-    assert_eq!(watch.safety.keys().copied().collect::<Vec<_>>(), [1, 2, 3], "told of all of them");
+    assert_eq!(
+        watch.safety.keys().copied().collect::<Vec<_>>(),
+        [1, 2, 3],
+        "told of all of them"
+    );
     for safety in watch.safety.values() {
-        assert!(safety["energy"]["remaining"].as_f64().is_some_and(|share| share > 0.5), "{safety}");
+        assert!(
+            safety["energy"]["remaining"].as_f64().is_some_and(|share| share > 0.5),
+            "{safety}"
+        );
         assert_eq!((&safety["stopped"], &safety["ladder"]), (&json!(false), &Value::Null));
     }
     fly_in_formation(&rest, &mut watch).await;

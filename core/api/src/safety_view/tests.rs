@@ -28,13 +28,7 @@ fn a_charge_that_hardly_changes_is_told_once() {
 
 #[test]
 fn values_keep_their_first_digits() {
-    for (value, told) in [
-        (0.0, 0.0),
-        (5.43, 5.4),
-        (-12.7, -13.0),
-        (0.3049, 0.3),
-        (1234.0, 1200.0),
-    ] {
+    for (value, told) in [(0.0, 0.0), (5.43, 5.4), (-12.7, -13.0), (0.3049, 0.3), (1234.0, 1200.0)] {
         assert!((to_digits(value) - told).abs() < 1e-9, "{value}: {}", to_digits(value));
     }
     assert!(to_digits(f64::NAN).is_nan());

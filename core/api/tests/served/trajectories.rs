@@ -58,7 +58,11 @@ async fn what_makes_no_sense_is_told_with_its_place() {
     for path in [PATH, "/api/v1/trajectories/preview"] {
         for (code, says, change) in wrong {
             let (status, refused) = served.ask("POST", path, Some(body(change))).await;
-            assert_eq!((status, refused["error"]["code"].as_str()), (422, Some(*code)), "{refused}");
+            assert_eq!(
+                (status, refused["error"]["code"].as_str()),
+                (422, Some(*code)),
+                "{refused}"
+            );
             let message = refused["error"]["message"].as_str().unwrap_or_default();
             assert!(message.contains(says), "{says}: {message}");
         }
@@ -80,7 +84,12 @@ async fn everything_that_is_against_them_is_told() {
     let against = refused["error"]["detail"]["against"].as_array().unwrap().clone();
     let reasons: Vec<_> = against
         .iter()
-        .map(|o| (o["vehicle"].as_u64(), o["refusal"]["reason"].as_str().unwrap_or_default()))
+        .map(|o| {
+            (
+                o["vehicle"].as_u64(),
+                o["refusal"]["reason"].as_str().unwrap_or_default(),
+            )
+        })
         .collect();
     assert_eq!(
         reasons,
@@ -91,7 +100,11 @@ async fn everything_that_is_against_them_is_told() {
         ]
     );
     let (_, refused) = served
-        .ask("POST", PATH, Some(body(|b| b["start"] = json!({ "when": "at", "time": 1 }))))
+        .ask(
+            "POST",
+            PATH,
+            Some(body(|b| b["start"] = json!({ "when": "at", "time": 1 }))),
+        )
         .await;
     let refusal = &refused["error"]["detail"]["against"][0]["refusal"];
     assert_eq!(refusal["reason"], "clock", "{refused}");

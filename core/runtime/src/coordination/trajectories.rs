@@ -340,8 +340,9 @@ fn apart(input: &TrajectoryInput, peers: &PeerSnapshot, ways: &[(VehicleId, Traj
             if nearest.is_none_or(|(least_m, ..)| distance_m < least_m) {
                 nearest = Some((distance_m, *id, *other));
             }
-            // Written so that what is not a number is too close.
-            if !(distance_m >= limit_m) {
+            let apart = distance_m >= limit_m;
+            // What is not a number is too close.
+            if !apart {
                 let other = *other;
                 against.push(objection(
                     *id,

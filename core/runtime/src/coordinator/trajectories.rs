@@ -275,7 +275,11 @@ impl CoordinatorState {
         self.publish();
         for (id, finished, why) in left {
             let severity = if finished { Severity::Info } else { Severity::Advisory };
-            self.tell_trajectory(Some(id), severity, format!("vehicle {id} has left its trajectory: {why}"));
+            self.tell_trajectory(
+                Some(id),
+                severity,
+                format!("vehicle {id} has left its trajectory: {why}"),
+            );
         }
     }
 

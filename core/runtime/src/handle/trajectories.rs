@@ -64,7 +64,7 @@ impl NodeHandle {
     /// # Errors
     /// When the coordinator is not running.
     pub async fn end_trajectories(&self) -> Result<Vec<VehicleId>, Refusal> {
-        self.coordinate(|reply| CoordinatorMessage::EndTrajectories(reply)).await
+        self.coordinate(CoordinatorMessage::EndTrajectories).await
     }
 
     /// How each is getting on, by ascending id. One that has ended is told of until the vehicle is given another.

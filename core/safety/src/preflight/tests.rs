@@ -178,7 +178,10 @@ fn nothing_is_asked_of_the_ground_in_flight() {
     assert_eq!(may_arm(&flying, &[], now()), Ok(()));
     // Whoever is not known to fly is asked.
     let unknown = vehicle(|c| c.landed = LandedState::InAir);
-    assert_eq!(unknown.blocking().map(|i| i.id.as_str()).collect::<Vec<_>>(), ["on_ground"]);
+    assert_eq!(
+        unknown.blocking().map(|i| i.id.as_str()).collect::<Vec<_>>(),
+        ["on_ground"]
+    );
 }
 
 #[test]

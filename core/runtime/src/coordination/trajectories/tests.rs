@@ -96,7 +96,10 @@ fn against(input: &TrajectoryInput, peers: &PeerSnapshot) -> Vec<(Option<u16>, &
 
 #[test]
 fn all_begin_at_one_time_and_pass_their_waypoints_at_one_time() {
-    let input = input(&[(1, &[at(50.0, 0.0), at(90.0, -5.0)]), (2, &[at(10.0, 10.0), at(20.0, 14.0)])]);
+    let input = input(&[
+        (1, &[at(50.0, 0.0), at(90.0, -5.0)]),
+        (2, &[at(10.0, 10.0), at(20.0, 14.0)]),
+    ]);
     let planned = plan_trajectories(&input, &peers(3)).expect("can be flown");
     let (one, two) = (&planned.flights[&VehicleId(1)], &planned.flights[&VehicleId(2)]);
     assert_eq!((one.trajectory.start, two.trajectory.start), (input.start, input.start));
@@ -154,7 +157,10 @@ fn whoever_turns_with_a_radius_flies_no_trajectory() {
         endurance_s: None,
         keeps_view: false,
     });
-    assert_eq!(against(&input(&[(1, &[at(30.0, 0.0)])]), &peers), [(Some(1), "not_supported")]);
+    assert_eq!(
+        against(&input(&[(1, &[at(30.0, 0.0)])]), &peers),
+        [(Some(1), "not_supported")]
+    );
 }
 
 #[test]
@@ -214,7 +220,10 @@ fn one_that_is_under_way_goes_on_from_its_motion() {
     });
     let anew = plan_trajectories(&second, &peers).expect("can be flown");
     let after = &anew.flights[&VehicleId(1)].trajectory;
-    let (old, new) = (trajectory::sample(&before, second.start), trajectory::sample(after, second.start));
+    let (old, new) = (
+        trajectory::sample(&before, second.start),
+        trajectory::sample(after, second.start),
+    );
     assert!(old.velocity.norm() > 3.0);
     assert!(old.position.distance_m(&new.position) < 1e-6);
     assert!((old.velocity.vector() - new.velocity.vector()).norm() < 1e-6);
