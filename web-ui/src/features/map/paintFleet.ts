@@ -245,6 +245,11 @@ export function paintLabels(ctx: CanvasRenderingContext2D, view: View, palette: 
     const box = place(x, y, headWidth + restWidth, reach, taken, important);
     if (!box) return;
     taken.push(box);
+    // A plate: a route that runs behind the words must not look like a line through them.
+    ctx.fillStyle = ctx.strokeStyle;
+    ctx.globalAlpha = 0.8;
+    ctx.fillRect(box.x - 2, box.y, headWidth + restWidth + 4, 16);
+    ctx.globalAlpha = 1;
     write(ctx, head, box.x, box.y + 8, `600 12px ${FONT.slice(FONT.indexOf(' ') + 1)}`, palette.text);
     if (rest) write(ctx, rest, box.x + headWidth + 6, box.y + 8, FONT, level >= 2 ? levelColour(palette, level) : palette.label);
   });
