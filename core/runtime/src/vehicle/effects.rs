@@ -185,7 +185,11 @@ impl VehicleState {
                 self.cell.link.load().0.stream(now, local, now.plus_seconds(valid_s));
                 self.cell.state.lock().setpoint = Some(passed);
             }
-            Err(refusal) => self.refused(refusal, now),
+            Err(refusal) => {
+                // Nobody gives way who is not steered.
+                self.cell.state.lock().avoiding = None;
+                self.refused(refusal, now);
+            }
         }
     }
 

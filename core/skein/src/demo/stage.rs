@@ -6,7 +6,8 @@ use super::referee::{Landing, Referee};
 use anyhow::{Context, bail};
 use skein_domain::exchange::CommandProgress;
 use skein_domain::{
-    FlightState, FormationRequest, PositionNed, Refusal, Route, Shape, SwarmFrame, VehicleCommand, VehicleId,
+    FlightState, FormationRequest, LandedState, PositionNed, Refusal, Route, Shape, SwarmFrame, VehicleCommand,
+    VehicleId,
 };
 use skein_runtime::{EventKind, FleetSnapshot, FormationReceipt, NodeHandle, Targets, VehicleSnapshot};
 use skein_sim::{Fault, Simulation};
@@ -201,7 +202,7 @@ impl<'a> Stage<'a> {
         let vehicle = fleet.vehicles.iter().find(|v| v.id == id);
         let system_id = vehicle.context("the vehicle is not in the picture")?.system_id.0;
         self.simulation.inflict(system_id, Fault::Silent(false))?;
-        self.say(&format!("vehicle {id} is heard again, and lands"));
+        self.say(&format!("vehicle {id} is heard again, and is to land"));
         self.until(15.0, "the link to the silent vehicle", |fleet| {
             let vehicle = fleet.vehicles.iter().find(|v| v.id == id);
             vehicle.is_some_and(|v| v.link.connected && v.age_s < 0.5)
@@ -209,8 +210,14 @@ impl<'a> Stage<'a> {
         .await?;
         self.pause(1.0).await;
         let fleet = self.node.snapshot();
-        if fleet.vehicles.iter().any(|v| v.id == id && v.armed) {
-            self.command(&[id], VehicleCommand::Land).await?;
+        let flies = |v: &&VehicleSnapshot| v.id == id && v.armed && v.landed != LandedState::OnGround;
+        if fleet.vehicles.iter().any(|v| flies(&v)) {
+            // Its autopilot may be setting it down at this very moment, and there is nothing left to be told.
+            if let Some(refusal) = self.refusal(id, VehicleCommand::Land).await {
+                self.say(&format!("it lands by itself: {refusal}"));
+            }
+        } else {
+            self.say("its autopilot has landed it by itself meanwhile");
         }
         self.until(60.0, "the vehicle that was silent on the ground", |fleet| {
             fleet.vehicles.iter().any(|v| v.id == id && !v.armed)

@@ -30,8 +30,8 @@ const FILTERED_PERCENT: f64 = 2.0;
 const BEHIND_LEADER: [Shape; 6] = [
     Shape::Line,
     Shape::Column,
-    Shape::EchelonLeft,
     Shape::Wedge,
+    Shape::EchelonLeft,
     Shape::EchelonRight,
     Shape::Diamond,
 ];
