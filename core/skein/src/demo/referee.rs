@@ -38,6 +38,8 @@ pub struct Landing {
 pub struct Figures {
     /// Smallest distance between two vehicles of which at least one was off the ground, in metres, and which two.
     pub smallest_distance: Option<(f64, u8, u8)>,
+    /// The same in words, with when and where.
+    pub nearest: String,
     /// Formation error in straight legs at speed.
     pub straight: Errors,
     /// Formation error while the formation turns.
@@ -170,21 +172,23 @@ impl Referee {
         )
     }
 
-    /// Measures how far each vehicle is from its slot now; gives the largest distance in metres.
-    pub fn slots_reached(&self, shape: &str) -> f64 {
-        let truth = self.truth();
-        let worst_m = match self.node.slots() {
-            Some(slots) => {
-                let errors = slot_errors(&truth, &slots, self.node.now());
-                // A follower that the truth does not know is as far away as can be.
-                if errors.len() == slots.slots.len() {
-                    errors.into_iter().fold(0.0, f64::max)
-                } else {
-                    f64::INFINITY
-                }
-            }
-            None => f64::INFINITY,
+    /// How far the farthest vehicle is from its slot now, in metres.
+    pub fn farthest_from_slot_m(&self) -> f64 {
+        let Some(slots) = self.node.slots() else {
+            return f64::INFINITY;
         };
+        let errors = slot_errors(&self.truth(), &slots, self.node.now());
+        // A follower that the truth does not know is as far away as can be.
+        if errors.len() == slots.slots.len() {
+            errors.into_iter().fold(0.0, f64::max)
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// Notes how far the farthest vehicle is from its slot now; gives it in metres.
+    pub fn slots_reached(&self, shape: &str) -> f64 {
+        let worst_m = self.farthest_from_slot_m();
         self.figures.lock().slots.push((shape.to_owned(), worst_m));
         worst_m
     }
@@ -287,6 +291,15 @@ fn watch_distances(figures: &mut Figures, truth: &TruthFrame) {
                 .is_none_or(|(smallest, ..)| distance_m < smallest)
             {
                 figures.smallest_distance = Some((distance_m, a.system_id, b.system_id));
+                let place = |v: &VehicleTruth| {
+                    let p = &v.position;
+                    format!(
+                        "{} at {:.1}, {:.1}, {:.1} m",
+                        v.system_id, p.north_m, p.east_m, -p.down_m
+                    )
+                };
+                let (a, b, at_s) = (place(a), place(b), truth.time_s);
+                figures.nearest = format!("{distance_m:.2} m at {at_s:.1} s: {a}; {b} (north, east, height)");
             }
         }
     }

@@ -42,6 +42,8 @@ pub struct Report {
     pub criteria: Vec<Criterion>,
     /// Per change of formation, the distance of the farthest vehicle from its slot in metres.
     pub slots: Vec<SlotsReached>,
+    /// The nearest that two vehicles came to each other, with when and where.
+    pub nearest: String,
     /// Changes of mode that nobody had planned.
     pub unplanned_mode_changes: Vec<String>,
     /// Restarts of actors and plugins during the flight.
@@ -154,6 +156,7 @@ pub fn make(arguments: &DemoArguments, node: &NodeHandle, referee: &Referee, out
         speed_m_s: figures.cruise_m_s,
         criteria,
         slots: slots.collect(),
+        nearest: figures.nearest,
         unplanned_mode_changes: unplanned.into_iter().map(|(_, text)| text).collect(),
         restarts: restarted(node),
         plugin_restarts: [(Isolation::InProcess, 10.0), (Isolation::Child, 150.0)]
@@ -232,6 +235,7 @@ impl Report {
                 c.name, c.limit, c.unit
             );
         }
+        let _ = writeln!(text, "nearest to each other: {}", self.nearest);
         for change in &self.unplanned_mode_changes {
             let _ = writeln!(text, "unplanned: {change}");
         }

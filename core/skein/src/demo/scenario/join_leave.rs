@@ -17,6 +17,12 @@ const SPEED_M_S: f64 = 3.0;
 const CORNER_RADIUS_M: f64 = 12.0;
 /// So many stay on the ground at first.
 const ON_GROUND: usize = 2;
+/// Who is nearer to its slot than this is in it, in metres.
+const IN_SLOT_M: f64 = 0.5;
+/// After a change everyone is in its slot at the latest so much later than planned, in seconds.
+const LATE_S: f64 = 10.0;
+/// The longest time a change may take until everyone is in its slot, in seconds.
+const CHANGE_LIMIT_S: f64 = 15.0;
 /// Fewer would leave no formation.
 const FEWEST: usize = 5;
 
@@ -29,6 +35,8 @@ pub struct JoinLeave {
     roles_swapped: bool,
     at_swap: Option<Step>,
     gatherings: usize,
+    /// The longest time from a change until everyone was in its slot, in seconds.
+    latest_s: f64,
 }
 
 /// A wedge that always faces north: one that turned with the course would have to leave those who are still far off all the speed that
@@ -41,7 +49,7 @@ fn wedge() -> FormationRequest {
 }
 
 impl JoinLeave {
-    /// Waits until exactly these take part and the change is over, then looks where they are; gives the seconds until they took part.
+    /// Waits until exactly these take part, the change is over and everyone is in its slot; gives the seconds until they took part.
     async fn gathered(&mut self, stage: &Stage<'_>, label: &str, expected: &[VehicleId]) -> anyhow::Result<f64> {
         let asked_s = stage.elapsed_s();
         let mut expected = expected.to_vec();
@@ -61,10 +69,17 @@ impl JoinLeave {
             let formation = fleet.formation.as_ref();
             formation.is_some_and(|f| fleet.time.seconds_since(f.settled_at) > SETTLE_S)
         };
-        stage.until(60.0, "everyone in its slot", settled).await?;
+        stage.until(60.0, "the end of the change", settled).await?;
+        // Whoever gave way to one that left comes later than planned: how late is a figure of its own.
+        let until_s = stage.elapsed_s() + LATE_S;
+        while stage.referee.farthest_from_slot_m() > IN_SLOT_M && stage.elapsed_s() < until_s {
+            stage.pause(0.1).await;
+        }
+        self.latest_s = self.latest_s.max(stage.elapsed_s() - asked_s);
         let worst_m = stage.referee.slots_reached(label);
         stage.say(&format!(
-            "{label}: {took_s:.1} s; of {} the farthest is {worst_m:.2} m from its slot{}",
+            "{label}: regrouped after {took_s:.1} s, in their slots after {:.1} s; of {} the farthest is {worst_m:.2} m from its slot{}",
+            stage.elapsed_s() - asked_s,
             expected.len(),
             stage.giving_way()
         ));
@@ -204,6 +219,12 @@ impl Flight for JoinLeave {
                 "s",
             ),
             at_most("fallen silent until the others regroup", self.lost_s, 3.0, "s"),
+            at_most(
+                "longest change until everyone is in its slot",
+                Some(self.latest_s).filter(|_| self.gatherings > 0),
+                CHANGE_LIMIT_S,
+                "s",
+            ),
             at_least("roles swapped", Some(f64::from(u8::from(self.roles_swapped))), 1.0, ""),
             at_most(
                 "largest jump of a setpoint when roles were swapped",
