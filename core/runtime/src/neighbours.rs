@@ -22,6 +22,8 @@ const AIRCRAFT_UNCERTAINTY_M: f64 = 30.0;
 const STOPS_AFTER_S: f64 = 2.0;
 /// By then it has come as far as it came before in so many seconds, give or take half of it: it went on for a second, and braked.
 const STOPS_WITHIN_S: f64 = 1.5;
+/// Heights over its last known place at which a silent vehicle may be met, in metres: so close that nobody fits between two.
+const COLUMN_M: [f64; 7] = [0.0, 5.0, 10.0, 15.0, 20.0, -5.0, -10.0];
 /// A vehicle whose state is older than this does not do its part, in seconds.
 const FRESH_S: f64 = 0.5;
 /// A sighting older than this is not looked at any more, in seconds.
@@ -30,7 +32,7 @@ const SIGHTING_KEPT_S: f64 = 15.0;
 /// All of them at this moment.
 pub fn surroundings(board: &Board, entries: &[PeerEntry], now: NodeTime) -> Surroundings {
     let settings = board.gate().avoidance();
-    let mut all: Vec<Neighbour> = entries.iter().filter_map(|entry| vehicle(entry, now)).collect();
+    let mut all: Vec<Neighbour> = entries.iter().flat_map(|entry| column(entry, now)).collect();
     all.extend(tracks(board, entries));
     all.extend(sighted(board, now));
     Surroundings::new(&all, &settings, now)
@@ -63,6 +65,26 @@ pub fn track(track: &Track) -> Neighbour {
         cooperation: Cooperation::DoesNot,
         airborne: true,
     }
+}
+
+/// One of our vehicles, and the column over and under it if it has not been heard for so long that its autopilot's own failsafe has it: it
+/// returns, for which it climbs first, or it lands. Whoever gave way to it over or under it would meet it.
+fn column(entry: &PeerEntry, now: NodeTime) -> Vec<Neighbour> {
+    let Some(known) = vehicle(entry, now) else {
+        return Vec::new();
+    };
+    let silent = entry
+        .kinematics
+        .is_some_and(|k| now.seconds_since(k.measured) > STOPS_AFTER_S);
+    let heights_m: &[f64] = if silent && entry.airborne { &COLUMN_M } else { &[0.0] };
+    let at = |height_m: &f64| Neighbour {
+        position: PositionNed {
+            down_m: known.position.down_m - height_m,
+            ..known.position
+        },
+        ..known
+    };
+    heights_m.iter().map(at).collect()
 }
 
 /// One of our vehicles as the others' filters see it; none without a position.

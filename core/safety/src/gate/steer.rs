@@ -9,7 +9,7 @@ use skein_domain::{NodeTime, Refusal, Setpoint, VehicleId};
 
 /// How far inside of a boundary a vehicle is kept, in metres, for what its known place and its control may be wrong by: the boundary is to
 /// be kept in the truth.
-const FENCE_MARGIN_M: f64 = 0.5;
+const FENCE_MARGIN_M: f64 = 0.8;
 /// A place that moves slower than this stands still, in metres per second.
 const STANDS_M_S: f64 = 0.5;
 
