@@ -64,8 +64,11 @@ impl VehicleState {
             self.model.tracks = tracks;
         }
         let payloads = self.cell.payloads();
-        let task = self.board.intent.load().tasks.get(&self.cell.id).cloned();
-        let keeps = task.is_some_and(|task| matches!(task.task, Task::Keep(_)));
+        let keeps = {
+            let intent = self.board.intent.load();
+            let task = intent.tasks.get(&self.cell.id);
+            task.is_some_and(|task| matches!(task.task, Task::Keep(_)))
+        };
         if keeps || !payloads.is_empty() {
             events.push(Event::Peers(others(peers, self.cell.id)));
         }
