@@ -39,6 +39,7 @@ fn judged_by(criteria: &[serde_json::Value], own: &[&str]) {
 }
 
 #[tokio::test]
+#[ignore = "long: over a minute and a half; part of the long runs"]
 async fn a_lost_leader_is_succeeded_without_a_jump() {
     let criteria = fly("leader-loss", 5).await;
     judged_by(
@@ -68,7 +69,6 @@ async fn every_shape_and_anchor_is_flown() {
         ],
     );
 }
-
 
 #[tokio::test]
 #[ignore = "long: two minutes; part of the long runs"]

@@ -138,7 +138,7 @@ impl Flight for LeaderLoss {
         let start = stage.leader_position()?;
         let at = |north: f64, east: f64| start.moved(nalgebra::Vector3::new(north, east, 0.0));
         let out = Route {
-            waypoints: vec![at(60.0, 0.0), at(60.0, 72.0), at(35.0, 72.0)],
+            waypoints: vec![at(60.0, 0.0), at(60.0, 90.0), at(35.0, 90.0)],
             speed_m_s: SPEED_M_S,
             corner_radius_m: CORNER_RADIUS_M,
         };
@@ -161,7 +161,7 @@ impl Flight for LeaderLoss {
             self.end_off_m.unwrap_or(f64::INFINITY)
         ));
         let back = Route {
-            waypoints: vec![at(-10.0, 72.0), at(-10.0, 10.0)],
+            waypoints: vec![at(-10.0, 90.0), at(-10.0, 30.0)],
             ..out
         };
         stage.begin_route("south and west", &back).await?;
