@@ -107,6 +107,7 @@ impl NodeConfig {
             ("safety.max_speed_m_s", safety.max_speed_m_s, 0.1, 60.0),
             ("safety.max_climb_m_s", safety.max_climb_m_s, 0.1, 30.0),
             ("safety.max_descent_m_s", safety.max_descent_m_s, 0.1, 30.0),
+            ("safety.min_height_m", safety.min_height_m, -1_000.0, 100.0),
             ("safety.min_separation_m", safety.min_separation_m, 0.0, 100.0),
             ("safety.separation_horizon_s", safety.separation_horizon_s, 3.0, 30.0),
             (

@@ -290,6 +290,8 @@ pub struct SafetySettings {
     pub max_climb_m_s: f64,
     /// Descent limit in metres per second.
     pub max_descent_m_s: f64,
+    /// No setpoint leads lower than this in flight, in metres above the place the vehicle took off from. Landings are the autopilot's own.
+    pub min_height_m: f64,
     /// Smallest distance between two vehicles in the air, in metres.
     pub min_separation_m: f64,
     /// How far ahead the separation check looks, in seconds.
@@ -317,6 +319,7 @@ impl Default for SafetySettings {
             max_speed_m_s: 12.0,
             max_climb_m_s: 4.0,
             max_descent_m_s: 3.0,
+            min_height_m: 1.0,
             min_separation_m: 2.0,
             separation_horizon_s: 6.0,
             fence_files: Vec::new(),

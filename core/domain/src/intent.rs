@@ -207,6 +207,11 @@ pub enum FormationHeading {
         /// Heading in radians.
         #[n(0)]
         heading_rad: f64,
+        /// Limit of the turning rate on the way to it in radians per second, by what the outermost vehicle can fly; as the leader's
+        /// model has it if left out.
+        #[n(1)]
+        #[serde(default)]
+        max_rate_rad_s: Option<f64>,
     },
     /// Along the leader's course, turning no faster than the outermost vehicle can fly.
     #[n(1)]

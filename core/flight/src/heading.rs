@@ -27,7 +27,7 @@ impl HeadingFollower {
         if initial_rad.is_finite() {
             follower.heading_rad = wrap_angle_rad(initial_rad);
         }
-        if let FormationHeading::Fixed { heading_rad } = mode
+        if let FormationHeading::Fixed { heading_rad, .. } = mode
             && heading_rad.is_finite()
         {
             follower.heading_rad = wrap_angle_rad(heading_rad);
@@ -35,12 +35,22 @@ impl HeadingFollower {
         follower
     }
 
-    /// Goes on from another follower's heading and rate, perhaps with another limit: after a restart, or when a route is changed in
-    /// flight. A fixed heading is taken up at once.
+    /// Goes on from another follower's heading and rate, perhaps with another limit: after a restart, or when a formation that flies is
+    /// to have another heading. A fixed heading is turned to with its limit; one without is taken up at once.
     #[must_use]
     pub fn resume(mode: FormationHeading, heading_rad: f64, rate_rad_s: f64) -> Self {
+        let at_once = matches!(
+            mode,
+            FormationHeading::Fixed {
+                max_rate_rad_s: None,
+                ..
+            }
+        );
         let mut follower = Self::new(mode, heading_rad);
-        if matches!(mode, FormationHeading::Course { .. }) && rate_rad_s.is_finite() {
+        if !at_once && heading_rad.is_finite() {
+            follower.heading_rad = wrap_angle_rad(heading_rad);
+        }
+        if !at_once && rate_rad_s.is_finite() {
             follower.rate_rad_s = rate_rad_s;
         }
         follower
@@ -64,11 +74,18 @@ impl HeadingFollower {
         self.rate_rad_s
     }
 
-    /// One step of `dt_s` towards `course_rad`; gives heading and rate. The rate is the one over this step, never above the
-    /// limit. A course that is not finite leaves the heading where it is (the turning fades out).
+    /// One step of `dt_s` towards `course_rad`, or the fixed heading; gives heading and rate. The rate is the one over this step, never above the
+    /// limit (from a faster turn it is slowed down to it). A course that is not finite leaves the heading where it is (the turning fades out).
     pub fn step(&mut self, course_rad: f64, dt_s: f64) -> (f64, f64) {
-        let FormationHeading::Course { max_rate_rad_s } = self.mode else {
-            return (self.heading_rad, 0.0);
+        let (course_rad, max_rate_rad_s) = match self.mode {
+            FormationHeading::Course { max_rate_rad_s } => (course_rad, max_rate_rad_s),
+            FormationHeading::Fixed {
+                heading_rad,
+                max_rate_rad_s,
+            } => match max_rate_rad_s {
+                Some(max_rate_rad_s) => (heading_rad, max_rate_rad_s),
+                None => return (self.heading_rad, 0.0),
+            },
         };
         let max_rate = if max_rate_rad_s.is_finite() {
             max_rate_rad_s.max(0.0)
@@ -83,12 +100,12 @@ impl HeadingFollower {
         } else {
             0.0
         };
-        let ramp = max_rate / RAMP_S;
+        // A turn that is faster than it may be now is slowed down, not broken off.
+        let ramp = max_rate.max(self.rate_rad_s.abs()) / RAMP_S;
         // As fast as can still be slowed down from before the course is reached; within a step's reach, just onto it.
         let stoppable = (2.0 * ramp * error.abs() + (0.5 * ramp * dt_s).powi(2)).sqrt() - 0.5 * ramp * dt_s;
-        let wanted = stoppable.min(error.abs() / dt_s).copysign(error);
-        let change = (wanted - self.rate_rad_s).clamp(-ramp * dt_s, ramp * dt_s);
-        self.rate_rad_s = (self.rate_rad_s + change).clamp(-max_rate, max_rate);
+        let wanted = stoppable.min(error.abs() / dt_s).min(max_rate).copysign(error);
+        self.rate_rad_s += (wanted - self.rate_rad_s).clamp(-ramp * dt_s, ramp * dt_s);
         self.heading_rad = wrap_angle_rad(self.heading_rad + self.rate_rad_s * dt_s);
         (self.heading_rad, self.rate_rad_s)
     }

@@ -67,7 +67,7 @@ impl VirtualLeader {
         if duration_s.is_nan() || duration_s > most_s {
             return Err(VirtualLeaderError::TooLong { duration_s, most_s });
         }
-        let turns = turns(&route, HeadingFollower::new(heading, heading_rad));
+        let turns = turns(&route, HeadingFollower::resume(heading, heading_rad, 0.0));
         Ok(Self { route, start, turns })
     }
 

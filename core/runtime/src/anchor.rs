@@ -10,6 +10,8 @@ use skein_flight::{HeadingFollower, PathLimits};
 
 /// A reference slower than this has no course, in metres per second.
 const SLOWEST_COURSE_M_S: f64 = 0.5;
+/// A formation whose leader was heard this lately goes on from its heading, in seconds.
+const LED_LATELY_S: f64 = 1.5;
 /// After a longer gap between two periods the heading goes on without the time in between, in seconds.
 const LONGEST_STEP_S: f64 = 0.25;
 
@@ -20,6 +22,8 @@ pub struct AnchorKeeper {
     path: Option<VirtualLeader>,
     heading: Option<HeadingFollower>,
     last: Option<AnchorReference>,
+    /// The anchor of whoever led last: a leader's is taken away in the moment in which the formation gets another.
+    led: Option<AnchorReference>,
 }
 
 impl AnchorKeeper {
@@ -32,8 +36,9 @@ impl AnchorKeeper {
         references: &References,
         now: NodeTime,
     ) -> Option<AnchorReference> {
+        self.led = formerly.copied().or(self.led);
         if self.plan.as_ref() != plan {
-            self.take_up(plan, formerly);
+            self.take_up(plan, now);
         }
         let (dt_s, before) = match &self.last {
             Some(last) => (now.seconds_since(last.time).clamp(0.0, LONGEST_STEP_S), Some(*last)),
@@ -69,8 +74,9 @@ impl AnchorKeeper {
         Some(anchor)
     }
 
-    fn take_up(&mut self, plan: Option<&AnchorPlan>, formerly: Option<&AnchorReference>) {
-        let present_rad = self.last.as_ref().or(formerly).map(|a| a.heading_rad);
+    fn take_up(&mut self, plan: Option<&AnchorPlan>, now: NodeTime) {
+        let led = self.led.filter(|led| now.seconds_since(led.time) < LED_LATELY_S);
+        let present = self.last.or(led);
         self.plan = plan.cloned();
         self.path = None;
         self.heading = None;
@@ -95,7 +101,10 @@ impl AnchorKeeper {
                 self.path = VirtualLeader::new(*from, route, &limits, *heading, *heading_rad, *start).ok();
             }
             Some(AnchorPlan::Reference { heading, .. }) => {
-                self.heading = Some(HeadingFollower::new(*heading, present_rad.unwrap_or(0.0)));
+                self.heading = Some(match present {
+                    Some(a) => HeadingFollower::resume(*heading, a.heading_rad, a.heading_rate_rad_s),
+                    None => HeadingFollower::new(*heading, 0.0),
+                });
             }
             Some(AnchorPlan::Place {
                 heading_rad,
@@ -105,7 +114,10 @@ impl AnchorKeeper {
                 let mode = FormationHeading::Course {
                     max_rate_rad_s: *max_rate_rad_s,
                 };
-                self.heading = Some(HeadingFollower::new(mode, present_rad.unwrap_or(*heading_rad)));
+                self.heading = Some(HeadingFollower::new(
+                    mode,
+                    present.map_or(*heading_rad, |a| a.heading_rad),
+                ));
             }
         }
     }
@@ -128,7 +140,7 @@ impl AnchorKeeper {
     fn moving(&mut self, reference: AnchorReference, mode: FormationHeading, dt_s: f64) -> AnchorReference {
         let v = &reference.velocity;
         let course_rad = match mode {
-            FormationHeading::Fixed { heading_rad } => heading_rad,
+            FormationHeading::Fixed { heading_rad, .. } => heading_rad,
             FormationHeading::Course { .. } if v.north_m_s.hypot(v.east_m_s) > SLOWEST_COURSE_M_S => {
                 v.east_m_s.atan2(v.north_m_s)
             }

@@ -7,6 +7,7 @@ use crate::anchor::AnchorKeeper;
 use crate::coordination::Coordination;
 use crate::emergency::EmergencyUnlock;
 use crate::events::EventLog;
+use crate::own_tracks::OwnTracks;
 use crate::payload::PayloadCell;
 use crate::plugin_life::LifeRecord;
 use crate::references::References;
@@ -79,6 +80,8 @@ pub struct Board {
     pub references: References,
     /// Works out the anchor of a formation that follows no vehicle.
     pub anchor: Mutex<AnchorKeeper>,
+    /// Which tracks are of our own vehicles.
+    pub own_tracks: Mutex<OwnTracks>,
     /// When the coordinator last looked at its formation, in microseconds of node time.
     coordinator_seen_us: AtomicU64,
     /// When an operator last gave a sign of life, in microseconds of node time; 0 if none ever did.
@@ -129,6 +132,7 @@ impl Board {
             sightings: Sightings::new(),
             references: References::new(max_speed_m_s),
             anchor: Mutex::default(),
+            own_tracks: Mutex::default(),
             coordinator_seen_us: AtomicU64::new(0),
             operator_heard_us: AtomicU64::new(0),
             overrides: Mutex::default(),

@@ -15,7 +15,6 @@ use crate::board::{Board, PeerSnapshot};
 use crate::coordination::{self, ActiveRoute, Coordination, Formation};
 use crate::handle::FormationReceipt;
 use crate::snapshot::EventKind;
-use crate::ways;
 use planning::Purpose;
 use ractor::{Actor, ActorProcessingErr, ActorRef, RpcReplyPort};
 use skein_domain::exchange::Severity;
@@ -211,22 +210,11 @@ impl CoordinatorState {
     /// Has the leader fly a route, as fast and as wide as the formation can; gives it as it is flown.
     fn set_route(&mut self, route: Route) -> Result<Route, Refusal> {
         let formation = self.board.coordination.lock().formation.clone();
-        let nobody = Refusal::NotEnoughVehicles { have: 0, need: 1 };
-        let Some((formation, leader)) = formation.and_then(|f| f.leader.map(|leader| (f, leader))) else {
-            return Err(nobody);
-        };
         let peers = self.board.peers.load_full();
-        let start = peers
-            .entry(leader)
-            .and_then(|e| e.kinematics)
-            .ok_or(Refusal::NoPosition)?
-            .position;
-        let gate = self.board.gate();
-        let reach_m = formation.reach_m();
-        let route = ways::route(gate.fences(), &start, route, reach_m)?;
-        gate.route_from(&start, &route)?;
-        let fitted = coordination::fitted(route.clone(), &formation, &peers, &self.plan_limits());
-        let slower = fitted.speed_m_s < route.speed_m_s;
+        let asked_m_s = route.speed_m_s;
+        let (limits, gate) = (self.plan_limits(), self.board.gate());
+        let fitted = coordination::fitted(route, formation.as_ref(), &peers, &limits, &gate)?;
+        let slower = fitted.speed_m_s < asked_m_s;
         self.board.coordination.lock().route = Some(ActiveRoute {
             route: fitted.clone(),
             next: 0,

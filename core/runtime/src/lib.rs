@@ -18,6 +18,7 @@ mod listening;
 mod neighbours;
 mod node;
 mod observer;
+mod own_tracks;
 mod payload;
 mod plugin_life;
 mod plugins;

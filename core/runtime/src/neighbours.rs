@@ -12,8 +12,6 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 /// How far a vehicle's position may be wrong, in metres: three standard deviations of an ordinary satellite estimate relative to another
 /// one of the same swarm.
 const VEHICLE_UNCERTAINTY_M: f64 = 0.3;
-/// A track this near to one of our vehicles is that vehicle, in metres.
-const OWN_TRACK_M: f64 = 5.0;
 /// The same for what is seen in a picture.
 const TRACK_UNCERTAINTY_M: f64 = 2.0;
 /// The same for an aircraft that reports itself, with half its size.
@@ -33,24 +31,17 @@ const SIGHTING_KEPT_S: f64 = 15.0;
 pub fn surroundings(board: &Board, entries: &[PeerEntry], now: NodeTime) -> Surroundings {
     let settings = board.gate().avoidance();
     let mut all: Vec<Neighbour> = entries.iter().flat_map(|entry| column(entry, now)).collect();
-    all.extend(tracks(board, entries));
+    let tracks = board.tracks.load();
+    all.extend(
+        board
+            .own_tracks
+            .lock()
+            .strangers(&tracks, entries, now)
+            .into_iter()
+            .map(track),
+    );
     all.extend(sighted(board, now));
     Surroundings::new(&all, &settings, now)
-}
-
-/// What is tracked, but for tracks of our own vehicles: nobody must flee from itself.
-fn tracks(board: &Board, entries: &[PeerEntry]) -> Vec<Neighbour> {
-    let ours = |place: &PositionNed| {
-        let mut places = entries.iter().filter_map(|e| e.kinematics);
-        places.any(|k| k.position.distance_m(place) < OWN_TRACK_M)
-    };
-    board
-        .tracks
-        .load()
-        .iter()
-        .filter(|track| !ours(&track.position))
-        .map(track)
-        .collect()
 }
 
 /// Something tracked as the filters see it.

@@ -4,12 +4,14 @@
 //! Must never do: read a clock or the board by itself, or send anything.
 
 pub use crate::neighbours::{track as tracked, vehicle as neighbour};
+pub use crate::payload::others;
 pub use crate::vehicle::{own_state, told};
 
 use crate::board::PeerEntry;
-use skein_domain::{NodeTime, Refusal, Setpoint};
+use skein_domain::telemetry::VehicleKinematics;
+use skein_domain::{NodeTime, PositionNed, Refusal, Setpoint};
 use skein_safety::avoidance::Surroundings;
-use skein_safety::{Gate, Steered};
+use skein_safety::{Gate, Steered, Steering};
 
 /// The gate's answer to one setpoint.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +31,8 @@ pub fn steer(gate: &Gate, entry: &PeerEntry, wanted: &Setpoint, surroundings: &S
             outcome: Err(Refusal::NoPosition),
         };
     };
-    let steer = |setpoint: &Setpoint| gate.steer(entry.id, own, entry.airborne, setpoint, surroundings, now);
+    let own = of(entry, own);
+    let steer = |setpoint: &Setpoint| gate.steer(&own, setpoint, surroundings, now);
     match steer(wanted) {
         // Too fast is mended by flying slower on the same way; stopping in the midst of others would be worse.
         Err(refusal @ Refusal::TooFast { .. }) => Answer {
@@ -37,6 +40,32 @@ pub fn steer(gate: &Gate, entry: &PeerEntry, wanted: &Setpoint, surroundings: &S
             outcome: steer(&gate.slowed(wanted)),
         },
         outcome => Answer { slowed: None, outcome },
+    }
+}
+
+/// What is flown in place of a setpoint that the gate refused: holding this place, off others and inside of the fences.
+#[must_use]
+pub fn hold(
+    gate: &Gate,
+    entry: &PeerEntry,
+    place: PositionNed,
+    surroundings: &Surroundings,
+    now: NodeTime,
+) -> Setpoint {
+    let Some(own) = entry.kinematics.as_ref() else {
+        return Setpoint::hold(place, None);
+    };
+    let hold = Setpoint::hold(place, Some(own.yaw_rad));
+    gate.hold(&of(entry, own), &hold, surroundings, now).setpoint
+}
+
+/// The ground is at the height of the place it took off from; where that is not known, of the swarm's origin, which is another's.
+fn of<'a>(entry: &PeerEntry, kinematics: &'a VehicleKinematics) -> Steering<'a> {
+    Steering {
+        id: entry.id,
+        kinematics,
+        airborne: entry.airborne,
+        ground_down_m: Some(entry.home.map_or(0.0, |home| home.down_m)),
     }
 }
 

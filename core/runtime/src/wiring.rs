@@ -113,7 +113,7 @@ pub fn gate(config: &NodeConfig, plan: &FencePlan) -> Result<Gate, WiringError> 
         min_separation_m: safety.min_separation_m,
         separation_horizon_s: safety.separation_horizon_s,
     };
-    Ok(Gate::new(limits, fences))
+    Ok(Gate::new(limits, fences).with_min_height(safety.min_height_m))
 }
 
 /// The plugins of a configuration, with what it trusts.

@@ -102,7 +102,7 @@ pub fn filter(
     };
     let demands: Vec<Demand> = neighbours
         .iter()
-        .filter(|n| n.id != NeighbourId::Vehicle(own.id))
+        .filter(|n| is_on(settings) && n.id != NeighbourId::Vehicle(own.id))
         .filter_map(|n| Carried::new(n, settings, now))
         .filter_map(|peer| demand(&own, &peer, settings))
         .collect();
@@ -126,14 +126,13 @@ pub fn filter_in(
     let reach_m = reach_m(&own, surroundings, settings);
     let demands: Vec<Demand> = surroundings
         .near(&own.position, reach_m)
-        .filter(|peer| peer.id != NeighbourId::Vehicle(own.id))
+        .filter(|peer| is_on(settings) && peer.id != NeighbourId::Vehicle(own.id))
         .filter_map(|peer| demand(&own, peer, settings))
         .collect();
     decide(&own, wanted, &demands, bounds, settings)
 }
 
-/// The velocity without a place that flies the same as a setpoint with one, for a moment. `None` if that cannot be told, or if the filter
-/// is off.
+/// The velocity without a place that flies the same as a setpoint with one, for a moment. `None` if that cannot be told.
 #[must_use]
 pub fn as_velocity(
     own: VehicleId,
@@ -153,7 +152,12 @@ fn unchanged(wanted: &Setpoint) -> Filtered {
     }
 }
 
-/// The own vehicle now; none if that cannot be told, or if the filter is off.
+/// Whether others are looked at. Written so that a distance that is not a number turns that off like none.
+fn is_on(settings: &AvoidanceSettings) -> bool {
+    settings.min_separation_m > 0.0
+}
+
+/// The own vehicle now; none if that cannot be told.
 fn own_now(
     id: VehicleId,
     kinematics: &VehicleKinematics,
@@ -162,9 +166,7 @@ fn own_now(
     now: NodeTime,
 ) -> Option<Own> {
     let usable = kinematics.position.is_finite() && kinematics.velocity.is_finite() && wanted.is_well_formed();
-    // Written so that a distance that is not a number turns the filter off like none.
-    let is_on = settings.min_separation_m > 0.0;
-    if !usable || !is_on {
+    if !usable {
         return None;
     }
     let age_s = surroundings::age_s(kinematics.measured, now);
@@ -187,6 +189,23 @@ fn speed_limits(settings: &AvoidanceSettings) -> SpeedLimits {
         down_m_s: settings.max_descent_m_s,
     }
 }
+
+/// The speed limits, with the bounds straight up and down among them: nobody is pressed into the ground, whoever comes from above.
+fn limits_within(settings: &AvoidanceSettings, bounds: &[HalfSpace]) -> SpeedLimits {
+    let along = |z: f64, most_m_s: f64| {
+        let same = bounds.iter().filter(|b| b.normal.z * z >= STRAIGHT);
+        same.map(|b| b.limit_m_s.max(0.0)).fold(most_m_s, f64::min)
+    };
+    let limits = speed_limits(settings);
+    SpeedLimits {
+        up_m_s: along(-1.0, limits.up_m_s),
+        down_m_s: along(1.0, limits.down_m_s),
+        ..limits
+    }
+}
+
+/// A direction whose vertical part is at least this is straight up or down.
+const STRAIGHT: f64 = 1.0 - 1e-9;
 
 /// Beyond this distance no sharing neighbour can demand anything.
 fn reach_m(own: &Own, surroundings: &Surroundings, settings: &AvoidanceSettings) -> f64 {
@@ -217,7 +236,7 @@ fn decide(
         .map(|demand| demand.row)
         .chain(bounds.iter().filter_map(row_of))
         .collect();
-    let limits = speed_limits(settings);
+    let limits = limits_within(settings, bounds);
     let mut answer = nearest(&own.wanted, &rows, &limits);
     if let Some(turned) = way_round(&own.wanted, &answer.velocity, demands) {
         answer = nearest(&turned, &rows, &limits);
@@ -236,13 +255,17 @@ fn decide(
     }
 }
 
+/// How readily a condition of the caller yields: hardly more than the nearest neighbour, so that a crowd does not press anybody out of a
+/// fence.
+const BOUND_YIELDS: f64 = 0.15;
+
 /// A condition of the caller as a row; one that is not in numbers says nothing.
 fn row_of(bound: &HalfSpace) -> Option<Row> {
     let length = bound.normal.norm();
     let row = Row {
         normal: bound.normal / length,
         bound: bound.limit_m_s / length,
-        yields: 1.0,
+        yields: BOUND_YIELDS,
     };
     (length > 0.0 && length.is_finite() && row.bound.is_finite()).then_some(row)
 }

@@ -4,7 +4,7 @@ mod inside;
 
 mod steer;
 
-pub use steer::Steered;
+pub use steer::{Steered, Steering};
 
 use crate::fence::Fences;
 use crate::separation::{Motion, Peer};
@@ -66,6 +66,8 @@ impl Limits {
 
 /// Slowing down counts when it is looked where a velocity leads, but no more than this, in metres per second squared.
 const MAX_BRAKING_M_S2: f64 = 3.0;
+/// Unless it is told otherwise no setpoint leads lower than this in flight, in metres above the ground.
+const MIN_HEIGHT_M: f64 = 1.0;
 /// Nothing is observed from further away.
 const MAX_STAND_OFF_M: f64 = 10_000.0;
 /// Rounding must not refuse what is exactly at a limit.
@@ -76,6 +78,7 @@ const ROUNDING: f64 = 1.0 + 1e-9;
 pub struct Gate {
     limits: Limits,
     fences: Fences,
+    min_height_m: f64,
 }
 
 fn observation(target: &Target, stand_off_m: Option<f64>, height_m: Option<f64>) -> Result<(), Refusal> {
@@ -103,7 +106,14 @@ impl Gate {
         Self {
             limits,
             fences: fences.into(),
+            min_height_m: MIN_HEIGHT_M,
         }
+    }
+
+    /// The same with another height above the ground below which no setpoint leads in flight, in metres.
+    #[must_use]
+    pub fn with_min_height(self, min_height_m: f64) -> Self {
+        Self { min_height_m, ..self }
     }
 
     /// Its limits.

@@ -17,7 +17,7 @@ mod separation;
 pub mod wind;
 
 pub use fence::{Approach, Breach, Clearance, Excess, Fence, FenceError, FencePlanError, Fences, Wall, Zone};
-pub use gate::{Gate, Limits, LimitsError, Steered};
+pub use gate::{Gate, Limits, LimitsError, Steered, Steering};
 pub use half_space::HalfSpace;
 pub use ladder::Ladder;
 pub use separation::Peer;

@@ -65,13 +65,13 @@ impl GenericUav {
         let (follower, same_route, finished) = match &flying.purpose {
             Purpose::Lead(before) => {
                 let follower = HeadingFollower::resume(
-                    before.mode_towards(heading, &self.settings),
+                    turning_towards(heading, &self.settings),
                     before.heading_rad,
                     before.heading_rate_rad_s,
                 );
                 (follower, before.route == route, before.finished)
             }
-            _ => (HeadingFollower::new(heading, self.initial_heading_rad()), false, false),
+            _ => (self.first_heading(heading), false, false),
         };
         let lead = Lead {
             route,
@@ -89,9 +89,9 @@ impl GenericUav {
         }
     }
 
-    /// The heading a formation has when this vehicle begins to lead it: the one it followed in until now, or its own yaw.
-    fn initial_heading_rad(&self) -> f64 {
-        let own_yaw = || self.own.and_then(|own| own.kinematics).map_or(0.0, |k| k.yaw_rad);
+    /// The heading of a formation that this vehicle begins to lead: the one it followed in until now, from which it turns, or as it is
+    /// asked for (its own yaw, to be turned along the course).
+    fn first_heading(&self, heading: FormationHeading) -> HeadingFollower {
         let followed = match &self.flight.phase {
             Phase::Flying(Flying {
                 purpose: Purpose::Follow(_),
@@ -103,9 +103,14 @@ impl GenericUav {
         match followed.filter(|anchor| age_s(anchor) < HEADING_HANDOVER_S) {
             Some(anchor) => {
                 let turned_s = age_s(&anchor).min(skein_flight::follow::MAX_EXTRAPOLATION_S);
-                anchor.heading_rad + anchor.heading_rate_rad_s * turned_s
+                let heading_rad = anchor.heading_rad + anchor.heading_rate_rad_s * turned_s;
+                let mode = turning_towards(heading, &self.settings);
+                HeadingFollower::resume(mode, heading_rad, anchor.heading_rate_rad_s)
             }
-            None => own_yaw(),
+            None => {
+                let yaw_rad = self.own.and_then(|own| own.kinematics).map_or(0.0, |k| k.yaw_rad);
+                HeadingFollower::new(heading, yaw_rad)
+            }
         }
     }
 
@@ -195,25 +200,31 @@ pub(crate) fn age_s(anchor: &AnchorReference, now: NodeTime) -> f64 {
     now.seconds_since(anchor.time)
 }
 
-impl Lead {
-    /// How the heading goes on when it is to be chosen in another way: always turning with a limit, also to a fixed one, since the
-    /// formation's vehicles hang on it.
-    fn mode_towards(&self, heading: FormationHeading, settings: &crate::Settings) -> FormationHeading {
-        let max_rate_rad_s = match (heading, self.heading) {
-            (FormationHeading::Course { .. }, _) => return heading,
-            (_, FormationHeading::Course { max_rate_rad_s }) => max_rate_rad_s.min(settings.heading_rate_rad_s),
-            _ => settings.heading_rate_rad_s,
-        };
-        FormationHeading::Course { max_rate_rad_s }
+/// How a heading goes on when it is to be chosen in another way: always turning with a limit, also to a fixed one, since the formation's
+/// vehicles hang on it.
+fn turning_towards(heading: FormationHeading, settings: &crate::Settings) -> FormationHeading {
+    match heading {
+        FormationHeading::Course { .. } => heading,
+        FormationHeading::Fixed {
+            heading_rad,
+            max_rate_rad_s,
+        } => {
+            let within = max_rate_rad_s.map_or(settings.heading_rate_rad_s, |rate| {
+                rate.min(settings.heading_rate_rad_s)
+            });
+            FormationHeading::Fixed {
+                heading_rad,
+                max_rate_rad_s: Some(within),
+            }
+        }
     }
+}
 
+impl Lead {
     /// Turns the formation for one period, along the course of the route if it has one.
     pub(crate) fn turn(&mut self, course_rad: Option<f64>, dt_s: f64, settings: &crate::Settings) {
-        let towards = match self.heading {
-            FormationHeading::Fixed { heading_rad } => heading_rad,
-            FormationHeading::Course { .. } => course_rad.unwrap_or(self.heading_rad),
-        };
-        let mode = self.mode_towards(self.heading, settings);
+        let towards = course_rad.unwrap_or(self.heading_rad);
+        let mode = turning_towards(self.heading, settings);
         let mut follower = HeadingFollower::resume(mode, self.heading_rad, self.heading_rate_rad_s);
         (self.heading_rad, self.heading_rate_rad_s) = follower.step(towards, dt_s);
     }

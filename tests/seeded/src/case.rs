@@ -2,7 +2,7 @@
 //!
 //! Must never do: draw what no swarm could keep (said where it is drawn), or leave out what it should.
 
-mod asks;
+pub(crate) mod asks;
 
 use nalgebra::Vector3;
 use rand::RngExt;
@@ -65,6 +65,8 @@ pub enum Leave {
     Lost(Fate),
     /// An operator sends it somewhere: so far from where it is, in metres north, east, down.
     Called(Vector3<f64>),
+    /// An operator sends it back to where it began, straight through whoever is on the way.
+    Home,
 }
 
 /// An aircraft that is tracked and does not give way.
@@ -76,7 +78,50 @@ pub struct Foreign {
     pub velocity: Vector3<f64>,
 }
 
-/// A fence: a rectangle about the start, and a ceiling.
+/// Something that moves and is told of: formations may follow it. It goes along a line, stops, and is not told of any more some time later.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moving {
+    /// Where it is when the flight begins.
+    pub position: Vector3<f64>,
+    /// Its velocity until it stops.
+    pub velocity: Vector3<f64>,
+    /// When it stops, in seconds.
+    pub stops_s: f64,
+    /// How often it is told of, per second.
+    pub rate_hz: f64,
+    /// Whether its velocity is told too.
+    pub tells_velocity: bool,
+}
+
+/// What one vehicle can do, where not all can do the same.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ability {
+    /// Largest speed in metres per second.
+    pub speed_m_s: f64,
+    /// Largest climb rate in metres per second.
+    pub climb_m_s: f64,
+    /// Largest descent rate in metres per second.
+    pub descent_m_s: f64,
+    /// Largest planned acceleration in metres per second squared.
+    pub acceleration_m_s2: f64,
+}
+
+/// A volume to be kept out of: an upright prism over a regular polygon.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Closed {
+    /// Its middle, north and east in metres.
+    pub middle_m: [f64; 2],
+    /// Its radius in metres.
+    pub radius_m: f64,
+    /// How many corners it has.
+    pub corners: usize,
+    /// From this height above the origin in metres.
+    pub floor_m: f64,
+    /// To this height.
+    pub ceiling_m: f64,
+}
+
+/// A fence: about the start, with so many corners cut off, and a ceiling.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Box2 {
     /// Half its length along north in metres.
@@ -85,6 +130,8 @@ pub struct Box2 {
     pub east_m: f64,
     /// Its ceiling above the origin in metres.
     pub ceiling_m: f64,
+    /// A corner that is cut out of it, as shares of its sides: then it is not convex.
+    pub notch: Option<[f64; 2]>,
 }
 
 /// All of it.
@@ -110,8 +157,14 @@ pub struct Case {
     pub loss: f64,
     /// The fence.
     pub fence: Option<Box2>,
-    /// Somebody else.
-    pub foreign: Option<Foreign>,
+    /// Volumes to be kept out of.
+    pub closed: Vec<Closed>,
+    /// What each can do; none if all are alike.
+    pub abilities: Vec<Ability>,
+    /// Others, who do not give way.
+    pub foreign: Vec<Foreign>,
+    /// What formations may follow.
+    pub moving: Moving,
     /// What is asked for, one after the other.
     pub steps: Vec<Step>,
 }
@@ -130,7 +183,11 @@ impl Case {
         // Log-uniform from 2 to 200, and small ones more often.
         let share: f64 = rng.random_range(0.0_f64..1.0).powf(1.5);
         let count = (2.0 * 100.0_f64.powf(share)).round() as usize;
-        let height_m = rng.random_range(15.0..40.0);
+        let height_m = if rng.random_bool(0.2) {
+            rng.random_range(5.0..15.0)
+        } else {
+            rng.random_range(15.0..40.0)
+        };
         let starts = starts(count, height_m, rng);
         let yaws_rad = (0..count).map(|_| rng.random_range(-3.0..3.0)).collect();
         let course = rng.random_range(0.0..std::f64::consts::TAU);
@@ -157,7 +214,15 @@ impl Case {
         let reserve = reserve(count, rng);
         let leaves = leaves(count, reserve.len(), rng);
         let fence = rng.random_bool(0.5).then(|| fence(&starts, height_m, rng));
-        let foreign = rng.random_bool(0.12).then(|| foreign(&starts, height_m, rng));
+        let others = if rng.random_bool(0.15) {
+            rng.random_range(1..=3)
+        } else {
+            0
+        };
+        let foreign = (0..others).map(|_| foreign(&starts, height_m, rng)).collect();
+        let closed = closed(&starts, height_m, rng);
+        let abilities = abilities(count, rng);
+        let moving = moving(height_m, rng);
         let steps = asks::draw(count, height_m, rng);
         Self {
             seed,
@@ -170,7 +235,10 @@ impl Case {
             latencies_s,
             loss,
             fence,
+            closed,
+            abilities,
             foreign,
+            moving,
             steps,
         }
     }
@@ -221,11 +289,12 @@ fn leaves(count: usize, reserve: usize, rng: &mut ChaCha8Rng) -> Vec<(VehicleId,
         if leaves.iter().any(|(known, ..)| *known == id) {
             continue;
         }
-        let leave = match rng.random_range(0..6) {
+        let leave = match rng.random_range(0..7) {
             0 => Leave::Lost(Fate::Hovers),
             1 | 2 => Leave::Lost(Fate::FliesOn),
             3 => Leave::Lost(Fate::Drifts),
             4 => Leave::Lost(Fate::Falls),
+            5 => Leave::Home,
             _ => Leave::Called(Vector3::new(
                 rng.random_range(-30.0..30.0),
                 rng.random_range(-30.0..30.0),
@@ -245,6 +314,68 @@ fn fence(starts: &[Vector3<f64>], height_m: f64, rng: &mut ChaCha8Rng) -> Box2 {
         north_m: reach(0) + beyond_m(),
         east_m: reach(1) + beyond_m(),
         ceiling_m: height_m + 0.5 * beyond_m(),
+        notch: rng
+            .random_bool(0.3)
+            .then(|| [rng.random_range(0.05..0.4), rng.random_range(0.05..0.4)]),
+    }
+}
+
+/// Up to two, in three flights of ten, off the place where all begin, some of them from the ground up, some to be flown under.
+fn closed(starts: &[Vector3<f64>], height_m: f64, rng: &mut ChaCha8Rng) -> Vec<Closed> {
+    let count = if rng.random_bool(0.3) {
+        rng.random_range(1..=2)
+    } else {
+        0
+    };
+    let reach_m = starts.iter().map(|s| s.xy().norm()).fold(0.0, f64::max);
+    let one = |rng: &mut ChaCha8Rng| {
+        let radius_m = rng.random_range(4.0..25.0);
+        let bearing: f64 = rng.random_range(0.0..std::f64::consts::TAU);
+        let away_m = reach_m + radius_m + rng.random_range(6.0..50.0);
+        Closed {
+            middle_m: [bearing.cos() * away_m, bearing.sin() * away_m],
+            radius_m,
+            corners: rng.random_range(3..9),
+            floor_m: if rng.random_bool(0.7) {
+                0.0
+            } else {
+                height_m + rng.random_range(-10.0..10.0)
+            },
+            ceiling_m: height_m + rng.random_range(11.0..40.0),
+        }
+    };
+    (0..count).map(|_| one(rng)).collect()
+}
+
+/// In a quarter of the flights not all can do the same.
+fn abilities(count: usize, rng: &mut ChaCha8Rng) -> Vec<Ability> {
+    if !rng.random_bool(0.25) {
+        return Vec::new();
+    }
+    let one = |rng: &mut ChaCha8Rng| Ability {
+        speed_m_s: rng.random_range(4.0..12.0),
+        climb_m_s: rng.random_range(0.8..2.5),
+        descent_m_s: rng.random_range(0.7..1.5),
+        acceleration_m_s2: rng.random_range(1.0..2.5),
+    };
+    let kinds: Vec<Ability> = (0..rng.random_range(2..=3)).map(|_| one(rng)).collect();
+    (0..count).map(|_| kinds[rng.random_range(0..kinds.len())]).collect()
+}
+
+/// From near the start, at the height of the swarm.
+fn moving(height_m: f64, rng: &mut ChaCha8Rng) -> Moving {
+    let course: f64 = rng.random_range(0.0..std::f64::consts::TAU);
+    let speed_m_s = rng.random_range(0.0..5.0);
+    Moving {
+        position: Vector3::new(
+            rng.random_range(-20.0..20.0),
+            rng.random_range(-20.0..20.0),
+            -height_m - rng.random_range(0.0..5.0),
+        ),
+        velocity: Vector3::new(course.cos(), course.sin(), 0.0) * speed_m_s,
+        stops_s: rng.random_range(10.0..50.0),
+        rate_hz: rng.random_range(1.0..10.0),
+        tells_velocity: rng.random_bool(0.5),
     }
 }
 
@@ -252,7 +383,12 @@ fn fence(starts: &[Vector3<f64>], height_m: f64, rng: &mut ChaCha8Rng) -> Box2 {
 fn foreign(starts: &[Vector3<f64>], height_m: f64, rng: &mut ChaCha8Rng) -> Foreign {
     let course: f64 = rng.random_range(0.0..std::f64::consts::TAU);
     let speed_m_s = rng.random_range(3.0..8.0);
-    let velocity = Vector3::new(course.cos(), course.sin(), 0.0) * speed_m_s;
+    let climb = if rng.random_bool(0.3) {
+        rng.random_range(-0.1..0.1)
+    } else {
+        0.0
+    };
+    let velocity = Vector3::new(course.cos(), course.sin(), climb) * speed_m_s;
     let reach = starts.iter().map(|s| s.xy().norm()).fold(0.0, f64::max);
     let middle = Vector3::new(rng.random_range(-10.0..10.0), rng.random_range(-10.0..10.0), -height_m);
     let at_s = (reach + 60.0) / speed_m_s + rng.random_range(0.0..20.0);

@@ -12,12 +12,12 @@ use skein_domain::exchange::{Create, Effect, Event};
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{
     CommandId, FlightMode, FlightState, Incarnation, Intent, LandedState, LinkHealth, NodeTime, PositionNed, Refusal,
-    Setpoint, Telemetry, VehicleCommand, VehicleId, VelocityNed,
+    Setpoint, Task, Telemetry, VehicleCommand, VehicleId, VelocityNed,
 };
 use skein_plugin_sdk::{Effects, UavModel};
 use skein_runtime::{PeerEntry, PeerSnapshot, steering};
 use skein_safety::Gate;
-use skein_safety::avoidance::Change;
+use skein_safety::avoidance::{Change, NeighbourId};
 use skein_sim::vehicle::plant::Plant;
 
 /// How long an autopilot flies its last setpoint without hearing another, in seconds: PX4's `COM_OF_LOSS_T`.
@@ -69,8 +69,8 @@ pub struct Craft {
     pub entry: PeerEntry,
     /// What its model wants, and what was changed of it; as of the last period.
     pub change: Option<Change>,
-    /// The last change that held it back, and when.
-    pub held_back: Option<(f64, Change)>,
+    /// Who has held it back, a fence being nobody, and when last.
+    pub held_back: Vec<(Option<NeighbourId>, f64)>,
     /// Why its last setpoint was refused, if it was.
     pub refusal: Option<Refusal>,
     pub route_finished: bool,
@@ -110,7 +110,7 @@ impl Craft {
             payload: None,
             system_id: None,
         };
-        let model = GenericUav::create(create, Settings::default()).expect("its own settings are usable");
+        let model = GenericUav::create(create, settings(case, index)).expect("its own settings are usable");
         let latency_s = case.latencies_s[index];
         let mut craft = Self {
             id,
@@ -118,7 +118,7 @@ impl Craft {
             lost: None,
             entry: first_entry(id, now),
             change: None,
-            held_back: None,
+            held_back: Vec::new(),
             refusal: None,
             route_finished: false,
             calls: 0,
@@ -256,6 +256,10 @@ impl Craft {
         let mut events = std::mem::take(&mut self.waiting);
         events.push(Event::Own(steering::own_state(entry, None)));
         events.extend(steering::told(intent, peers, self.id, &mut self.task_version));
+        let task = intent.tasks.get(&self.id).map(|task| &task.task);
+        if matches!(task, Some(Task::Keep(_))) {
+            events.push(Event::Peers(steering::others(peers, self.id)));
+        }
         events.push(Event::Tick);
         let mut effects = Effects::default();
         self.model.handle(now, &events, &mut effects);
@@ -307,7 +311,8 @@ impl Craft {
                 if let Some(change) = &steered.change {
                     self.changed += 1;
                     if change.by_m_s > HELD_BACK_M_S {
-                        self.held_back = Some((now_s, *change));
+                        self.held_back.retain(|(who, _)| *who != change.because);
+                        self.held_back.push((change.because, now_s));
                     }
                     self.infeasible += u64::from(!change.feasible);
                 }
@@ -319,7 +324,8 @@ impl Craft {
                     && let Some(own) = entry.kinematics
                 {
                     let place = *self.refused_at.get_or_insert(own.position);
-                    self.stream(&Setpoint::hold(place, Some(own.yaw_rad)), now_s, now, link);
+                    let hold = steering::hold(gate, entry, place, &peers.surroundings, now);
+                    self.stream(&hold, now_s, now, link);
                 }
                 if self.refusal.as_ref().map(Refusal::code) != Some(refusal.code()) {
                     self.told.push(format!("refused: {refusal}"));
@@ -343,6 +349,19 @@ impl Craft {
         }
         entry
     }
+}
+
+/// What its model says of it.
+fn settings(case: &Case, index: usize) -> Settings {
+    let usual = Settings::default();
+    case.abilities.get(index).map_or(usual, |able| Settings {
+        max_speed_m_s: able.speed_m_s,
+        cruise_speed_m_s: usual.cruise_speed_m_s.min(able.speed_m_s),
+        climb_m_s: able.climb_m_s,
+        descent_m_s: able.descent_m_s,
+        acceleration_m_s2: able.acceleration_m_s2,
+        ..usual
+    })
 }
 
 /// A velocity and nothing else.

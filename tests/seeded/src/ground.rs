@@ -2,13 +2,16 @@
 //!
 //! Must never do: decide by itself who takes part, who leads, or which slot is whose.
 
+use crate::case::Moving;
+use crate::case::asks::REFERENCE;
 use crate::craft::Craft;
+use nalgebra::Vector3;
 use skein_config::NodeConfig;
 use skein_domain::{AnchorReference, FormationAnchor, FormationRequest, Intent, NodeTime, Refusal, Route, VehicleId};
 use skein_runtime::coordination::{
     self, ActiveRoute, Changed, Coordination, Formation, Judging, PlanInput, PlanLimits,
 };
-use skein_runtime::{AnchorKeeper, PeerSnapshot, References};
+use skein_runtime::{AnchorKeeper, PeerSnapshot, ReferenceReport, References};
 use skein_safety::Gate;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -17,6 +20,9 @@ use std::sync::Arc;
 const LEAD_TIME_S: f64 = 0.1;
 /// After a plan to regroup that failed the next is made so much later, in seconds, as the coordinator's.
 const RETRY_S: f64 = 1.0;
+
+/// What moves is told of for so long after it has stopped, in seconds.
+const TOLD_AFTER_S: f64 = 5.0;
 
 /// A plan that is being made.
 struct Pending {
@@ -43,7 +49,7 @@ pub struct Ground {
     limits: PlanLimits,
     generation: u64,
     reshape: bool,
-    keeps_itself: bool,
+    pub keeps_itself: bool,
     joins: Vec<VehicleId>,
     not_before: NodeTime,
     pending: Vec<Pending>,
@@ -75,6 +81,24 @@ impl Ground {
     /// The formation's anchor of this period, if it is no vehicle.
     pub fn anchor(&mut self, led: Option<&AnchorReference>, now: NodeTime) -> Option<AnchorReference> {
         self.keeper.at(self.intent.anchor.as_ref(), led, &self.references, now)
+    }
+
+    /// What moves is told of, as often as it is, and for some time after it has stopped.
+    pub fn see(&mut self, moving: &Moving, now_s: f64, period_s: f64, now: NodeTime) {
+        let due = (now_s * moving.rate_hz).floor() > ((now_s - period_s) * moving.rate_hz).floor();
+        if !due || now_s > moving.stops_s + TOLD_AFTER_S {
+            return;
+        }
+        let stopped = now_s >= moving.stops_s;
+        let velocity = if stopped { Vector3::zeros() } else { moving.velocity };
+        let report = ReferenceReport {
+            position: (moving.position + moving.velocity * now_s.min(moving.stops_s)).into(),
+            velocity: moving.tells_velocity.then(|| velocity.into()),
+            heading_rad: None,
+        };
+        if let Err(refusal) = self.references.tell(REFERENCE, report, now) {
+            self.refuse("reference", &refusal);
+        }
     }
 
     pub fn is_planning(&self) -> bool {
@@ -109,17 +133,8 @@ impl Ground {
     }
 
     fn set_route(&mut self, route: Route, peers: &PeerSnapshot) -> Result<Route, Refusal> {
-        let formation = self.coordination.formation.clone();
-        let nobody = Refusal::NotEnoughVehicles { have: 0, need: 1 };
-        let (formation, leader) = formation
-            .and_then(|f| f.leader.map(|leader| (f, leader)))
-            .ok_or(nobody)?;
-        let start = peers
-            .entry(leader)
-            .and_then(|e| e.kinematics)
-            .ok_or(Refusal::NoPosition)?;
-        self.gate.route_from(&start.position, &route)?;
-        let fitted = coordination::fitted(route, &formation, peers, &self.limits);
+        let formation = self.coordination.formation.as_ref();
+        let fitted = coordination::fitted(route, formation, peers, &self.limits, &self.gate)?;
         self.coordination.route = Some(ActiveRoute {
             route: fitted.clone(),
             next: 0,
@@ -143,11 +158,15 @@ impl Ground {
         now: NodeTime,
     ) {
         let (route_speed_m_s, under_way) = self.coordination.way(&request);
+        let reference = match &request.anchor {
+            FormationAnchor::Reference { name } => self.references.anchor(name, now),
+            _ => None,
+        };
         let input = PlanInput {
             request: request.clone(),
             route_speed_m_s,
             under_way,
-            reference: None,
+            reference,
             before: self.coordination.formation.clone(),
             limits: self.limits.clone(),
             gate: Arc::clone(&self.gate),

@@ -3,9 +3,9 @@
 use crate::case::Case;
 use crate::craft::Craft;
 use crate::ground::Ground;
-use crate::outcome::{Arrival, Closest, Crossing, Failure, Outcome};
+use crate::outcome::{Arrival, Closest, Crossing, Failure, Lowest, Outcome};
 use nalgebra::Vector3;
-use skein_domain::{OffsetFrd, VehicleId};
+use skein_domain::{Keeping, KeepingLaw, NeighbourPlace, OffsetFrd, VehicleId};
 use skein_runtime::PeerSnapshot;
 use skein_safety::Approach;
 use skein_safety::avoidance::NeighbourId;
@@ -47,18 +47,26 @@ impl Judge {
     }
 
     /// Looks at one moment.
-    pub fn watch(&mut self, now_s: f64, crafts: &[Craft], ground: &Ground, foreign: Option<Vector3<f64>>) {
+    pub fn watch(&mut self, now_s: f64, crafts: &[Craft], ground: &Ground, foreign: &[Vector3<f64>]) {
         self.watch_pairs(now_s, crafts);
         for craft in crafts.iter().filter(|c| c.answers()) {
             let place = craft.plant.position();
             if !place.iter().all(|x| x.is_finite()) {
                 self.outcome.failures.push(Failure::NotFinite(craft.id));
             }
-            if let Some(foreign) = foreign {
+            for foreign in foreign {
                 let distance_m = (place - foreign).norm();
                 if distance_m < self.outcome.closest_foreign.distance_m {
                     self.outcome.closest_foreign = closest(distance_m, craft.id, craft.id, now_s);
                 }
+            }
+            let height_m = -place.z;
+            if height_m < self.outcome.lowest.height_m {
+                self.outcome.lowest = Lowest {
+                    height_m,
+                    id: craft.id,
+                    at_s: now_s,
+                };
             }
             if ground.gate.fences().is_empty() {
                 continue;
@@ -145,6 +153,9 @@ impl Judge {
         if outcome.crossing.outside_m > outcome.crossing.allowed_m {
             outcome.failures.push(Failure::FenceCrossed(outcome.crossing));
         }
+        if outcome.lowest.height_m < ground.config.safety.min_height_m - FENCE_UNCERTAIN_M {
+            outcome.failures.push(Failure::TooLow(outcome.lowest));
+        }
         let all = self.arrivals(crafts, ground, peers);
         let held = held(&all, crafts, ground, end_s);
         for (id, off_m) in all {
@@ -189,6 +200,10 @@ fn closest(distance_m: f64, a: VehicleId, b: VehicleId, at_s: f64) -> Closest {
 /// How far a vehicle is from its place, if it has one.
 fn off_m(craft: &Craft, crafts: &[Craft], ground: &Ground, peers: &PeerSnapshot) -> Option<f64> {
     let formation = ground.coordination.formation.as_ref()?;
+    // Who was sent elsewhere may still be a member, if the rest finds no shape without it.
+    if ground.withdrawn.contains(&craft.id) {
+        return None;
+    }
     let (anchor, heading_rad) = match formation.leader {
         Some(leader) => {
             let leads = crafts.iter().find(|c| c.id == leader)?;
@@ -204,10 +219,31 @@ fn off_m(craft: &Craft, crafts: &[Craft], ground: &Ground, peers: &PeerSnapshot)
         return Some(end.map_or(0.0, |end| (end.vector() - craft.plant.position()).norm()));
     }
     let slot = formation.slots.get(&craft.id)?;
+    if ground.keeps_itself
+        && let Some(keeping) = formation.keeping.get(&craft.id)
+    {
+        return Some(off_among_neighbours_m(craft, crafts, keeping));
+    }
     let offset: Vector3<f64> = OffsetFrd::rotated(&slot.to, heading_rad);
     let off_m = (anchor + offset - craft.plant.position()).norm();
     // Nobody is in place about an anchor that is nowhere.
     Some(if off_m.is_finite() { off_m } else { f64::INFINITY })
+}
+
+/// How far a vehicle that keeps its place by its neighbours is off, as it keeps it: the mean over those that answer of the distances, or of
+/// the places.
+fn off_among_neighbours_m(craft: &Craft, crafts: &[Craft], keeping: &Keeping) -> f64 {
+    let off_m = |place: &NeighbourPlace| {
+        let neighbour = crafts.iter().find(|c| c.id == place.vehicle && c.answers())?;
+        let is = neighbour.plant.position() - craft.plant.position();
+        let wanted = Vector3::new(place.north_m, place.east_m, place.down_m);
+        Some(match keeping.law {
+            KeepingLaw::Distances => (is.norm() - wanted.norm()).abs(),
+            KeepingLaw::Bearings => (is - wanted).norm(),
+        })
+    };
+    let all: Vec<f64> = keeping.neighbours.iter().filter_map(off_m).collect();
+    all.iter().sum::<f64>() / all.len().max(1) as f64
 }
 
 /// Who is held back, and by what: a refusal, a fence, somebody who does not answer or was sent elsewhere, or one who is held back itself.
@@ -243,20 +279,22 @@ fn reason(
     if let Some(refusal) = &craft.refusal {
         return Some(refusal.to_string());
     }
-    let (_, change) = craft.held_back.filter(|(at_s, _)| now_s - at_s < HELD_BACK_S)?;
-    match change.because {
-        None => Some("a fence".into()),
-        Some(NeighbourId::Foreign(_)) => Some("a foreign aircraft".into()),
-        Some(NeighbourId::Vehicle(id)) => {
-            let answers = crafts.iter().any(|c| c.id == id && c.answers() && !c.climbing);
-            if !answers || ground.withdrawn.contains(&id) {
-                Some(format!("{id} is in the way, which is not ours to move"))
-            } else {
-                let (_, why) = held.iter().find(|(other, _)| *other == id)?;
-                Some(format!("{id} is in the way, held back itself: {why}"))
+    let lately = craft.held_back.iter().filter(|(_, at_s)| now_s - at_s < HELD_BACK_S);
+    lately
+        .filter_map(|(who, _)| match who {
+            None => Some("a fence".into()),
+            Some(NeighbourId::Foreign(_)) => Some("a foreign aircraft".into()),
+            Some(NeighbourId::Vehicle(id)) => {
+                let answers = crafts.iter().any(|c| c.id == *id && c.answers() && !c.climbing);
+                if !answers || ground.withdrawn.contains(id) {
+                    Some(format!("{id} is in the way, which is not ours to move"))
+                } else {
+                    let (_, why) = held.iter().find(|(other, _)| other == id)?;
+                    Some(format!("{id} is in the way, held back itself: {why}"))
+                }
             }
-        }
-    }
+        })
+        .next()
 }
 
 fn state(id: VehicleId, crafts: &[Craft]) -> String {

@@ -14,8 +14,8 @@ mod judge;
 mod outcome;
 mod world;
 
-pub use case::{Ask, Case, Fate, Foreign, Leave, Step, When};
-pub use outcome::{Arrival, Closest, Crossing, Failure, FilterFigures, Outcome};
+pub use case::{Ability, Ask, Case, Closed, Fate, Foreign, Leave, Moving, Step, When};
+pub use outcome::{Arrival, Closest, Crossing, Failure, FilterFigures, Lowest, Outcome};
 pub use world::fly;
 
 /// Draws the case of a seed and flies it.

@@ -40,6 +40,27 @@ pub struct Crossing {
     pub at_s: f64,
 }
 
+/// The lowest that somebody flew.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lowest {
+    /// Height above the ground in metres; infinite if nobody flew.
+    pub height_m: f64,
+    /// Who.
+    pub id: VehicleId,
+    /// When, in seconds.
+    pub at_s: f64,
+}
+
+impl Default for Lowest {
+    fn default() -> Self {
+        Self {
+            height_m: f64::INFINITY,
+            id: VehicleId(0),
+            at_s: 0.0,
+        }
+    }
+}
+
 /// How a vehicle ended.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Arrival {
@@ -76,6 +97,8 @@ pub enum Failure {
     TooCloseToForeign(Closest),
     /// Somebody was further outside of the fence than its speed explains.
     FenceCrossed(Crossing),
+    /// Somebody was lower than a setpoint in flight may lead.
+    TooLow(Lowest),
     /// A vehicle is not where it should be, and nothing says why.
     NotArrived {
         /// Which.
@@ -108,6 +131,8 @@ pub struct Outcome {
     pub closest_foreign: Closest,
     /// The worst crossing of the fence.
     pub crossing: Crossing,
+    /// The lowest that one flew.
+    pub lowest: Lowest,
     /// When everyone was in place for good, if everyone was.
     pub arrived_s: Option<f64>,
     /// How each vehicle ended that still answered.
@@ -150,6 +175,7 @@ impl fmt::Display for Failure {
                 "{} was {:.2} m outside of the fence at {:.2} s, its speed explains {:.2} m",
                 c.id, c.outside_m, c.at_s, c.allowed_m
             ),
+            Self::TooLow(l) => write!(f, "{} was {:.2} m over the ground at {:.2} s", l.id, l.height_m, l.at_s),
             Self::NotArrived { id, off_m, why } => write!(f, "{id} is {off_m:.2} m from its place: {why}"),
             Self::Forgotten(id) => write!(f, "{id} has neither a place nor a reason"),
             Self::NotFinite(id) => write!(f, "{id} is nowhere"),

@@ -3,7 +3,7 @@
 //! One control period: the air moves, states are sent and heard, all vehicles are put into one picture, the coordinator watches (and
 //! reviews, every fifth period), each vehicle's model is asked and its setpoint steered.
 
-use crate::case::{Ask, Case, Leave, Step, When};
+use crate::case::{Ask, Case, Foreign, Leave, Step, When};
 use crate::craft::Craft;
 use crate::ground::Ground;
 use crate::judge::Judge;
@@ -14,10 +14,10 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use skein_config::NodeConfig;
 use skein_domain::payload::Track;
-use skein_domain::{NodeTime, Route, VehicleCommand};
+use skein_domain::{BreachAction, NodeTime, Route, VehicleCommand, ZoneKind};
 use skein_runtime::{PeerSnapshot, steering};
 use skein_safety::avoidance::Surroundings;
-use skein_safety::{Fence, Gate, Limits};
+use skein_safety::{Fence, Fences, Gate, Limits, Zone};
 use skein_sim::vehicle::plant::Air;
 
 /// The control period in seconds, and how many steps the plants take in it.
@@ -31,6 +31,8 @@ const BEGINS_S: f64 = 100.0;
 const SETTLING_S: f64 = 180.0;
 /// So long everyone must be in place for it to count, in seconds.
 const FOR_GOOD_S: f64 = 4.0;
+/// A formation whose outermost vehicle is carried round faster than this turns, in metres per second.
+const TURNS_M_S: f64 = 0.01;
 /// No flight takes longer, in seconds.
 const LONGEST_S: f64 = 600.0;
 
@@ -81,11 +83,48 @@ fn gate(case: &Case, config: &NodeConfig) -> Gate {
         min_separation_m: safety.min_separation_m,
         separation_horizon_s: safety.separation_horizon_s,
     };
-    let fence = case.fence.and_then(|fence| {
+    Gate::new(limits, Fences::new(zones(case))).with_min_height(safety.min_height_m)
+}
+
+/// The fence and what is closed within it.
+fn zones(case: &Case) -> Vec<Zone> {
+    let zone = |kind, volume| Zone {
+        name: "fence".to_owned(),
+        kind,
+        action: BreachAction::Hold,
+        volume,
+    };
+    let inclusion = case.fence.and_then(|fence| {
         let (n, e) = (fence.north_m, fence.east_m);
-        Fence::new(vec![[n, e], [n, -e], [-n, -e], [-n, e]], 2.0, fence.ceiling_m).ok()
+        let mut corners = vec![[n, -e], [-n, -e], [-n, e]];
+        match fence.notch {
+            None => corners.push([n, e]),
+            Some([of_n, of_e]) => {
+                let (in_n, in_e) = (n * (1.0 - of_n), e * (1.0 - of_e));
+                corners.extend([[in_n, e], [in_n, in_e], [n, in_e]]);
+            }
+        }
+        Fence::new(corners, 2.0, fence.ceiling_m).ok()
     });
-    Gate::new(limits, fence)
+    let closed = case.closed.iter().filter_map(|closed| {
+        let corner = |i: usize| {
+            let at = std::f64::consts::TAU * i as f64 / closed.corners as f64;
+            let [north_m, east_m] = closed.middle_m;
+            [
+                north_m + closed.radius_m * at.cos(),
+                east_m + closed.radius_m * at.sin(),
+            ]
+        };
+        Fence::new(
+            (0..closed.corners).map(corner).collect(),
+            closed.floor_m,
+            closed.ceiling_m,
+        )
+        .ok()
+    });
+    let inclusion = inclusion.into_iter().map(|volume| zone(ZoneKind::Inclusion, volume));
+    let closed = closed.map(|volume| zone(ZoneKind::Exclusion, volume));
+    inclusion.chain(closed).collect()
 }
 
 impl<'a> World<'a> {
@@ -131,7 +170,7 @@ impl<'a> World<'a> {
             }
         }
         let foreign = self.foreign();
-        self.judge.watch(self.now_s, &self.crafts, &self.ground, foreign);
+        self.judge.watch(self.now_s, &self.crafts, &self.ground, &foreign);
         self.happen();
         let (now_s, now) = (self.now_s, self.now());
         for craft in &mut self.crafts {
@@ -169,8 +208,12 @@ impl<'a> World<'a> {
             self.tell(format!("{id}: {leave:?}"));
             match leave {
                 Leave::Lost(fate) => self.crafts[index].lose(fate, to_s),
-                Leave::Called(offset) => {
-                    let position = (self.crafts[index].plant.position() + offset).into();
+                Leave::Called(_) | Leave::Home => {
+                    let position = match leave {
+                        Leave::Called(offset) => self.crafts[index].plant.position() + offset,
+                        _ => self.case.starts[index],
+                    }
+                    .into();
                     let go = VehicleCommand::GoTo {
                         position,
                         yaw_rad: None,
@@ -187,9 +230,10 @@ impl<'a> World<'a> {
         }
     }
 
-    fn foreign(&self) -> Option<Vector3<f64>> {
-        let foreign = self.case.foreign?;
-        Some(foreign.position + foreign.velocity * self.now_s)
+    /// Where the others are.
+    fn foreign(&self) -> Vec<Vector3<f64>> {
+        let place = |foreign: &Foreign| foreign.position + foreign.velocity * self.now_s;
+        self.case.foreign.iter().map(place).collect()
     }
 
     /// The picture of this period.
@@ -197,14 +241,15 @@ impl<'a> World<'a> {
         let now = self.now();
         let entries: Vec<_> = self.crafts.iter().map(Craft::published).collect();
         let mut all: Vec<_> = entries.iter().filter_map(|e| steering::neighbour(e, now)).collect();
-        if let (Some(place), Some(foreign)) = (self.foreign(), self.case.foreign) {
+        for (track, (place, foreign)) in (1..).zip(self.foreign().into_iter().zip(&self.case.foreign)) {
             all.push(steering::tracked(&Track {
-                track: 1,
+                track,
                 position: place.into(),
                 velocity: foreign.velocity.into(),
                 time: now,
             }));
         }
+        self.ground.see(&self.case.moving, self.now_s, PERIOD_S, now);
         let surroundings = Surroundings::new(&all, &self.ground.gate.avoidance(), now);
         let led = entries.iter().find_map(|e| e.anchor);
         let anchor = self.ground.anchor(led.as_ref(), now);
@@ -249,8 +294,8 @@ impl<'a> World<'a> {
         match ask {
             Ask::Form(request) => {
                 let what = format!(
-                    "asked: {:?}, {:.1} m, {:?}",
-                    request.shape, request.spacing_m, request.anchor
+                    "asked: {:?}, {:.1} m, {:?}, {:?}, {:?}",
+                    request.shape, request.spacing_m, request.control, request.heading, request.anchor
                 );
                 self.tell(what);
                 self.ground.ask(request.clone(), &self.peers, plan_s, now);
@@ -315,8 +360,10 @@ impl<'a> World<'a> {
                 .find_map(|e| e.anchor.map(|a| a.heading_rate_rad_s))
         };
         let turning_rad_s = self.peers.anchor.map(|a| a.heading_rate_rad_s).or_else(led);
+        // Who is far out is carried on by a turn that hardly shows near the anchor.
+        let reach_m = formation.map_or(0.0, skein_runtime::coordination::Formation::reach_m);
         let moving = self.peers.anchor.is_some_and(|a| a.velocity.norm() > 0.01)
-            || turning_rad_s.is_some_and(|rate| rate.abs() > 1e-3);
+            || turning_rad_s.is_some_and(|rate| rate.abs() * reach_m.max(10.0) > TURNS_M_S);
         let quiet = self.next_step >= self.case.steps.len()
             && !self.ground.is_planning()
             && self.now_s > settled_s.max(last_s) + 1.0

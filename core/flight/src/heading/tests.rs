@@ -70,7 +70,11 @@ fn a_turning_course_is_followed_closely() {
 
 #[test]
 fn a_fixed_heading_stays_whatever_the_course() {
-    let mut follower = HeadingFollower::new(FormationHeading::Fixed { heading_rad: FRAC_PI_2 }, 0.0);
+    let mode = FormationHeading::Fixed {
+        heading_rad: FRAC_PI_2,
+        max_rate_rad_s: None,
+    };
+    let mut follower = HeadingFollower::new(mode, 0.0);
     assert_eq!(follower.step(3.0, DT_S), (FRAC_PI_2, 0.0));
     assert_eq!(follower.step(f64::NAN, DT_S), (FRAC_PI_2, 0.0));
 }
@@ -97,4 +101,28 @@ fn numbers_that_are_not_finite_change_nothing_for_the_worse() {
     let mut unlimited = HeadingFollower::new(course(f64::NAN), 0.2);
     let (heading, rate) = unlimited.step(1.0, DT_S);
     assert!((heading - 0.2).abs() < 1e-12 && rate == 0.0);
+}
+
+#[test]
+fn a_formation_that_flies_turns_to_a_fixed_heading_gently_and_no_faster_than_it_may() {
+    let mode = FormationHeading::Fixed {
+        heading_rad: FRAC_PI_2,
+        max_rate_rad_s: Some(0.05),
+    };
+    // From a turn that was faster.
+    let mut follower = HeadingFollower::resume(mode, 0.0, 0.2);
+    let (mut last, mut fastest) = (0.2, 0.0_f64);
+    for step in 0..(60.0 / DT_S) as u32 {
+        let (_, rate) = follower.step(f64::NAN, DT_S);
+        assert!(
+            (rate - last).abs() <= 0.2 / RAMP_S * DT_S + 1e-9,
+            "{step}: {last} to {rate}"
+        );
+        last = rate;
+        if f64::from(step) * DT_S > 2.0 * RAMP_S {
+            fastest = fastest.max(rate.abs());
+        }
+    }
+    assert!(fastest <= 0.05 + 1e-12 && fastest > 0.049, "{fastest}");
+    assert!((follower.heading_rad() - FRAC_PI_2).abs() < 1e-3 && last.abs() < 1e-4);
 }

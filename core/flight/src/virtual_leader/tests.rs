@@ -95,7 +95,14 @@ fn it_stands_before_the_start_and_after_the_end() {
 
 #[test]
 fn a_fixed_heading_stays() {
-    let leader = leader(FormationHeading::Fixed { heading_rad: 0.3 }, 1.0, 10.0);
+    let leader = leader(
+        FormationHeading::Fixed {
+            heading_rad: 0.3,
+            max_rate_rad_s: None,
+        },
+        1.0,
+        10.0,
+    );
     for t_s in [-1.0, 0.0, 20.0, 500.0] {
         let anchor = leader.anchor(at(t_s));
         assert_eq!(
@@ -107,7 +114,10 @@ fn a_fixed_heading_stays() {
 
 #[test]
 fn what_cannot_be_flown_is_refused() {
-    let mode = FormationHeading::Fixed { heading_rad: 0.0 };
+    let mode = FormationHeading::Fixed {
+        heading_rad: 0.0,
+        max_rate_rad_s: None,
+    };
     let new = |route: &Route| {
         VirtualLeader::new(PositionNed::default(), route, &PathLimits::level(2.0), mode, 0.0, START).map(|_| ())
     };

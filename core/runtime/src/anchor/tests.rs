@@ -91,3 +91,33 @@ fn a_reference_that_is_not_known_is_no_anchor_and_one_that_is_forgotten_stands()
     assert_eq!(standing.velocity, VelocityNed::default());
     assert!((standing.position.north_m - moving.position.north_m).abs() < 1e-9);
 }
+
+/// The leader's anchor is taken away when the plan changes: the formation turns from the heading it had all the same.
+#[test]
+fn a_formation_that_was_led_turns_from_the_heading_it_had() {
+    let mut keeper = AnchorKeeper::default();
+    let references = References::new(12.0);
+    let at = |s: f64| NodeTime::from_seconds(10.0 + s);
+    let led = AnchorReference {
+        heading_rad: 3.0,
+        time: at(0.0),
+        ..AnchorReference::default()
+    };
+    assert_eq!(keeper.at(None, Some(&led), &references, at(0.0)), None);
+    let plan = AnchorPlan::Place {
+        position: PositionNed::new(5.0, 0.0, -10.0),
+        heading_rad: 0.0,
+        max_rate_rad_s: 0.2,
+    };
+    let first = keeper
+        .at(Some(&plan), None, &references, at(0.02))
+        .expect("has an anchor");
+    assert!((first.heading_rad - 3.0).abs() < 0.01, "{first:?}");
+    let mut last = first;
+    for period in 1..2_000 {
+        last = keeper
+            .at(Some(&plan), None, &references, at(0.02 + 0.02 * f64::from(period)))
+            .expect("has an anchor");
+    }
+    assert!(last.heading_rad.abs() < 0.01, "{last:?}");
+}

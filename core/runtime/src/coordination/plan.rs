@@ -4,7 +4,9 @@
 
 use super::{Formation, available, by_fitness};
 use crate::board::PeerSnapshot;
+use crate::ways;
 use skein_config::CoordinatorSettings;
+use skein_domain::frames::wrap_angle_rad;
 use skein_domain::{
     AnchorPlan, AnchorReference, FlightLimits, FormationAnchor, FormationControl, FormationHeading, FormationRequest,
     HeadingRequest, Keeping, KeepingLaw, NodeTime, OffsetFrd, PositionNed, Refusal, Route, VehicleId,
@@ -24,10 +26,15 @@ const NOMINAL_SPEED_M_S: f64 = 5.0;
 const TURN_ACCELERATION_M_S2: f64 = 3.0;
 /// A virtual leader speeds up and turns no harder than this, so that followers have something to spare, in metres per second squared.
 const ANCHOR_ACCELERATION_M_S2: f64 = 2.0;
-/// A formation at a place turns towards its heading no faster than this, in radians per second.
-const PLACE_TURN_RAD_S: f64 = 0.2;
-/// Its outermost vehicle goes no faster by that, in metres per second: it may be changing places at the same time.
-const PLACE_TURN_M_S: f64 = 3.0;
+/// A formation that stands turns towards its heading no faster than this, in radians per second.
+const STANDING_TURN_RAD_S: f64 = 0.2;
+/// The outermost vehicle goes no faster by a turn to a fixed heading, in metres per second: it may be changing places at the same time.
+const HEADING_TURN_M_S: f64 = 4.0;
+/// However little speed is left to the outermost vehicle, a turn to a fixed heading takes this much of it, in metres per second: it must
+/// come to an end.
+const HEADING_TURN_LEAST_M_S: f64 = 0.5;
+/// Less than this is no turn, in radians.
+const NO_TURN_RAD: f64 = 0.01;
 
 /// Limits a plan is made under.
 #[derive(Debug, Clone)]
@@ -104,9 +111,9 @@ pub fn plan(input: &PlanInput, peers: &PeerSnapshot) -> Result<Formation, Refusa
     }
     let basis = Basis::now(input, leader, peers)?;
     let together = slowest(&able);
-    let heading = choose_heading(input, &slots, basis.heading_rad, &together);
     let from = present_offsets(input, &members, leader, &basis, peers)?;
-    let taken_m_s = taken_m_s(input, &from, &slots, &heading, basis.turning_rad_s);
+    let heading = choose_heading(input, &from, &slots, &basis, &together);
+    let taken_m_s = taken_m_s(input, &from, &slots, &heading, &basis);
     let held = held_slots(input, &members, &from, &slots);
     let change = Change {
         able: &able,
@@ -161,22 +168,41 @@ fn stays_inside(
     heading: &FormationHeading,
 ) -> Result<(), Refusal> {
     let heading_rad = match heading {
-        FormationHeading::Fixed { heading_rad } => *heading_rad,
+        FormationHeading::Fixed { heading_rad, .. } => *heading_rad,
         FormationHeading::Course { .. } => basis.heading_rad,
     };
     let places = slots.iter().map(|slot| basis.position.moved(slot.rotated(heading_rad)));
     places.into_iter().try_for_each(|place| input.gate.goal(&place))
 }
 
-/// A route as a formation can fly it: no faster than its slowest member, no corner tighter than the widest turn that one needs.
-#[must_use]
-pub fn fitted(route: Route, formation: &Formation, peers: &PeerSnapshot, limits: &PlanLimits) -> Route {
+/// A route as a formation can fly it from where its leader is: around what is closed with room for everyone, no faster than the slowest
+/// member, no corner tighter than the widest turn that one needs.
+///
+/// # Errors
+/// When nobody leads, or the route leads where the gate lets nobody go.
+pub fn fitted(
+    route: Route,
+    formation: Option<&Formation>,
+    peers: &PeerSnapshot,
+    limits: &PlanLimits,
+    gate: &Gate,
+) -> Result<Route, Refusal> {
+    let (formation, leader) = formation
+        .and_then(|f| f.leader.map(|leader| (f, leader)))
+        .ok_or(Refusal::NotEnoughVehicles { have: 0, need: 1 })?;
+    let start = peers
+        .entry(leader)
+        .and_then(|e| e.kinematics)
+        .ok_or(Refusal::NoPosition)?
+        .position;
+    let route = ways::route(gate.fences(), &start, route, formation.reach_m())?;
+    gate.route_from(&start, &route)?;
     let together = slowest(&capabilities(&formation.members, peers, limits));
-    Route {
+    Ok(Route {
         speed_m_s: route.speed_m_s.min(formation.max_speed_m_s),
         corner_radius_m: route.corner_radius_m.max(together.min_turn_radius_m),
         ..route
-    }
+    })
 }
 
 /// Who takes part, by ascending id.
@@ -310,7 +336,17 @@ impl Basis {
     fn of_leader(input: &PlanInput, leader: VehicleId, peers: &PeerSnapshot) -> Result<Self, Refusal> {
         let entry = peers.entry(leader).ok_or(Refusal::NoPosition)?;
         let kinematics = entry.kinematics.ok_or(Refusal::NoPosition)?;
-        let heading_rad = match (entry.anchor, input.request.heading) {
+        // Who followed until now goes on from the heading it followed in.
+        let followed = input
+            .before
+            .as_ref()
+            .filter(|f| f.slots.contains_key(&leader) && !f.keeps_itself(input.start));
+        let followed = followed.and_then(|f| match f.leader {
+            Some(former) => peers.entry(former).and_then(|e| e.anchor),
+            None => peers.anchor,
+        });
+        let anchor = entry.anchor.or(followed);
+        let heading_rad = match (anchor, input.request.heading) {
             (Some(anchor), _) => anchor.heading_rad,
             (None, HeadingRequest::Fixed { heading_deg }) => heading_deg.to_radians(),
             (None, HeadingRequest::Auto | HeadingRequest::Course) => kinematics.yaw_rad,
@@ -318,7 +354,7 @@ impl Basis {
         Ok(Self {
             position: kinematics.position,
             heading_rad,
-            turning_rad_s: entry.anchor.map_or(0.0, |a| a.heading_rate_rad_s),
+            turning_rad_s: anchor.map_or(0.0, |a| a.heading_rate_rad_s),
         })
     }
 }
@@ -365,7 +401,7 @@ fn anchor_plan(
             Some(AnchorPlan::Place {
                 position: *position,
                 heading_rad: asked.map_or(basis.heading_rad, f64::to_radians),
-                max_rate_rad_s: PLACE_TURN_RAD_S.min(PLACE_TURN_M_S / farthest_m.max(1.0)),
+                max_rate_rad_s: STANDING_TURN_RAD_S.min(HEADING_TURN_M_S / farthest_m.max(1.0)),
             })
         }
     }
@@ -394,8 +430,9 @@ fn keeping(
 
 fn choose_heading(
     input: &PlanInput,
+    from: &[OffsetFrd],
     slots: &[OffsetFrd],
-    heading_now: f64,
+    basis: &Basis,
     together: &FlightLimits,
 ) -> FormationHeading {
     let speed_m_s = input
@@ -403,19 +440,25 @@ fn choose_heading(
         .unwrap_or(NOMINAL_SPEED_M_S)
         .min(together.max_speed_m_s * limits::TURN_SPEED_SHARE);
     let acceleration_m_s2 = TURN_ACCELERATION_M_S2.min(together.max_acceleration_m_s2);
-    let max_rate_rad_s =
-        limits::max_turn_rate_within_rad_s(slots, speed_m_s, together.max_speed_m_s, acceleration_m_s2);
+    let rate_rad_s = |slots: &[OffsetFrd]| {
+        limits::max_turn_rate_within_rad_s(slots, speed_m_s, together.max_speed_m_s, acceleration_m_s2)
+    };
+    let max_rate_rad_s = rate_rad_s(slots);
+    // Whoever is further out now than it will be is carried round as well.
+    let to_fixed_rad_s = {
+        let farthest_m = farthest_m(from, slots).max(1.0);
+        let within = max_rate_rad_s.min(rate_rad_s(from)).min(HEADING_TURN_M_S / farthest_m);
+        within.max(HEADING_TURN_LEAST_M_S / farthest_m).min(STANDING_TURN_RAD_S)
+    };
+    let fixed = |heading_rad: f64| FormationHeading::Fixed {
+        heading_rad,
+        max_rate_rad_s: Some(to_fixed_rad_s),
+    };
     match input.request.heading {
-        HeadingRequest::Fixed { heading_deg } => FormationHeading::Fixed {
-            heading_rad: heading_deg.to_radians(),
-        },
+        HeadingRequest::Fixed { heading_deg } => fixed(heading_deg.to_radians()),
         // Directions are kept in north and east: such a formation does not turn.
-        _ if input.request.control == FormationControl::Bearings => FormationHeading::Fixed {
-            heading_rad: heading_now,
-        },
-        HeadingRequest::Auto if max_rate_rad_s < SLOWEST_USEFUL_TURN_RAD_S => FormationHeading::Fixed {
-            heading_rad: heading_now,
-        },
+        _ if input.request.control == FormationControl::Bearings => fixed(basis.heading_rad),
+        HeadingRequest::Auto if max_rate_rad_s < SLOWEST_USEFUL_TURN_RAD_S => fixed(basis.heading_rad),
         HeadingRequest::Auto | HeadingRequest::Course => FormationHeading::Course { max_rate_rad_s },
     }
 }
@@ -426,16 +469,25 @@ fn taken_m_s(
     from: &[OffsetFrd],
     slots: &[OffsetFrd],
     heading: &FormationHeading,
-    turning_rad_s: f64,
+    basis: &Basis,
 ) -> f64 {
-    let turns = turning_rad_s.abs() > 1e-3;
-    let rate_rad_s = match heading {
-        FormationHeading::Course { max_rate_rad_s } if input.under_way || turns => *max_rate_rad_s,
-        _ => turning_rad_s.abs(),
-    };
+    let turning_rad_s = basis.turning_rad_s.abs();
+    let turns = turning_rad_s > 1e-3;
+    let farthest_now_m = farthest_m(from, slots);
     // Who comes from far outside is carried round by what the formation turns now; the rate it may turn at later is for its places.
+    let turned_m_s = match heading {
+        FormationHeading::Course { max_rate_rad_s } if input.under_way || turns => {
+            (turning_rad_s * farthest_now_m).max(max_rate_rad_s * farthest_m(&[], slots))
+        }
+        FormationHeading::Fixed {
+            heading_rad,
+            max_rate_rad_s: Some(max_rate_rad_s),
+        } if wrap_angle_rad(heading_rad - basis.heading_rad).abs() > NO_TURN_RAD => {
+            turning_rad_s.max(*max_rate_rad_s) * farthest_now_m
+        }
+        _ => turning_rad_s * farthest_now_m,
+    };
     let flown_m_s = input.route_speed_m_s.filter(|_| input.under_way).unwrap_or(0.0);
-    let turned_m_s = (turning_rad_s.abs() * farthest_m(from, slots)).max(rate_rad_s * farthest_m(&[], slots));
     flown_m_s + turned_m_s
 }
 

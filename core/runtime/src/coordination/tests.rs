@@ -341,7 +341,8 @@ fn the_slowest_member_decides_how_fast_the_formation_goes() {
         speed_m_s: 8.0,
         corner_radius_m: 5.0,
     };
-    let fitted = fitted(route, &formation, &peers, &PlanLimits::new(&settings, 12.0));
+    let limits = PlanLimits::new(&settings, 12.0);
+    let fitted = fitted(route, Some(&formation), &peers, &limits, &gate()).expect("is inside");
     assert!(fitted.speed_m_s <= 5.0 && fitted.corner_radius_m >= 12.0, "{fitted:?}");
 }
 

@@ -272,12 +272,15 @@ impl VehicleState {
         if !matches!(refusal, Refusal::LinkLost { .. } | Refusal::PilotInControl) {
             self.tell_refusal(now, &refusal);
         }
-        let own = self.board.peers.load().entry(self.cell.id).and_then(|e| e.kinematics);
+        let peers = self.board.peers.load_full();
+        let entry = peers.entry(self.cell.id);
         if steering::is_answered_by_holding(&refusal)
-            && let Some(own) = own
+            && let Some(entry) = entry
+            && let Some(own) = entry.kinematics
         {
             let place = *self.refused_at.get_or_insert(own.position);
-            if let Ok(local) = self.to_local(&Setpoint::hold(place, Some(own.yaw_rad))) {
+            let hold = steering::hold(&self.board.gate(), entry, place, &peers.surroundings, now);
+            if let Ok(local) = self.to_local(&hold) {
                 let valid_s = self.board.config.link.setpoint_valid_s;
                 self.cell.link.load().0.stream(now, local, now.plus_seconds(valid_s));
             }

@@ -123,7 +123,7 @@ pub(super) fn demand(own: &Own, peer: &Carried, settings: &AvoidanceSettings) ->
     let braking = if peer.shares { 2.0 } else { 1.0 } * settings.braking_m_s2;
     let delay_s = settings.reaction_s + own.age_s + peer.age_s.min(settings.horizon_s);
     let room_m = distance_m - keep_m;
-    let fastest = relative.norm() + (own.wanted - own.velocity).norm() + ELBOW_ROOM_M_S;
+    let fastest = relative.norm() + peer.braked_m_s + (own.wanted - own.velocity).norm() + ELBOW_ROOM_M_S;
     if room_m > room_needed_m(fastest, braking, delay_s, settings.horizon_s) {
         return None;
     }
@@ -131,9 +131,11 @@ pub(super) fn demand(own: &Own, peer: &Carried, settings: &AvoidanceSettings) ->
         .try_normalize(1e-6)
         .unwrap_or_else(|| sideways_of(own.id, peer.id) * -1.0);
     let closing = closing_limit_m_s(room_m, braking, delay_s, settings.horizon_s);
+    // Who goes away ahead may have braked since it was heard.
+    let braked_m_s = sight.dot(&squeezed(peer.velocity)).max(0.0).min(peer.braked_m_s);
     let stop = Side {
         normal: sight,
-        room: closing - sight.dot(&relative),
+        room: closing - sight.dot(&relative) - braked_m_s,
     };
     let margin_m = passing_margin_m(peer.shares, &there, &relative);
     let pass = passing(own, peer, &sight, &relative, (keep_m + margin_m) / distance_m);

@@ -32,6 +32,8 @@ pub(super) struct Carried {
     pub velocity: Vector3<f64>,
     /// How far it may be from that place.
     pub uncertain_m: f64,
+    /// How much slower it may be than when it was measured, in metres per second: it may have begun to brake at once.
+    pub braked_m_s: f64,
     pub age_s: f64,
     pub shares: bool,
 }
@@ -56,6 +58,7 @@ impl Carried {
             position: carried_on(&neighbour.position.vector(), &velocity, age_s),
             velocity,
             uncertain_m: given_m + unknown_m(age_s, settings.peer_acceleration_m_s2),
+            braked_m_s: (settings.peer_acceleration_m_s2 * age_s).min(velocity.norm()),
             age_s,
             shares: neighbour.cooperation == Cooperation::Shares,
         })
@@ -75,6 +78,7 @@ pub struct Surroundings {
     fastest_m_s: f64,
     /// The least certain of them.
     uncertain_m: f64,
+    braked_m_s: f64,
     oldest_s: f64,
 }
 
@@ -92,6 +96,7 @@ impl Surroundings {
             drift,
             fastest_m_s: most(&|c| (c.velocity - drift).norm()),
             uncertain_m: most(&|c| c.uncertain_m),
+            braked_m_s: most(&|c| c.braked_m_s),
             oldest_s: most(&|c| c.age_s),
             sharing,
             others,
@@ -100,7 +105,7 @@ impl Surroundings {
 
     /// How fast anybody that shares may be relative to this velocity.
     pub(super) fn fastest_against_m_s(&self, velocity: &Vector3<f64>) -> f64 {
-        (velocity - self.drift).norm() + self.fastest_m_s
+        (velocity - self.drift).norm() + self.fastest_m_s + self.braked_m_s
     }
 
     /// The largest uncertainty and age of those that share.

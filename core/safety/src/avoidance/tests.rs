@@ -82,3 +82,129 @@ fn head_on_both_give_way_to_the_right() {
     let change = filtered.change.unwrap();
     assert!(change.feasible && change.predicted_m < 0.1 && (change.distance_m - 14.0).abs() < 1e-9);
 }
+
+/// Two that fly by the filter, as ideal autopilots with a lag would; the nearest they come, with heights squeezed for the downwash.
+fn nearest_m(mut a: VehicleKinematics, mut b: VehicleKinematics, wants: [Setpoint; 2], shares: bool) -> f64 {
+    let settings = AvoidanceSettings::default();
+    let mut nearest_m = f64::INFINITY;
+    for step in 0..600_u64 {
+        let now = NodeTime(100_000_000 + step * 20_000);
+        (a.measured, b.measured) = (now, now);
+        let other = |id: u16, k: &VehicleKinematics| Neighbour {
+            id: NeighbourId::Vehicle(VehicleId(id)),
+            position: k.position,
+            velocity: k.velocity,
+            measured: now,
+            uncertainty_m: 0.3,
+            cooperation: if shares {
+                Cooperation::Shares
+            } else {
+                Cooperation::DoesNot
+            },
+            airborne: true,
+        };
+        let own = |id: u16, own: &VehicleKinematics, wanted: &Setpoint, other: Neighbour| {
+            let all = [other];
+            let filtered = filter(VehicleId(id), own, wanted, &all, &[], &settings, now);
+            let around = Surroundings::new(&all, &settings, now);
+            assert_eq!(
+                filtered,
+                filter_in(VehicleId(id), own, wanted, &around, &[], &settings, now)
+            );
+            filtered.setpoint.velocity.expect("wants a velocity").vector()
+        };
+        let (for_a, for_b) = (own(1, &a, &wants[0], other(2, &b)), own(2, &b, &wants[1], other(1, &a)));
+        for (k, asked, moves) in [(&mut a, for_a, true), (&mut b, for_b, shares)] {
+            if moves {
+                let velocity = k.velocity.vector() + (asked - k.velocity.vector()) * (0.02 / 0.35);
+                k.velocity = velocity.into();
+            }
+            k.position = k.position.moved(k.velocity.vector() * 0.02);
+        }
+        let apart = b.position.vector() - a.position.vector();
+        nearest_m = nearest_m.min(apart.xy().norm().hypot(apart.z / settings.vertical_stretch));
+    }
+    nearest_m
+}
+
+fn pair(place: [f64; 3], a_m_s: [f64; 3], b_m_s: [f64; 3], shares: bool) -> f64 {
+    let (a, b) = (
+        kinematics([0.0, 0.0, -50.0], a_m_s),
+        kinematics([place[0], place[1], place[2] - 50.0], b_m_s),
+    );
+    nearest_m(a, b, [fly(a_m_s), fly(b_m_s)], shares)
+}
+
+#[test]
+fn two_that_meet_keep_their_distance_however_they_meet() {
+    for shares in [true, false] {
+        for (how, place, a_m_s, b_m_s) in [
+            ("head on", [60.0, 0.0, 0.0], [8.0, 0.0, 0.0], [-8.0, 0.0, 0.0]),
+            ("nearly head on", [60.0, 1.0, 0.5], [8.0, 0.0, 0.0], [-8.0, 0.0, 0.0]),
+            ("crossing", [40.0, 40.0, 0.0], [8.0, 0.0, 0.0], [0.0, -8.0, 0.0]),
+            (
+                "crossing slantingly",
+                [40.0, 20.0, -4.0],
+                [8.0, 0.0, 0.0],
+                [2.0, -4.0, 1.0],
+            ),
+            ("overtaking", [15.0, 0.0, 0.0], [9.0, 0.0, 0.0], [3.0, 0.0, 0.0]),
+            (
+                "descending onto another",
+                [0.0, 0.0, 20.0],
+                [0.0, 0.0, 2.0],
+                [0.0, 0.0, 0.0],
+            ),
+            (
+                "climbing into another",
+                [0.0, 0.0, -20.0],
+                [0.0, 0.0, -3.0],
+                [0.0, 0.0, 0.0],
+            ),
+            ("crossing over", [30.0, 0.0, 2.6], [6.0, 0.0, 0.0], [-2.0, 0.0, 0.0]),
+        ] {
+            let nearest_m = pair(place, a_m_s, b_m_s, shares);
+            assert!(nearest_m > 2.3, "{how}, shares {shares}: {nearest_m:.2} m");
+        }
+    }
+}
+
+/// Ahead at the same speed, heard less and less lately: it may have stopped dead since.
+#[test]
+fn who_flies_behind_one_that_falls_silent_brakes_before_it_is_known_to_have_stopped() {
+    let own = kinematics([0.0; 3], [6.0, 0.0, 0.0]);
+    let slowed = |age_s: f64| {
+        let mut ahead = neighbour(2, [4.5 - 6.0 * age_s, 0.0, 0.0], [6.0, 0.0, 0.0]);
+        ahead.measured = now().plus_seconds(-age_s);
+        let filtered = run(&own, &fly([6.0, 0.0, 0.0]), &[ahead]);
+        6.0 - filtered.setpoint.velocity.expect("a velocity").north_m_s
+    };
+    assert_eq!(slowed(0.1), 0.0, "as in any formation");
+    let (early, late) = (slowed(0.45), slowed(0.6));
+    assert!(early > 0.05 && late > early, "{early} then {late} m/s");
+}
+
+proptest::proptest! {
+    /// Looking at few instead of all changes nothing.
+    #[test]
+    fn the_prepared_surroundings_leave_nobody_out(
+        places in proptest::collection::vec(proptest::array::uniform3(-30.0_f64..30.0), 1..40),
+        speeds in proptest::collection::vec(proptest::array::uniform3(-6.0_f64..6.0), 40),
+        ages in proptest::collection::vec(0.0_f64..2.0, 40),
+        wanted in proptest::array::uniform3(-8.0_f64..8.0),
+    ) {
+        let settings = AvoidanceSettings::default();
+        let others: Vec<Neighbour> = (2..).zip(places.iter().zip(&speeds).zip(&ages)).map(|(id, ((place, speed), age_s))| Neighbour {
+            measured: now().plus_seconds(-age_s),
+            cooperation: if *age_s < 0.5 { Cooperation::Shares } else { Cooperation::DoesNot },
+            ..neighbour(id, *place, *speed)
+        }).collect();
+        let own = kinematics([0.0; 3], [1.0, -2.0, 0.5]);
+        let around = Surroundings::new(&others, &settings, now());
+        let all = filter(VehicleId(1), &own, &fly(wanted), &others, &[], &settings, now());
+        let few = filter_in(VehicleId(1), &own, &fly(wanted), &around, &[], &settings, now());
+        let velocity = |f: &Filtered| f.setpoint.velocity.expect("a velocity").vector();
+        // The order of the demands is another, and with it the rounding.
+        proptest::prop_assert!((velocity(&all) - velocity(&few)).norm() < 1e-3, "{all:?}\n{few:?}");
+    }
+}

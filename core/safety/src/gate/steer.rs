@@ -2,8 +2,10 @@
 //! the vehicle off others and inside of the fences.
 
 use super::{Gate, invalid};
-use crate::avoidance::{AvoidanceSettings, Change, Surroundings, as_velocity, filter_in};
+use crate::avoidance::{AvoidanceSettings, Change, Filtered, Surroundings, as_velocity, filter_in};
 use crate::fence::Approach;
+use crate::half_space::HalfSpace;
+use nalgebra::Vector3;
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{NodeTime, Refusal, Setpoint, VehicleId};
 
@@ -12,6 +14,23 @@ use skein_domain::{NodeTime, Refusal, Setpoint, VehicleId};
 const FENCE_MARGIN_M: f64 = 0.8;
 /// A place that moves slower than this stands still, in metres per second.
 const STANDS_M_S: f64 = 0.5;
+/// Who holds outside of a fence comes back by this part of the way per second, and no faster than this in metres per second.
+const BACK_PER_S: f64 = 0.5;
+const BACK_MAX_M_S: f64 = 1.0;
+
+/// The vehicle whose setpoints are steered.
+#[derive(Debug, Clone, Copy)]
+pub struct Steering<'a> {
+    /// Which.
+    pub id: VehicleId,
+    /// As it was measured.
+    pub kinematics: &'a VehicleKinematics,
+    /// On the ground nothing is changed.
+    pub airborne: bool,
+    /// The height of the ground under it in the swarm's frame, positive down: of the place it took off from. Without one there is no
+    /// floor.
+    pub ground_down_m: Option<f64>,
+}
 
 /// A setpoint that may be sent.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,9 +62,7 @@ impl Gate {
     /// The typed reason: it is not well-formed, too fast, or asks for a place behind a fence.
     pub fn steer(
         &self,
-        own: VehicleId,
-        own_kinematics: &VehicleKinematics,
-        airborne: bool,
+        own: &Steering<'_>,
         wanted: &Setpoint,
         surroundings: &Surroundings,
         now: NodeTime,
@@ -55,35 +72,71 @@ impl Gate {
                 "a setpoint needs a position or a velocity, and finite numbers only",
             ));
         }
-        if !own_kinematics.position.is_finite() || !own_kinematics.velocity.is_finite() {
+        let here = own.kinematics;
+        if !here.position.is_finite() || !here.velocity.is_finite() {
             return Err(Refusal::NoPosition);
         }
         if let Some(velocity) = &wanted.velocity {
             self.velocity(velocity)?;
         }
-        if !airborne {
-            self.setpoint_in_fences(own_kinematics, airborne, wanted)?;
+        if !own.airborne {
+            self.setpoint_in_fences(here, own.airborne, wanted)?;
             return Ok(Steered {
                 setpoint: *wanted,
                 change: None,
             });
         }
-        let settings = self.avoidance();
-        let along = self.along_the_fence(own, own_kinematics, wanted, &settings, now)?;
+        let along = self.along_the_fence(own, wanted, now)?;
         let wanted = along.as_ref().unwrap_or(wanted);
+        let bounds = self.bounds(own);
+        Ok(self.filtered(own, wanted, &bounds, surroundings, now).into())
+    }
+
+    /// What is flown in place of a refused setpoint: holding a place as far as keeps the vehicle off others, and back inside of the
+    /// fences if it has come out of them.
+    #[must_use]
+    pub fn hold(&self, own: &Steering<'_>, hold: &Setpoint, surroundings: &Surroundings, now: NodeTime) -> Steered {
+        if !own.airborne {
+            return Steered {
+                setpoint: *hold,
+                change: None,
+            };
+        }
+        let mut bounds = self.bounds(own);
+        let outside_m = self.fences.excess(&own.kinematics.position).distance_m();
+        if outside_m > 0.0 {
+            // Outside the directions that lead further out are closed: back along them.
+            let back_m_s = (BACK_PER_S * outside_m).min(BACK_MAX_M_S);
+            for closed in bounds.iter_mut().filter(|b| b.limit_m_s <= 0.0) {
+                closed.limit_m_s = -back_m_s;
+            }
+        }
+        self.filtered(own, hold, &bounds, surroundings, now).into()
+    }
+
+    /// The conditions on the velocity that fences and the ground set, beside those of the others.
+    fn bounds(&self, own: &Steering<'_>) -> Vec<HalfSpace> {
+        let settings = self.avoidance();
         let approach = Approach {
             max_speed_m_s: settings.max_speed_m_s,
             braking_m_s2: settings.braking_m_s2,
             reaction_s: settings.reaction_s,
             margin_m: FENCE_MARGIN_M,
         };
-        // The fences' conditions on the velocity, beside those of the others.
-        let bounds = self.fences.velocity_limits(&own_kinematics.position, &approach);
-        let filtered = filter_in(own, own_kinematics, wanted, surroundings, &bounds, &settings, now);
-        Ok(Steered {
-            setpoint: filtered.setpoint,
-            change: filtered.change,
-        })
+        let here = &own.kinematics.position;
+        let mut bounds = self.fences.velocity_limits(here, &approach);
+        if let Some(ground_down_m) = own.ground_down_m.filter(|down_m| down_m.is_finite()) {
+            let above_floor_m = ground_down_m - self.min_height_m - here.down_m;
+            let to_the_floor = Approach {
+                margin_m: 0.0,
+                ..approach
+            };
+            bounds.push(HalfSpace {
+                normal: Vector3::z(),
+                limit_m_s: to_the_floor.speed_m_s(above_floor_m),
+            });
+        }
+        bounds
     }
 
     /// A place behind a fence that moves along, such as a slot of a formation that reaches over the boundary, becomes the velocity with
@@ -94,22 +147,47 @@ impl Gate {
     /// Of a place that stands still behind a fence: nothing is gained by going nearer.
     fn along_the_fence(
         &self,
-        own: VehicleId,
-        own_kinematics: &VehicleKinematics,
+        own: &Steering<'_>,
         wanted: &Setpoint,
-        settings: &AvoidanceSettings,
         now: NodeTime,
     ) -> Result<Option<Setpoint>, Refusal> {
         let Some(position) = &wanted.position else {
             return Ok(None);
         };
-        let Err(refusal) = self.fences.may_move(&own_kinematics.position, position, true) else {
+        let Err(refusal) = self.fences.may_move(&own.kinematics.position, position, true) else {
             return Ok(None);
         };
         let moves = wanted.velocity.is_some_and(|v| v.norm() > STANDS_M_S);
-        // Without the filter nobody would keep the velocity inside.
-        let velocity = as_velocity(own, own_kinematics, wanted, settings, now).filter(|_| moves);
+        let velocity = as_velocity(own.id, own.kinematics, wanted, &self.avoidance(), now).filter(|_| moves);
         velocity.map(Some).ok_or(refusal)
+    }
+
+    fn filtered(
+        &self,
+        own: &Steering<'_>,
+        wanted: &Setpoint,
+        bounds: &[HalfSpace],
+        surroundings: &Surroundings,
+        now: NodeTime,
+    ) -> Filtered {
+        filter_in(
+            own.id,
+            own.kinematics,
+            wanted,
+            surroundings,
+            bounds,
+            &self.avoidance(),
+            now,
+        )
+    }
+}
+
+impl From<Filtered> for Steered {
+    fn from(filtered: Filtered) -> Self {
+        Self {
+            setpoint: filtered.setpoint,
+            change: filtered.change,
+        }
     }
 }
 

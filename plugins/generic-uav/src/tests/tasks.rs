@@ -197,7 +197,10 @@ fn a_leader_told_the_same_route_again_flies_on() {
 fn a_fixed_heading_is_taken_at_once_at_first_and_turned_to_later() {
     let fixed = |heading_rad| Task::Lead {
         route: None,
-        heading: FormationHeading::Fixed { heading_rad },
+        heading: FormationHeading::Fixed {
+            heading_rad,
+            max_rate_rad_s: None,
+        },
     };
     let mut rig = Rig::holding(10.0);
     rig.task(fixed(1.0));

@@ -4,7 +4,14 @@ use super::{Ask, Step, When, id_of};
 use nalgebra::Vector3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use skein_domain::{FormationAnchor, FormationRequest, HeadingRequest, OffsetFrd, PositionNed, Route, Shape};
+use skein_domain::{
+    FormationAnchor, FormationControl, FormationRequest, HeadingRequest, OffsetFrd, PositionNed, Route, Shape,
+};
+
+/// The name of what formations may follow.
+pub(crate) const REFERENCE: &str = "drawn";
+/// A formation of more does not keep itself: what its members would have to hear is more than radios carry.
+const KEEPS_ITSELF: usize = 40;
 
 /// The steps of a flight.
 pub(super) fn draw(count: usize, height_m: f64, rng: &mut ChaCha8Rng) -> Vec<Step> {
@@ -58,7 +65,13 @@ fn request(count: usize, height_m: f64, rng: &mut ChaCha8Rng) -> FormationReques
             heading_deg: rng.random_range(0.0..360.0),
         },
     };
+    let control = match rng.random_range(0..12) {
+        0 if count <= KEEPS_ITSELF => FormationControl::Distances,
+        1 if count <= KEEPS_ITSELF => FormationControl::Bearings,
+        _ => FormationControl::Slots,
+    };
     FormationRequest {
+        control,
         heading,
         // As many steps as there are vehicles must not lead into the ground or the clouds.
         altitude_step_m: if level {
@@ -109,7 +122,8 @@ fn anchor(height_m: f64, rng: &mut ChaCha8Rng) -> FormationAnchor {
         )
     };
     let (place, second, third) = (near(30.0), near(60.0), near(60.0));
-    match rng.random_range(0..20) {
+    match rng.random_range(0..22) {
+        20 | 21 => FormationAnchor::Reference { name: REFERENCE.into() },
         0..=11 => FormationAnchor::Leader,
         12..=15 => FormationAnchor::Place {
             position: place,
