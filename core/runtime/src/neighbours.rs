@@ -18,8 +18,11 @@ const TRACK_UNCERTAINTY_M: f64 = 2.0;
 const AIRCRAFT_UNCERTAINTY_M: f64 = 30.0;
 /// A vehicle not heard for so long, in seconds, hears us no more than we hear it: without setpoints its autopilot stops it.
 const STOPS_AFTER_S: f64 = 2.0;
-/// By then it has come as far as it came before in so many seconds, give or take half of it: it went on for a second, and braked.
-const STOPS_WITHIN_S: f64 = 1.5;
+/// By then it has come as far as it came before in so many seconds: from half a second's way, if it braked at once, to that of two and a
+/// half, if it went on for a second first. It is kept away from at each of these places, give or take [`STOPS_BETWEEN_S`].
+const STOPS_WITHIN_S: [f64; 3] = [0.6, 1.3, 2.0];
+/// Room between two of the places where it may have stopped, as the time it would have taken, in seconds.
+const STOPS_BETWEEN_S: f64 = 0.4;
 /// Heights over its last known place at which a silent vehicle may be met, in metres: so close that nobody fits between two.
 const COLUMN_M: [f64; 7] = [0.0, 5.0, 10.0, 15.0, 20.0, -5.0, -10.0];
 /// A vehicle whose state is older than this does not do its part, in seconds.
@@ -30,7 +33,7 @@ const SIGHTING_KEPT_S: f64 = 15.0;
 /// All of them at this moment.
 pub fn surroundings(board: &Board, entries: &[PeerEntry], now: NodeTime) -> Surroundings {
     let settings = board.gate().avoidance();
-    let mut all: Vec<Neighbour> = entries.iter().flat_map(|entry| column(entry, now)).collect();
+    let mut all: Vec<Neighbour> = entries.iter().flat_map(|entry| vehicle(entry, now)).collect();
     let tracks = board.tracks.load();
     all.extend(
         board
@@ -58,53 +61,51 @@ pub fn track(track: &Track) -> Neighbour {
     }
 }
 
-/// One of our vehicles, and the column over and under it if it has not been heard for so long that its autopilot's own failsafe has it: it
-/// returns, for which it climbs first, or it lands. Whoever gave way to it over or under it would meet it.
-fn column(entry: &PeerEntry, now: NodeTime) -> Vec<Neighbour> {
-    let Some(known) = vehicle(entry, now) else {
+/// One of our vehicles as the others' filters see it: once, or, not heard for long, at every place where it may be. Nothing without a
+/// position.
+///
+/// The autopilot's own failsafe has a silent one: it goes on for a while or brakes at once, and then returns, for which it climbs first, or
+/// lands. Whoever gave way to it over or under it would meet it.
+#[must_use]
+pub fn vehicle(entry: &PeerEntry, now: NodeTime) -> Vec<Neighbour> {
+    let Some(known) = as_heard(entry, now) else {
         return Vec::new();
     };
-    let silent = entry
-        .kinematics
-        .is_some_and(|k| now.seconds_since(k.measured) > STOPS_AFTER_S);
-    let heights_m: &[f64] = if silent && entry.airborne { &COLUMN_M } else { &[0.0] };
-    let at = |height_m: &f64| Neighbour {
-        position: PositionNed {
-            down_m: known.position.down_m - height_m,
-            ..known.position
-        },
-        ..known
+    if now.seconds_since(known.measured) <= STOPS_AFTER_S {
+        return vec![known];
+    }
+    let heights_m: &[f64] = if entry.airborne { &COLUMN_M } else { &[0.0] };
+    let speed_m_s = known.velocity.norm();
+    let at = |time_s: f64, height_m: f64| {
+        let stood = known.position.after(&known.velocity, time_s);
+        Neighbour {
+            position: PositionNed {
+                down_m: stood.down_m - height_m,
+                ..stood
+            },
+            velocity: VelocityNed::default(),
+            measured: now,
+            uncertainty_m: VEHICLE_UNCERTAINTY_M + STOPS_BETWEEN_S * speed_m_s,
+            ..known
+        }
     };
-    heights_m.iter().map(at).collect()
+    let stops = STOPS_WITHIN_S.iter();
+    stops
+        .flat_map(|time_s| heights_m.iter().map(|height_m| at(*time_s, *height_m)))
+        .collect()
 }
 
-/// One of our vehicles as the others' filters see it; none without a position.
-#[must_use]
-pub fn vehicle(entry: &PeerEntry, now: NodeTime) -> Option<Neighbour> {
+fn as_heard(entry: &PeerEntry, now: NodeTime) -> Option<Neighbour> {
     let kinematics = entry.kinematics?;
     let fresh = now.seconds_since(kinematics.measured) <= FRESH_S;
     let lost = matches!(entry.flight_state, FlightState::PilotControl | FlightState::Faulted);
     let in_our_hands = entry.link.connected && !lost && entry.link.setpoint_rate_hz > 0.0;
-    let stopped = now.seconds_since(kinematics.measured) > STOPS_AFTER_S;
-    let stops_m = STOPS_WITHIN_S * kinematics.velocity.norm();
     Some(Neighbour {
         id: NeighbourId::Vehicle(entry.id),
-        position: if stopped {
-            kinematics.position.after(&kinematics.velocity, STOPS_WITHIN_S)
-        } else {
-            kinematics.position
-        },
-        velocity: if stopped {
-            VelocityNed::default()
-        } else {
-            kinematics.velocity
-        },
-        measured: if stopped { now } else { kinematics.measured },
-        uncertainty_m: if stopped {
-            VEHICLE_UNCERTAINTY_M + 0.5 * stops_m
-        } else {
-            VEHICLE_UNCERTAINTY_M
-        },
+        position: kinematics.position,
+        velocity: kinematics.velocity,
+        measured: kinematics.measured,
+        uncertainty_m: VEHICLE_UNCERTAINTY_M,
         cooperation: if fresh && in_our_hands {
             Cooperation::Shares
         } else {

@@ -59,13 +59,19 @@ pub fn hold(
     gate.hold(&of(entry, own), &hold, surroundings, now).setpoint
 }
 
-/// The ground is at the height of the place it took off from; where that is not known, of the swarm's origin, which is another's.
+/// How far below the swarm's origin the ground is under a vehicle, in metres: at the height of the place it took off from; where that
+/// is not known, of the swarm's origin, which is another's.
+#[must_use]
+pub fn ground_down_m(entry: &PeerEntry) -> f64 {
+    entry.home.map_or(0.0, |home| home.down_m)
+}
+
 fn of<'a>(entry: &PeerEntry, kinematics: &'a VehicleKinematics) -> Steering<'a> {
     Steering {
         id: entry.id,
         kinematics,
         airborne: entry.airborne,
-        ground_down_m: Some(entry.home.map_or(0.0, |home| home.down_m)),
+        ground_down_m: Some(ground_down_m(entry)),
     }
 }
 

@@ -205,6 +205,19 @@ impl Gate {
         self.fences.contains(position)
     }
 
+    /// Whether a place is as high as a vehicle is let fly over ground that is `ground_down_m` below the swarm's origin.
+    ///
+    /// # Errors
+    /// It is lower.
+    pub fn height(&self, position: &PositionNed, ground_down_m: f64) -> Result<(), Refusal> {
+        let (height_m, least_m) = (ground_down_m - position.down_m, self.min_height_m);
+        if height_m >= least_m {
+            return Ok(());
+        }
+        let detail = format!("a place {height_m:.1} m over the ground: nobody is flown lower than {least_m:.1} m");
+        Err(Refusal::InvalidValue { detail })
+    }
+
     /// Whether an operator's command makes sense and stays within the limits. `ground` is where the vehicle stands or was launched,
     /// if known; with a fence a take-off needs it.
     ///

@@ -214,7 +214,7 @@ impl Swarm {
                 entry(VehicleId(u16::try_from(i + 1).unwrap_or(u16::MAX)), place, now)
             })
             .collect();
-        let all: Vec<_> = entries.iter().filter_map(|e| steering::neighbour(e, now)).collect();
+        let all: Vec<_> = entries.iter().flat_map(|e| steering::neighbour(e, now)).collect();
         let surroundings = Surroundings::new(&all, &gate.avoidance(), now);
         let peers = PeerSnapshot {
             entries,
@@ -287,10 +287,7 @@ impl Swarm {
     /// One control period: the picture of all, and each one's setpoint.
     fn steer(&self, gate: &Gate, wanted: impl Fn(&PositionNed) -> Setpoint) -> usize {
         let entries = &self.peers.entries;
-        let all: Vec<_> = entries
-            .iter()
-            .filter_map(|e| steering::neighbour(e, self.now))
-            .collect();
+        let all: Vec<_> = entries.iter().flat_map(|e| steering::neighbour(e, self.now)).collect();
         let surroundings = Surroundings::new(&all, &gate.avoidance(), self.now);
         let passed = entries.iter().filter(|entry| {
             let at = entry.kinematics.map_or(PositionNed::default(), |k| k.position);

@@ -157,7 +157,7 @@ impl Judge {
             outcome.failures.push(Failure::TooLow(outcome.lowest));
         }
         let all = self.arrivals(crafts, ground, peers);
-        let held = held(&all, crafts, ground, end_s);
+        let held = held(&all, crafts, ground, peers, end_s);
         for (id, off_m) in all {
             let arrival = match (off_m, held.iter().find(|(held, _)| *held == id)) {
                 (Some(off_m), _) if off_m <= ARRIVED_M => Arrival::There(off_m),
@@ -197,13 +197,9 @@ fn closest(distance_m: f64, a: VehicleId, b: VehicleId, at_s: f64) -> Closest {
     Closest { distance_m, a, b, at_s }
 }
 
-/// How far a vehicle is from its place, if it has one.
-fn off_m(craft: &Craft, crafts: &[Craft], ground: &Ground, peers: &PeerSnapshot) -> Option<f64> {
+/// Where the formation wants a follower, if it has a slot and the anchor is known.
+fn slot_place(craft: &Craft, crafts: &[Craft], ground: &Ground, peers: &PeerSnapshot) -> Option<Vector3<f64>> {
     let formation = ground.coordination.formation.as_ref()?;
-    // Who was sent elsewhere may still be a member, if the rest finds no shape without it.
-    if ground.withdrawn.contains(&craft.id) {
-        return None;
-    }
     let (anchor, heading_rad) = match formation.leader {
         Some(leader) => {
             let leads = crafts.iter().find(|c| c.id == leader)?;
@@ -212,20 +208,31 @@ fn off_m(craft: &Craft, crafts: &[Craft], ground: &Ground, peers: &PeerSnapshot)
         }
         None => peers.anchor.map(|a| (a.position.vector(), a.heading_rad))?,
     };
+    let slot = formation.slots.get(&craft.id)?;
+    let offset: Vector3<f64> = OffsetFrd::rotated(&slot.to, heading_rad);
+    Some(anchor + offset)
+}
+
+/// How far a vehicle is from its place, if it has one.
+fn off_m(craft: &Craft, crafts: &[Craft], ground: &Ground, peers: &PeerSnapshot) -> Option<f64> {
+    let formation = ground.coordination.formation.as_ref()?;
+    // Who was sent elsewhere may still be a member, if the rest finds no shape without it.
+    if ground.withdrawn.contains(&craft.id) {
+        return None;
+    }
     if formation.leader == Some(craft.id) {
         // Who leads is where it should be when its route is flown.
         let under_way = ground.coordination.route.as_ref().filter(|r| !r.finished);
         let end = under_way.and_then(|r| r.route.waypoints.last());
         return Some(end.map_or(0.0, |end| (end.vector() - craft.plant.position()).norm()));
     }
-    let slot = formation.slots.get(&craft.id)?;
+    let place = slot_place(craft, crafts, ground, peers)?;
     if ground.keeps_itself
         && let Some(keeping) = formation.keeping.get(&craft.id)
     {
         return Some(off_among_neighbours_m(craft, crafts, keeping));
     }
-    let offset: Vector3<f64> = OffsetFrd::rotated(&slot.to, heading_rad);
-    let off_m = (anchor + offset - craft.plant.position()).norm();
+    let off_m = (place - craft.plant.position()).norm();
     // Nobody is in place about an anchor that is nowhere.
     Some(if off_m.is_finite() { off_m } else { f64::INFINITY })
 }
@@ -247,7 +254,13 @@ fn off_among_neighbours_m(craft: &Craft, crafts: &[Craft], keeping: &Keeping) ->
 }
 
 /// Who is held back, and by what: a refusal, a fence, somebody who does not answer or was sent elsewhere, or one who is held back itself.
-fn held(all: &[(VehicleId, Option<f64>)], crafts: &[Craft], ground: &Ground, now_s: f64) -> Vec<(VehicleId, String)> {
+fn held(
+    all: &[(VehicleId, Option<f64>)],
+    crafts: &[Craft],
+    ground: &Ground,
+    peers: &PeerSnapshot,
+    now_s: f64,
+) -> Vec<(VehicleId, String)> {
     let away = |id: VehicleId| {
         all.iter()
             .any(|(of, off_m)| *of == id && off_m.is_some_and(|m| m > ARRIVED_M))
@@ -259,7 +272,10 @@ fn held(all: &[(VehicleId, Option<f64>)], crafts: &[Craft], ground: &Ground, now
             if held.iter().any(|(id, _)| *id == craft.id) {
                 continue;
             }
-            if let Some(why) = reason(craft, crafts, ground, &held, now_s) {
+            let why = reason(craft, crafts, ground, &held, now_s)
+                .or_else(|| occupied(craft, crafts, ground, peers))
+                .or_else(|| of_a_neighbour(craft, ground, &held));
+            if let Some(why) = why {
                 held.push((craft.id, why));
             }
         }
@@ -295,6 +311,28 @@ fn reason(
             }
         })
         .next()
+}
+
+/// Whether somebody who does not answer stands so near its place that it may not go there.
+fn occupied(craft: &Craft, crafts: &[Craft], ground: &Ground, peers: &PeerSnapshot) -> Option<String> {
+    let place = slot_place(craft, crafts, ground, peers)?;
+    // What is kept free around one that does not answer: the separation, and what both may be wrong about where they are.
+    let free_m = ground.gate.avoidance().min_separation_m + FENCE_UNCERTAIN_M;
+    let stands = |c: &&Craft| c.flies() && !c.answers() && (c.plant.position() - place).norm() < free_m + ARRIVED_M;
+    let by = crafts.iter().find(stands)?;
+    Some(format!("{} stands in its place, and is not ours to move", by.id))
+}
+
+/// Who keeps its place by its neighbours is off it when one of them is held off its own: they know no other measure.
+fn of_a_neighbour(craft: &Craft, ground: &Ground, held: &[(VehicleId, String)]) -> Option<String> {
+    let keeping = ground.coordination.formation.as_ref()?.keeping.get(&craft.id)?;
+    let held_off = |place: &NeighbourPlace| held.iter().find(|(id, _)| *id == place.vehicle);
+    let (id, why) = keeping
+        .neighbours
+        .iter()
+        .filter(|_| ground.keeps_itself)
+        .find_map(held_off)?;
+    Some(format!("its neighbour {id} is held off its place: {why}"))
 }
 
 fn state(id: VehicleId, crafts: &[Craft]) -> String {

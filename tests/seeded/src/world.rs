@@ -240,7 +240,7 @@ impl<'a> World<'a> {
     fn look(&mut self) {
         let now = self.now();
         let entries: Vec<_> = self.crafts.iter().map(Craft::published).collect();
-        let mut all: Vec<_> = entries.iter().filter_map(|e| steering::neighbour(e, now)).collect();
+        let mut all: Vec<_> = entries.iter().flat_map(|e| steering::neighbour(e, now)).collect();
         for (track, (place, foreign)) in (1..).zip(self.foreign().into_iter().zip(&self.case.foreign)) {
             all.push(steering::tracked(&Track {
                 track,

@@ -4,7 +4,7 @@
 
 use super::{Formation, available, by_fitness};
 use crate::board::PeerSnapshot;
-use crate::ways;
+use crate::{steering, ways};
 use skein_config::CoordinatorSettings;
 use skein_domain::frames::wrap_angle_rad;
 use skein_domain::{
@@ -123,10 +123,10 @@ pub fn plan(input: &PlanInput, peers: &PeerSnapshot) -> Result<Formation, Refusa
         ..Change::new(&from, &slots, &input.limits.transition)
     };
     let planned = change.plan(input.start).map_err(invalid)?;
-    stays_inside(input, &slots, &basis, &heading)?;
+    let ends: Vec<OffsetFrd> = planned.moves.iter().map(|m| m.to).collect();
+    stays_inside(input, peers, (&members, &ends), &basis, &heading)?;
     let farthest_m = farthest_m(&from, &slots);
     let anchor = anchor_plan(input, &basis, heading, &together, (planned.duration_s, farthest_m));
-    let ends: Vec<OffsetFrd> = planned.moves.iter().map(|m| m.to).collect();
     let skipped = usize::from(leader.is_some());
     Ok(Formation {
         request: FormationRequest {
@@ -160,10 +160,11 @@ fn view_blocked(members: &[VehicleId], able: &[FlightLimits], places: &[OffsetFr
 }
 
 /// Whether everyone's place is one that may be flown to, as far as is known now: about the anchor as it stands. Where it goes later is
-/// looked at when it gets a route, and in flight.
+/// looked at when it gets a route, and in flight. In the same order, members and their places.
 fn stays_inside(
     input: &PlanInput,
-    slots: &[OffsetFrd],
+    peers: &PeerSnapshot,
+    (members, slots): (&[VehicleId], &[OffsetFrd]),
     basis: &Basis,
     heading: &FormationHeading,
 ) -> Result<(), Refusal> {
@@ -171,8 +172,12 @@ fn stays_inside(
         FormationHeading::Fixed { heading_rad, .. } => *heading_rad,
         FormationHeading::Course { .. } => basis.heading_rad,
     };
-    let places = slots.iter().map(|slot| basis.position.moved(slot.rotated(heading_rad)));
-    places.into_iter().try_for_each(|place| input.gate.goal(&place))
+    members.iter().zip(slots).try_for_each(|(id, slot)| {
+        let place = basis.position.moved(slot.rotated(heading_rad));
+        let ground_down_m = peers.entry(*id).map_or(0.0, steering::ground_down_m);
+        input.gate.goal(&place)?;
+        input.gate.height(&place, ground_down_m)
+    })
 }
 
 /// A route as a formation can fly it from where its leader is: around what is closed with room for everyone, no faster than the slowest

