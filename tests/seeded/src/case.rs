@@ -198,16 +198,7 @@ impl Case {
             gust_m_s: rng.random_range(0.0..1.5),
             gust_time_s: rng.random_range(1.0..5.0),
         };
-        let wander_m = rng.random_range(0.02..0.15);
-        let noise = NoiseSettings {
-            wander_horizontal_m: wander_m,
-            wander_vertical_m: wander_m,
-            // What the filter takes for the bound of a position's error, without the jitter.
-            wander_limit_m: rng.random_range(0.05..0.27),
-            wander_time_s: rng.random_range(8.0..60.0),
-            jitter_m: rng.random_range(0.0..0.012),
-            velocity_jitter_m_s: rng.random_range(0.0..0.05),
-        };
+        let noise = noise(rng);
         let slowest_s: f64 = rng.random_range(0.03..0.15);
         let latencies_s = (0..count).map(|_| rng.random_range(0.02..=slowest_s)).collect();
         let loss = [0.0, 0.05, 0.2][rng.random_range(0..3)];
@@ -241,6 +232,20 @@ impl Case {
             moving,
             steps,
         }
+    }
+}
+
+/// What a vehicle does not know of where it is.
+fn noise(rng: &mut ChaCha8Rng) -> NoiseSettings {
+    let wander_m = rng.random_range(0.02..0.15);
+    NoiseSettings {
+        wander_horizontal_m: wander_m,
+        wander_vertical_m: wander_m,
+        // What the filter takes for the bound of a position's error, without the jitter.
+        wander_limit_m: rng.random_range(0.05..0.27),
+        wander_time_s: rng.random_range(8.0..60.0),
+        jitter_m: rng.random_range(0.0..0.012),
+        velocity_jitter_m_s: rng.random_range(0.0..0.05),
     }
 }
 

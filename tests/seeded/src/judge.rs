@@ -273,7 +273,7 @@ fn held(
                 continue;
             }
             let why = reason(craft, crafts, ground, &held, now_s)
-                .or_else(|| occupied(craft, crafts, ground, peers))
+                .or_else(|| closed_to_it(craft, crafts, ground, peers))
                 .or_else(|| of_a_neighbour(craft, ground, &held));
             if let Some(why) = why {
                 held.push((craft.id, why));
@@ -313,9 +313,12 @@ fn reason(
         .next()
 }
 
-/// Whether somebody who does not answer stands so near its place that it may not go there.
-fn occupied(craft: &Craft, crafts: &[Craft], ground: &Ground, peers: &PeerSnapshot) -> Option<String> {
+/// Whether its place is one where it may not go: behind a fence, or so near somebody who does not answer.
+fn closed_to_it(craft: &Craft, crafts: &[Craft], ground: &Ground, peers: &PeerSnapshot) -> Option<String> {
     let place = slot_place(craft, crafts, ground, peers)?;
+    if let Err(refusal) = ground.gate.goal(&place.into()) {
+        return Some(format!("its place is closed: {refusal}"));
+    }
     // What is kept free around one that does not answer: the separation, and what both may be wrong about where they are.
     let free_m = ground.gate.avoidance().min_separation_m + FENCE_UNCERTAIN_M;
     let stands = |c: &&Craft| c.flies() && !c.answers() && (c.plant.position() - place).norm() < free_m + ARRIVED_M;
