@@ -18,11 +18,11 @@ const TRACK_UNCERTAINTY_M: f64 = 2.0;
 const AIRCRAFT_UNCERTAINTY_M: f64 = 30.0;
 /// A vehicle not heard for so long, in seconds, hears us no more than we hear it: without setpoints its autopilot stops it.
 const STOPS_AFTER_S: f64 = 2.0;
-/// By then it has come as far as it came before in so many seconds: from half a second's way, if it braked at once, to that of two and a
-/// half, if it went on for a second first. It is kept away from at each of these places, give or take [`STOPS_BETWEEN_S`].
-const STOPS_WITHIN_S: [f64; 3] = [0.6, 1.3, 2.0];
-/// Room between two of the places where it may have stopped, as the time it would have taken, in seconds.
-const STOPS_BETWEEN_S: f64 = 0.4;
+/// By then it has come as far as it came before in so many seconds: half a second's way, if it braked at once, and two, if it went on for a
+/// second first. It is kept away from at each of these places, so close to each other that nobody fits between two.
+const STOPS_WITHIN_S: [f64; 5] = [0.5, 0.9, 1.3, 1.7, 2.1];
+/// How far beside that way it may have come to stand, as the time it would have taken, in seconds.
+const STOPS_BESIDE_S: f64 = 0.15;
 /// Heights over its last known place at which a silent vehicle may be met, in metres: so close that nobody fits between two.
 const COLUMN_M: [f64; 7] = [0.0, 5.0, 10.0, 15.0, 20.0, -5.0, -10.0];
 /// A vehicle whose state is older than this does not do its part, in seconds.
@@ -85,7 +85,7 @@ pub fn vehicle(entry: &PeerEntry, now: NodeTime) -> Vec<Neighbour> {
             },
             velocity: VelocityNed::default(),
             measured: now,
-            uncertainty_m: VEHICLE_UNCERTAINTY_M + STOPS_BETWEEN_S * speed_m_s,
+            uncertainty_m: VEHICLE_UNCERTAINTY_M + STOPS_BESIDE_S * speed_m_s,
             ..known
         }
     };

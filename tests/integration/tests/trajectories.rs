@@ -126,7 +126,12 @@ fn all_are(swarm: &Swarm, is: &str) -> bool {
 #[tokio::test(flavor = "multi_thread")]
 async fn three_fly_in_step_and_are_planned_anew_while_moving() {
     let swarm = Swarm::start_with(3, |_, sim| sim.spacing_m = 8.0).await;
-    let fleet = swarm.take_off(10.0).await;
+    let holding = swarm.take_off(10.0).await;
+    // Plans are made from the picture of a period, which may be the one before the last of them said that it holds.
+    let later = holding.time.plus_seconds(0.5);
+    let fleet = swarm
+        .until("the next pictures", Duration::ZERO, |fleet| fleet.time > later)
+        .await;
     let at: Vec<PositionNed> = (1..=3).map(|id| place(&fleet, id)).collect();
     refused_item_by_item(&swarm, &at).await;
 

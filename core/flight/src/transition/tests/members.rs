@@ -20,7 +20,8 @@ fn index_of(slots: &[OffsetFrd], place: &OffsetFrd) -> usize {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    // Where no way is found the change is refused, which may happen to one in hundreds, not to more.
+    #![proptest_config(ProptestConfig { cases: 48, max_global_rejects: 2, ..ProptestConfig::default() })]
 
     #[test]
     fn each_keeps_to_its_own_limits(
@@ -40,7 +41,7 @@ proptest! {
             .map(|(speed, climb)| FlightLimits { max_climb_m_s: *climb, ..able(*speed) })
             .collect();
         let change = Change { able: &able, led, taken_m_s, ..Change::new(&from, &slots, &LIMITS) };
-        let plan = change.plan(START).unwrap();
+        let plan = change.plan(START).map_err(|refused| TestCaseError::reject(refused.to_string()))?;
         prop_assert!(flown_min_distance_m(&plan, 200) >= plan.min_distance_m - 1e-6);
         prop_assert!(plan.min_distance_m >= 0.8 * 2.5 - 0.01);
         let mut left = slots.clone();
