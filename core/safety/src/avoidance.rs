@@ -255,9 +255,9 @@ fn decide(
     }
 }
 
-/// How readily a condition of the caller yields: hardly more than the nearest neighbour, so that a crowd does not press anybody out of a
-/// fence.
-const BOUND_YIELDS: f64 = 0.15;
+/// How readily a condition of the caller yields: less than any neighbour that gives way itself, so that a crowd presses nobody out of a fence,
+/// and more than one that does not.
+const BOUND_YIELDS: f64 = 0.03;
 
 /// A condition of the caller as a row; one that is not in numbers says nothing.
 fn row_of(bound: &HalfSpace) -> Option<Row> {

@@ -27,6 +27,8 @@ const SURPRISE_OTHER: f64 = 1.5;
 /// Rows yield by the time until contact: what is near yields last, and what does not share yields half as readily.
 const CONTACT_YIELDS_PER_S: f64 = 0.5;
 const YIELDS_LEAST: f64 = 0.1;
+/// What does not share yields less than any fence: nobody flies into it to stay inside.
+const STRANGER_YIELDS_LEAST: f64 = 0.01;
 /// Who would pass another on the left by less than this part of the keep-out distance passes it on the right instead.
 const RIGHT_HAND: f64 = 0.35;
 /// Dodging is preferred to braking when what lies between is flown in less than this, in seconds.
@@ -140,7 +142,12 @@ pub(super) fn demand(own: &Own, peer: &Carried, settings: &AvoidanceSettings) ->
     let margin_m = passing_margin_m(peer.shares, &there, &relative);
     let pass = passing(own, peer, &sight, &relative, (keep_m + margin_m) / distance_m);
     let contact_s = room_m.max(0.0) / sight.dot(&relative).max(0.1);
-    let yields = (CONTACT_YIELDS_PER_S * contact_s).clamp(YIELDS_LEAST, 1.0) * if peer.shares { 2.0 } else { 1.0 };
+    let (least, ease) = if peer.shares {
+        (YIELDS_LEAST, 2.0)
+    } else {
+        (STRANGER_YIELDS_LEAST, 1.0)
+    };
+    let yields = (CONTACT_YIELDS_PER_S * contact_s).clamp(least, 1.0) * ease;
     let row = |side: &Side| side.row(own, peer.shares, squeeze, yields);
     let stop_row = row(&stop);
     let chosen = pass
