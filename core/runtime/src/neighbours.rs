@@ -22,7 +22,7 @@ const STOPS_AFTER_S: f64 = 2.0;
 /// second first. It is kept away from at each of these places, so close to each other that nobody fits between two.
 const STOPS_WITHIN_S: [f64; 5] = [0.5, 0.9, 1.3, 1.7, 2.1];
 /// How far beside that way it may have come to stand, as the time it would have taken, in seconds.
-const STOPS_BESIDE_S: f64 = 0.15;
+const STOPS_BESIDE_S: f64 = 0.25;
 /// Heights over its last known place at which a silent vehicle may be met, in metres: so close that nobody fits between two.
 const COLUMN_M: [f64; 7] = [0.0, 5.0, 10.0, 15.0, 20.0, -5.0, -10.0];
 /// A vehicle whose state is older than this does not do its part, in seconds.
