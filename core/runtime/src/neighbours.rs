@@ -23,6 +23,8 @@ const STOPS_AFTER_S: f64 = 2.0;
 const STOPS_WITHIN_S: [f64; 5] = [0.5, 0.9, 1.3, 1.7, 2.1];
 /// How far beside that way it may have come to stand, as the time it would have taken, in seconds.
 const STOPS_BESIDE_S: f64 = 0.25;
+/// Slower than this it stood, in metres per second.
+const STOOD_M_S: f64 = 0.2;
 /// Heights over its last known place at which a silent vehicle may be met, in metres: so close that nobody fits between two.
 const COLUMN_M: [f64; 7] = [0.0, 5.0, 10.0, 15.0, 20.0, -5.0, -10.0];
 /// A vehicle whose state is older than this does not do its part, in seconds.
@@ -89,8 +91,10 @@ pub fn vehicle(entry: &PeerEntry, now: NodeTime) -> Vec<Neighbour> {
             ..known
         }
     };
-    let stops = STOPS_WITHIN_S.iter();
-    stops
+    // Who stood has stopped where it was.
+    let stops_s: &[f64] = if speed_m_s > STOOD_M_S { &STOPS_WITHIN_S } else { &[0.0] };
+    stops_s
+        .iter()
         .flat_map(|time_s| heights_m.iter().map(|height_m| at(*time_s, *height_m)))
         .collect()
 }

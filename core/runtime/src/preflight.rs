@@ -25,6 +25,15 @@ pub struct PreflightAnswer {
     pub overrides: Vec<PreflightOverride>,
 }
 
+impl PreflightAnswer {
+    /// Whether no item of any report keeps from arming.
+    #[must_use]
+    pub fn is_green(&self) -> bool {
+        let mut reports = self.vehicles.iter().chain([&self.swarm]);
+        reports.all(|report| report.blocking().next().is_none())
+    }
+}
+
 /// A plugin's items under its own name, so that none passes for one of ours or of another plugin.
 pub fn own_items(plugin: &str, items: Vec<PreflightItem>) -> Vec<PreflightItem> {
     let prefix = format!("{plugin}/");

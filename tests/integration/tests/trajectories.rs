@@ -8,7 +8,7 @@
 use serde_json::{Value, json};
 use skein_domain::{FlightState, NodeTime, PositionNed, VehicleCommand, VehicleId};
 use skein_runtime::{FleetSnapshot, Targets};
-use skein_testkit::{Swarm, patience};
+use skein_testkit::{Swarm, eventually, patience};
 use std::collections::BTreeMap;
 use std::time::Duration;
 
@@ -95,21 +95,17 @@ impl Setpoints {
     /// Watches every snapshot until it is as wanted.
     async fn until(&mut self, swarm: &Swarm, speed: f64, what: &str, wanted: impl Fn(&FleetSnapshot) -> bool) {
         let node = swarm.node();
-        let deadline = tokio::time::Instant::now() + patience() + FLIGHT;
         let mut seen = 0;
-        loop {
+        eventually(patience() + FLIGHT, what, async || {
             let fleet = node.snapshot();
-            if fleet.sequence != seen {
-                seen = fleet.sequence;
-                self.look(swarm, &fleet, speed);
-                if wanted(&fleet) {
-                    return;
-                }
+            if fleet.sequence == seen {
+                return None;
             }
-            let late = tokio::time::Instant::now() > deadline;
-            assert!(!late, "waited in vain for {what}: {:#?}", node.trajectories());
-            tokio::time::sleep(Duration::from_millis(5)).await;
-        }
+            seen = fleet.sequence;
+            self.look(swarm, &fleet, speed);
+            wanted(&fleet).then_some(())
+        })
+        .await;
     }
 }
 

@@ -114,7 +114,7 @@ impl Swarm {
         let node = self.node();
         let wanted = |fleet: &FleetSnapshot| {
             let all_ready = fleet.vehicles.iter().all(|v| v.ready_to_arm == Some(true));
-            fleet.vehicles.len() == count && all_ready && is_green(&node.preflight())
+            fleet.vehicles.len() == count && all_ready && node.preflight().is_green()
         };
         self.until("all vehicles found and ready to arm", Duration::ZERO, wanted)
             .await
@@ -154,10 +154,4 @@ impl Swarm {
         self.simulation.stop();
         self.running.stop().await;
     }
-}
-
-/// Whether no item of a preflight report keeps from arming.
-fn is_green(preflight: &skein_runtime::PreflightAnswer) -> bool {
-    let mut reports = preflight.vehicles.iter().chain([&preflight.swarm]);
-    reports.all(|report| report.blocking().next().is_none())
 }

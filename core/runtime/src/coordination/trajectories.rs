@@ -5,6 +5,7 @@
 
 use super::plan::{PlanLimits, capabilities};
 use crate::board::{PeerEntry, PeerSnapshot};
+use crate::steering;
 use skein_domain::link::RoutePoint;
 use skein_domain::{
     FlightLimits, JourneyPlan, JourneyRequest, NodeTime, PositionNed, Refusal, SwarmFrame, Trajectory, TrajectoryKind,
@@ -23,8 +24,6 @@ const CLEARANCE: Clearance = Clearance {
     horizontal_m: LEGS_WITHIN_M + 1.0,
     vertical_m: LEGS_WITHIN_M + 0.5,
 };
-/// No part of a way is lower over the launch place than this, in metres.
-const OVER_GROUND_M: f64 = 1.5;
 /// A vehicle slower than this stands, in metres per second.
 const STANDS_M_S: f64 = 0.5;
 /// A vehicle farther from its present way than this goes on from elsewhere than a new one would begin, in metres.
@@ -291,17 +290,15 @@ fn start_state(input: &TrajectoryInput, entry: &PeerEntry) -> Option<MotionState
 fn inside(input: &TrajectoryInput, entry: &PeerEntry, way: &Trajectory) -> Result<(), Refusal> {
     let legs = trajectory::to_waypoints(way, LEGS_WITHIN_M).map_err(invalid)?;
     let fences = input.gate.fences();
-    let lowest_m = entry.home.map(|home| home.down_m - OVER_GROUND_M);
+    let ground_down_m = steering::ground_down_m(entry);
     let mut from = trajectory::sample(way, way.start).position;
     for leg in &legs {
-        if let Some(lowest_m) = lowest_m.filter(|lowest_m| leg.position.down_m + LEGS_WITHIN_M > *lowest_m) {
-            return Err(Refusal::InvalidValue {
-                detail: format!(
-                    "the way comes within {:.1} m of the height of its launch place: at least {OVER_GROUND_M} m is needed",
-                    lowest_m + OVER_GROUND_M - leg.position.down_m - LEGS_WITHIN_M
-                ),
-            });
-        }
+        // The way itself may be lower than the leg by as much as the leg leaves it.
+        let lowest = PositionNed {
+            down_m: leg.position.down_m + LEGS_WITHIN_M,
+            ..leg.position
+        };
+        input.gate.height(&lowest, ground_down_m)?;
         if !fences.is_empty() {
             fences.keeps_clearance(&from, &leg.position, &CLEARANCE)?;
         }
@@ -368,7 +365,16 @@ fn elsewhere(input: &TrajectoryInput, entry: &PeerEntry) -> Option<Trajectory> {
     stands.then(|| trajectory::standing(kinematics.position, input.start))
 }
 
-/// The ways as missions. One that takes too many points is an objection.
+/// Whether the straight legs of a mission, which leave the way they stand for, are inside of the fences.
+fn legs_are_inside(input: &TrajectoryInput, way: &Trajectory, legs: &[SpeedWaypoint]) -> bool {
+    let start = trajectory::sample(way, way.start).position;
+    let from = std::iter::once(&start).chain(legs.iter().map(|leg| &leg.position));
+    let fences = input.gate.fences();
+    from.zip(legs)
+        .all(|(from, leg)| fences.contains_way(from, &leg.position).is_ok())
+}
+
+/// The ways as missions. One that takes too many points, or cuts a corner behind a fence, is an objection.
 fn routes(
     input: &TrajectoryInput,
     ways: &[(VehicleId, Trajectory)],
@@ -383,13 +389,16 @@ fn routes(
         let legs = MISSION_WITHIN_M
             .iter()
             .filter_map(|within_m| trajectory::to_waypoints(way, *within_m).ok())
-            .find(|legs| legs.len() <= MISSION_POINTS);
+            .find(|legs| legs.len() <= MISSION_POINTS)
+            .filter(|legs| legs_are_inside(input, way, legs));
         match legs {
             Some(legs) => drop(routes.insert(*id, legs.iter().map(point).collect())),
             None => against.push(objection(
                 *id,
                 Refusal::NotSupported {
-                    detail: format!("a mission of more than {MISSION_POINTS} points"),
+                    detail: format!(
+                        "a mission that keeps to its way and inside of the fences with {MISSION_POINTS} points"
+                    ),
                 },
             )),
         }

@@ -64,16 +64,9 @@ impl<'a> Stage<'a> {
         self.say("waiting for the vehicles");
         self.until(30.0, "all vehicles found and ready to arm", |fleet| {
             let all_ready = fleet.vehicles.iter().all(|v| v.ready_to_arm == Some(true));
-            fleet.vehicles.len() == count && all_ready && self.is_green()
+            fleet.vehicles.len() == count && all_ready && self.node.preflight().is_green()
         })
         .await
-    }
-
-    /// Whether no item of the preflight report keeps from arming.
-    fn is_green(&self) -> bool {
-        let preflight = self.node.preflight();
-        let mut reports = preflight.vehicles.iter().chain([&preflight.swarm]);
-        reports.all(|report| report.blocking().next().is_none())
     }
 
     /// All take off, one after the other; from then on formation errors count.
