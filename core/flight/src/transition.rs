@@ -6,6 +6,7 @@
 
 mod clearance;
 mod detour;
+mod pace;
 mod task;
 
 use crate::assignment;
@@ -13,6 +14,7 @@ use crate::formation::FormationError;
 use crate::time_law::{bump_over_time, progress};
 use nalgebra::Vector3;
 use skein_domain::{FlightLimits, NodeTime, OffsetFrd, SlotMove};
+use skein_safety::avoidance::AvoidanceSettings;
 use task::{Task, Tried, check};
 
 /// What the vehicles can do and how close they may come, for a transition.
@@ -69,6 +71,8 @@ pub struct Change<'a> {
     /// The slot that each member has now, in the order of `from`, where the shape stays the same and only its parameters change:
     /// then everyone keeps it, unless the move cannot be flown so, or takes much longer than with others. See [`held_slots`].
     pub held: Option<&'a [usize]>,
+    /// What keeps them apart in flight, if anything does: the change takes as long as it takes so that it has nothing to change.
+    pub filter: Option<&'a AvoidanceSettings>,
 }
 
 impl<'a> Change<'a> {
@@ -83,6 +87,7 @@ impl<'a> Change<'a> {
             taken_m_s: 0.0,
             led: true,
             held: None,
+            filter: None,
         }
     }
 
@@ -100,7 +105,10 @@ impl<'a> Change<'a> {
                 let found = tried.resolve(&task, ends, keep);
                 tried.keep_shorter(found);
             }
-            if let Some((ways, duration_s)) = tried.chosen(kept) {
+            if let Some((ways, least_s)) = tried.chosen(kept) {
+                let duration_s = self
+                    .filter
+                    .map_or(least_s, |filter| pace::duration_s(&ways, filter, least_s));
                 return Ok(TransitionPlan {
                     moves: ways.moves(start, duration_s),
                     duration_s,

@@ -16,6 +16,8 @@ const VEHICLE_UNCERTAINTY_M: f64 = 0.3;
 const TRACK_UNCERTAINTY_M: f64 = 2.0;
 /// The same for an aircraft that reports itself, with half its size.
 const AIRCRAFT_UNCERTAINTY_M: f64 = 30.0;
+/// So hard an autopilot brakes that has lost its setpoints, at most, in metres per second squared.
+const HARDEST_BRAKING_M_S2: f64 = 7.0;
 /// A vehicle not heard for so long, in seconds, hears us no more than we hear it: without setpoints its autopilot stops it.
 const STOPS_AFTER_S: f64 = 2.0;
 /// By then it has come as far as it came before in so many seconds: half a second's way, if it braked at once, and two, if it went on for a
@@ -73,8 +75,12 @@ pub fn vehicle(entry: &PeerEntry, now: NodeTime) -> Vec<Neighbour> {
     let Some(known) = as_heard(entry, now) else {
         return Vec::new();
     };
-    if now.seconds_since(known.measured) <= STOPS_AFTER_S {
+    let silent_s = now.seconds_since(known.measured);
+    if silent_s <= FRESH_S {
         return vec![known];
+    }
+    if silent_s <= STOPS_AFTER_S {
+        return vec![known, braked(&known, silent_s, now)];
     }
     let heights_m: &[f64] = if entry.airborne { &COLUMN_M } else { &[0.0] };
     let speed_m_s = known.velocity.norm();
@@ -97,6 +103,22 @@ pub fn vehicle(entry: &PeerEntry, now: NodeTime) -> Vec<Neighbour> {
         .iter()
         .flat_map(|time_s| heights_m.iter().map(|height_m| at(*time_s, *height_m)))
         .collect()
+}
+
+/// Where it is if it has braked as hard as it can since it was heard: who flies behind it would see it far ahead, where it would be if it
+/// had flown on.
+fn braked(known: &Neighbour, silent_s: f64, now: NodeTime) -> Neighbour {
+    let speed_m_s = known.velocity.norm();
+    let braking_s = silent_s.min(speed_m_s / HARDEST_BRAKING_M_S2);
+    let left = 1.0 - HARDEST_BRAKING_M_S2 * braking_s / speed_m_s.max(1e-6);
+    Neighbour {
+        // The mean speed while it brakes.
+        position: known.position.after(&known.velocity, braking_s * 0.5 * (1.0 + left)),
+        velocity: (known.velocity.vector() * left).into(),
+        measured: now,
+        cooperation: Cooperation::DoesNot,
+        ..*known
+    }
 }
 
 fn as_heard(entry: &PeerEntry, now: NodeTime) -> Option<Neighbour> {
@@ -141,3 +163,6 @@ fn sighted(board: &Board, now: NodeTime) -> Vec<Neighbour> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -145,6 +145,26 @@ pub fn as_velocity(
     Some(flown::setpoint(wanted, &own.wanted, &[]))
 }
 
+/// How much of the speed at which this filter lets two vehicles that share close they close at, as a share: above 1 it would change their
+/// setpoints. Zero if they go past each other, or the filter is off; none if they are nearer to each other than it lets them be, however slow.
+/// For planners, so that it seldom has to.
+///
+/// `apart` is where the other is from one of them, in metres, and `closing` the velocity of the one relative to the other, in metres per
+/// second; their states are `age_s` old.
+#[must_use]
+pub fn used_share(
+    apart: &Vector3<f64>,
+    closing: &Vector3<f64>,
+    age_s: f64,
+    settings: &AvoidanceSettings,
+) -> Option<f64> {
+    if is_on(settings) {
+        pair::used_share(apart, closing, age_s, settings)
+    } else {
+        Some(0.0)
+    }
+}
+
 fn unchanged(wanted: &Setpoint) -> Filtered {
     Filtered {
         setpoint: *wanted,

@@ -198,6 +198,12 @@ impl Ways {
             .map(|level| self.levels_m.get(*level).copied().unwrap_or(0.0))
     }
 
+    /// Every member's start, end and height of its detour.
+    pub fn each(&self) -> impl Iterator<Item = (&Vector3<f64>, &Vector3<f64>, f64)> {
+        let ways = self.starts.iter().zip(&self.ends).zip(self.lifts_m());
+        ways.map(|((start, end), lift_m)| (start, end, lift_m))
+    }
+
     /// With how many others a member would come too close at this height of its detour.
     fn conflicts(&self, member: usize, level: usize) -> usize {
         let conflict = |near: &&Near| near.is_too_close(level, self.level(near.other), &self.levels_m);
@@ -255,7 +261,7 @@ fn too_close(near: &Near, lift_m: f64) -> bool {
 }
 
 /// Whether `a + s·d` stays further than `reach_m` away on one of the two level axes: then no distance can be smaller.
-fn too_far(a: &Vector3<f64>, d: &Vector3<f64>, reach_m: f64) -> bool {
+pub(super) fn too_far(a: &Vector3<f64>, d: &Vector3<f64>, reach_m: f64) -> bool {
     let apart = |from: f64, to: f64| (from > reach_m && to > reach_m) || (from < -reach_m && to < -reach_m);
     apart(a.x, a.x + d.x) || apart(a.y, a.y + d.y)
 }

@@ -115,9 +115,11 @@ pub fn plan(input: &PlanInput, peers: &PeerSnapshot) -> Result<Formation, Refusa
     let heading = choose_heading(input, &from, &slots, &basis, &together);
     let taken_m_s = taken_m_s(input, &from, &slots, &heading, &basis);
     let held = held_slots(input, &members, &from, &slots);
+    let filter = input.gate.avoidance();
     let change = Change {
         able: &able,
         taken_m_s,
+        filter: Some(&filter),
         led: leader.is_some(),
         held: held.as_deref(),
         ..Change::new(&from, &slots, &input.limits.transition)

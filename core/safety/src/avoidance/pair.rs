@@ -1,7 +1,7 @@
 //! What one neighbour demands of the own velocity: one half-space, or nothing. The geometry of two, in stretched coordinates.
 
 use super::nearest::Row;
-use super::surroundings::Carried;
+use super::surroundings::{Carried, unknown_m};
 use super::{AvoidanceSettings, NeighbourId};
 use nalgebra::Vector3;
 use skein_domain::VehicleId;
@@ -33,6 +33,11 @@ const STRANGER_YIELDS_LEAST: f64 = 0.01;
 const RIGHT_HAND: f64 = 0.35;
 /// Dodging is preferred to braking when what lies between is flown in less than this, in seconds.
 const DODGE_S: f64 = 4.0;
+
+/// Who plans to come nearer than this beyond the keep-out distance, in metres, is judged as if it were this: it may have to.
+const LEAST_ROOM_M: f64 = 0.5;
+/// So slow, in metres per second, is always slow enough.
+const LEAST_CLOSING_M_S: f64 = 0.1;
 
 /// The own vehicle as it is believed to be now.
 #[derive(Debug, Clone, Copy)]
@@ -111,6 +116,35 @@ fn stretch(settings: &AvoidanceSettings, keep_m: f64) -> f64 {
     } else {
         1.0
     }
+}
+
+/// How much of the speed at which two that share may close they close at, as a share: above 1 the filter would slow them down. Zero if
+/// they go past each other; none if they are nearer to each other than they may be, however slow. `apart` is where the other is from here, `closing` how fast it is come closer to; their states are `age_s` old.
+pub(super) fn used_share(
+    apart: &Vector3<f64>,
+    closing: &Vector3<f64>,
+    age_s: f64,
+    settings: &AvoidanceSettings,
+) -> Option<f64> {
+    let uncertain_m = settings.noise_m + unknown_m(age_s, settings.peer_acceleration_m_s2);
+    let keep_m = keep_out_m(settings, 2.0 * uncertain_m);
+    let squeeze = 1.0 / stretch(settings, keep_m);
+    let squeezed = |v: &Vector3<f64>| Vector3::new(v.x, v.y, v.z * squeeze);
+    let (there, relative) = (squeezed(apart), squeezed(closing));
+    let (distance_m, speed_m_s) = (there.norm(), relative.norm());
+    let closing_m_s = there.dot(&relative) / distance_m.max(1e-6);
+    let sine = keep_m / distance_m;
+    if distance_m < keep_m {
+        return None;
+    }
+    let goes_past = closing_m_s < speed_m_s * (1.0 - sine * sine).sqrt();
+    if closing_m_s <= 0.0 || goes_past {
+        return Some(0.0);
+    }
+    let room_m = (distance_m - keep_m).max(LEAST_ROOM_M);
+    let delay_s = settings.reaction_s + 2.0 * age_s;
+    let limit_m_s = closing_limit_m_s(room_m, 2.0 * settings.braking_m_s2, delay_s, settings.horizon_s);
+    Some(closing_m_s / (limit_m_s - settings.peer_acceleration_m_s2 * age_s).max(LEAST_CLOSING_M_S))
 }
 
 /// What `peer` demands of `own`; none if it is too far away to matter this period.

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::formation::{View, views};
+use skein_safety::avoidance::{self, AvoidanceSettings};
 
 fn able(max_speed_m_s: f64) -> FlightLimits {
     FlightLimits {
@@ -132,6 +133,75 @@ fn a_camera_gets_a_slot_with_nobody_ahead() {
         let got = free[index_of(&slots, &plan.moves[19].to)];
         assert_eq!(got, View::Ahead, "{shape:?}");
     }
+}
+
+/// The largest share of the speed at which the filter lets two close that any two moves use, looked at `steps` times. Two that end, or have
+/// to pass, nearer than the filter likes are left out: there is no speed for that.
+fn most_used(plan: &TransitionPlan, filter: &AvoidanceSettings, steps: u32) -> f64 {
+    let of_pair = |a: &SlotMove, b: &SlotMove| {
+        let used = |k: u32| {
+            let now = START.plus_seconds(plan.duration_s * f64::from(k) / f64::from(steps));
+            let (a, b) = (sample(a, now), sample(b, now));
+            let apart = b.offset.vector() - a.offset.vector();
+            avoidance::used_share(&apart, &(a.velocity - b.velocity), 0.1, filter)
+        };
+        (0..=steps)
+            .map(used)
+            .try_fold(0.0, |most, used| Some(f64::max(most, used?)))
+    };
+    let pairs = plan.moves.iter().enumerate();
+    pairs
+        .flat_map(|(i, a)| plan.moves[i + 1..].iter().filter_map(move |b| of_pair(a, b)))
+        .fold(0.0, f64::max)
+}
+
+/// As they are unless configured otherwise: a little more than what the filter keeps them apart by.
+const APART: MotionLimits = MotionLimits {
+    speed_m_s: 6.0,
+    min_distance_m: 2.8,
+    ..LIMITS
+};
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, max_global_rejects: 2, ..ProptestConfig::default() })]
+
+    #[test]
+    fn nobody_closes_faster_than_the_filter_lets_it(
+        from in starts(3.5), shape in prop::sample::select(shapes()), led in any::<bool>(),
+    ) {
+        let request = FormationRequest::new(shape, 5.0);
+        let slots = if led {
+            formation::slots(&request, from.len()).unwrap()
+        } else {
+            formation::centred_slots(&request, from.len()).unwrap()
+        };
+        let filter = AvoidanceSettings::default();
+        let change = Change { led, ..Change::new(&from, &slots, &APART) };
+        let plan = change.plan(START).map_err(|refused| TestCaseError::reject(refused.to_string()))?;
+        let slower = Change { filter: Some(&filter), ..change }.plan(START).unwrap();
+        let same = |a: &SlotMove, b: &SlotMove| (a.from, a.to, a.detour_up_m) == (b.from, b.to, b.detour_up_m);
+        prop_assert!(plan.moves.iter().zip(&slower.moves).all(|(a, b)| same(a, b)));
+        prop_assert!(slower.duration_s >= plan.duration_s);
+        let used = most_used(&slower, &filter, 200);
+        prop_assert!(used <= 1.0, "{used} of what is permitted, {} s instead of {}", slower.duration_s, plan.duration_s);
+    }
+}
+
+#[test]
+fn who_goes_straight_for_the_leader_brakes_in_time_for_the_filter() {
+    let place = |away_m: f64| OffsetFrd::new(-away_m, away_m, 0.0);
+    let (from, slots) = ([place(0.0), place(14.1)], [place(0.0), place(3.5)]);
+    let filter = AvoidanceSettings::default();
+    let change = Change::new(&from, &slots, &APART);
+    let plan = change.plan(START).unwrap();
+    assert!(most_used(&plan, &filter, 500) > 1.0);
+    let change = Change {
+        filter: Some(&filter),
+        ..change
+    };
+    let slower = change.plan(START).unwrap();
+    assert!(most_used(&slower, &filter, 500) <= 1.0);
+    assert!(slower.duration_s < 2.0 * plan.duration_s, "{} s", slower.duration_s);
 }
 
 #[test]

@@ -24,6 +24,12 @@ const SUCCESSION_LIMIT_MS: f64 = 60.0;
 const LOST_AFTER_S: f64 = 0.6;
 /// A step of a setpoint that is no jump, beyond what its speed explains, in metres.
 const STEP_LIMIT_M: f64 = 0.5;
+/// Setpoints are looked at for so long after the loss, in seconds.
+const LOOKED_AT_S: f64 = 2.0;
+/// So close to its slot a follower is in it, in metres.
+const IN_SLOT_M: f64 = 0.5;
+/// So long after another leads, at most, everyone has gone around the silent one and is in its slot, in seconds.
+const WHOLE_AGAIN_S: f64 = 15.0;
 
 /// The flight and what it showed.
 #[derive(Default)]
@@ -33,6 +39,7 @@ pub struct LeaderLoss {
     leads_ms: Option<f64>,
     at_loss: Option<Step>,
     at_replacement: Option<Step>,
+    whole_again_s: Option<f64>,
     end_off_m: Option<f64>,
     after_loss: Option<(Errors, Errors)>,
     after_replacement: Option<(Errors, Errors)>,
@@ -64,9 +71,23 @@ impl LeaderLoss {
         let events = stage.node.events_after(before);
         let successor = stage.leader()?.id;
         self.measure(stage, &events, (lost, due), successor)?;
-        stage.pause(2.0).await;
+        stage.pause(LOOKED_AT_S).await;
         self.at_loss = watch.end(stage);
         Ok((lost, successor))
+    }
+
+    /// The silent one stops in their way: they go around it, and are in their places again before the first corner.
+    async fn whole_again(&mut self, stage: &Stage<'_>) -> anyhow::Result<()> {
+        let since_s = stage.elapsed_s();
+        stage
+            .until(2.0 * WHOLE_AGAIN_S, "everyone in its slot again", |_| {
+                stage.referee.farthest_from_slot_m() < IN_SLOT_M
+            })
+            .await?;
+        let after_s = stage.elapsed_s() - since_s + LOOKED_AT_S;
+        stage.say(&format!("all are in their slots, {after_s:.1} s after the loss"));
+        self.whole_again_s = Some(after_s);
+        Ok(())
     }
 
     fn measure(
@@ -138,15 +159,14 @@ impl Flight for LeaderLoss {
         let start = stage.leader_position()?;
         let at = |north: f64, east: f64| start.moved(nalgebra::Vector3::new(north, east, 0.0));
         let out = Route {
-            waypoints: vec![at(60.0, 0.0), at(60.0, 90.0), at(35.0, 90.0)],
+            waypoints: vec![at(130.0, 0.0), at(130.0, 60.0), at(100.0, 60.0)],
             speed_m_s: SPEED_M_S,
             corner_radius_m: CORNER_RADIUS_M,
         };
         stage.begin_route("north, east and south", &out).await?;
         stage.pause(6.0).await;
         let (lost, successor) = self.lose_leader(stage).await?;
-        // The silent one stops in their way: what it takes to pass it says nothing about the formation.
-        stage.pause(4.0).await;
+        self.whole_again(stage).await?;
         stage.referee.next_part();
         stage.route_end(90.0).await?;
         self.after_loss = Some(stage.referee.next_part());
@@ -161,7 +181,7 @@ impl Flight for LeaderLoss {
             self.end_off_m.unwrap_or(f64::INFINITY)
         ));
         let back = Route {
-            waypoints: vec![at(-10.0, 90.0), at(-10.0, 30.0)],
+            waypoints: vec![at(50.0, 60.0), at(50.0, 0.0)],
             ..out
         };
         stage.begin_route("south and west", &back).await?;
@@ -198,6 +218,12 @@ impl Flight for LeaderLoss {
                 step(&self.at_loss),
                 STEP_LIMIT_M,
                 "m",
+            ),
+            at_most(
+                "all in their slots again after the loss",
+                self.whole_again_s,
+                WHOLE_AGAIN_S,
+                "s",
             ),
             at_most("successor off the end of the route", self.end_off_m, 1.0, "m"),
             at_most("error after the loss, straight, root mean square", straight, 1.0, "m"),
