@@ -305,11 +305,11 @@ impl Basis {
             Some(leader) => peers.entry(leader).and_then(|e| e.anchor),
             None => peers.anchor,
         });
-        let heading_rad = match (present, input.request.heading) {
-            (Some(anchor), _) => anchor.heading_rad,
-            (None, HeadingRequest::Fixed { heading_deg }) => heading_deg.to_radians(),
-            (None, HeadingRequest::Auto | HeadingRequest::Course) => 0.0,
-        };
+        let asked = asked_heading_deg(&input.request);
+        let heading_rad = present.map_or_else(
+            || asked.map_or(0.0, f64::to_radians),
+            |anchor: AnchorReference| anchor.heading_rad,
+        );
         let at = |position: PositionNed, turning_rad_s: f64| Self {
             position,
             heading_rad,
@@ -366,6 +366,15 @@ impl Basis {
     }
 }
 
+/// The heading that is asked for in numbers: of the formation, or of its place.
+fn asked_heading_deg(request: &FormationRequest) -> Option<f64> {
+    match (request.heading, &request.anchor) {
+        (HeadingRequest::Fixed { heading_deg }, _) => Some(heading_deg),
+        (_, FormationAnchor::Place { heading_deg, .. }) => *heading_deg,
+        _ => None,
+    }
+}
+
 /// The anchor, if it is no vehicle. One that goes on as before stays the same, so that nothing starts anew.
 fn anchor_plan(
     input: &PlanInput,
@@ -400,17 +409,11 @@ fn anchor_plan(
             name: name.clone(),
             heading,
         }),
-        FormationAnchor::Place { position, heading_deg } => {
-            let asked = match input.request.heading {
-                HeadingRequest::Fixed { heading_deg } => Some(heading_deg),
-                HeadingRequest::Auto | HeadingRequest::Course => *heading_deg,
-            };
-            Some(AnchorPlan::Place {
-                position: *position,
-                heading_rad: asked.map_or(basis.heading_rad, f64::to_radians),
-                max_rate_rad_s: STANDING_TURN_RAD_S.min(HEADING_TURN_M_S / farthest_m.max(1.0)),
-            })
-        }
+        FormationAnchor::Place { position, .. } => Some(AnchorPlan::Place {
+            position: *position,
+            heading_rad: asked_heading_deg(&input.request).map_or(basis.heading_rad, f64::to_radians),
+            max_rate_rad_s: STANDING_TURN_RAD_S.min(HEADING_TURN_M_S / farthest_m.max(1.0)),
+        }),
     }
 }
 

@@ -1,9 +1,11 @@
 //! What the coordinator decides, without actors: who leads, who takes part, which tasks keep their version.
 
 use super::*;
+use crate::anchor::AnchorKeeper;
 use crate::board::PeerEntry;
+use crate::references::References;
 use skein_domain::telemetry::VehicleKinematics;
-use skein_domain::{FlightState, Intent, LinkHealth, OffsetFrd, Refusal, Shape, Task, Telemetry};
+use skein_domain::{FlightState, HeadingRequest, Intent, LinkHealth, OffsetFrd, Refusal, Shape, Task, Telemetry};
 use skein_safety::{Gate, Limits};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -298,6 +300,48 @@ fn a_formation_about_a_place_has_no_leader_and_everyone_a_slot() {
             .values()
             .all(|t| matches!(t.task, Task::Follow { leader: None, .. }))
     );
+}
+
+/// What the plan takes the formation's axes for is what every node finds them to be.
+#[test]
+fn the_first_formation_begins_where_everyone_is_whatever_its_heading() {
+    let peers = peers(6);
+    let place = |heading_deg| FormationAnchor::Place {
+        position: PositionNed::new(40.0, 10.0, -6.0),
+        heading_deg,
+    };
+    let path = FormationAnchor::Path {
+        route: Route {
+            waypoints: vec![PositionNed::new(30.0, 0.0, -6.0), PositionNed::new(60.0, 0.0, -6.0)],
+            speed_m_s: 4.0,
+            corner_radius_m: 5.0,
+        },
+    };
+    let fixed = HeadingRequest::Fixed { heading_deg: 120.0 };
+    let cases = [
+        (place(Some(175.0)), HeadingRequest::Auto),
+        (place(Some(175.0)), fixed),
+        (place(None), HeadingRequest::Auto),
+        (place(None), fixed),
+        (path.clone(), HeadingRequest::Auto),
+        (path, fixed),
+    ];
+    for (anchor, heading) in cases {
+        let asked = FormationRequest {
+            anchor,
+            heading,
+            ..request()
+        };
+        let formation = plan(&input(asked.clone(), None), &peers).expect("plans");
+        let mut keeper = AnchorKeeper::default();
+        let anchor = keeper.at(formation.anchor.as_ref(), None, &References::new(12.0), now());
+        let anchor = anchor.expect("it is known where it is");
+        for (id, slot) in &formation.slots {
+            let begins = anchor.position.moved(slot.from.rotated(anchor.heading_rad));
+            let is = peers.entry(*id).unwrap().kinematics.unwrap().position;
+            assert!(begins.distance_m(&is) < 0.01, "{asked:?}: {id} at {is:?} begins at {begins:?}");
+        }
+    }
 }
 
 #[test]
