@@ -73,6 +73,8 @@ pub struct Change<'a> {
     pub held: Option<&'a [usize]>,
     /// What keeps them apart in flight, if anything does: the change takes as long as it takes so that it has nothing to change.
     pub filter: Option<&'a AvoidanceSettings>,
+    /// No detour leads lower than this below the anchor, in metres; none if there is room.
+    pub lowest_down_m: Option<f64>,
 }
 
 impl<'a> Change<'a> {
@@ -88,6 +90,7 @@ impl<'a> Change<'a> {
             led: true,
             held: None,
             filter: None,
+            lowest_down_m: None,
         }
     }
 

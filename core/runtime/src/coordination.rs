@@ -48,8 +48,10 @@ pub struct Formation {
     pub members: Vec<VehicleId>,
     /// Each follower's way into its slot.
     pub slots: BTreeMap<VehicleId, SlotMove>,
-    /// How its heading is chosen.
+    /// How its heading is chosen once it is formed.
     pub heading: FormationHeading,
+    /// The same until then: with members far outside of their places it turns more slowly.
+    pub heading_while_forming: FormationHeading,
     /// For control by neighbours: what each follower keeps once all are in their slots.
     pub keeping: BTreeMap<VehicleId, Keeping>,
     /// When the change was decided.
@@ -72,10 +74,38 @@ impl Formation {
         self.slots.values().map(reach).fold(0.0, f64::max)
     }
 
+    /// Whether all are to be in their slots by this moment.
+    #[must_use]
+    pub fn is_settled(&self, now: NodeTime) -> bool {
+        now >= self.settled_at
+    }
+
+    /// How its heading is chosen at this moment.
+    #[must_use]
+    pub fn heading_at(&self, now: NodeTime) -> FormationHeading {
+        if self.is_settled(now) {
+            self.heading
+        } else {
+            self.heading_while_forming
+        }
+    }
+
+    /// What it is anchored to at this moment, if that is no vehicle.
+    #[must_use]
+    pub fn anchor_at(&self, now: NodeTime) -> Option<AnchorPlan> {
+        match self.anchor.clone()? {
+            AnchorPlan::Reference { name, .. } => Some(AnchorPlan::Reference {
+                name,
+                heading: self.heading_at(now),
+            }),
+            other => Some(other),
+        }
+    }
+
     /// Whether its followers keep their places by their neighbours at this moment, and not by slots.
     #[must_use]
     pub fn keeps_itself(&self, now: NodeTime) -> bool {
-        self.request.control != FormationControl::Slots && !self.keeping.is_empty() && now >= self.settled_at
+        self.request.control != FormationControl::Slots && !self.keeping.is_empty() && self.is_settled(now)
     }
 
     /// The same with its motion beginning at `start`: planning took time.

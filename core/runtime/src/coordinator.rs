@@ -65,8 +65,8 @@ pub struct CoordinatorState {
     regrouping: bool,
     /// The formation is not in the shape that was asked for: to be planned anew.
     reshape: bool,
-    /// Followers keep their places by their neighbours, as published.
-    keeps_itself: bool,
+    /// All are in their slots, as published.
+    settled: bool,
     /// Newcomers that wait for the next plan.
     joins: Vec<VehicleId>,
     /// A plan to regroup failed: the next is not made before.
@@ -88,14 +88,14 @@ impl Actor for Coordinator {
         let period = Duration::from_secs_f64(1.0 / board.config.node.control_rate_hz);
         myself.send_interval(period, || CoordinatorMessage::Watch);
         myself.send_after(REVIEW_PERIOD, || CoordinatorMessage::Review);
-        let keeps_itself = is_kept_by_neighbours(&board.coordination.lock(), board.now());
+        let settled = is_settled(&board.coordination.lock(), board.now());
         Ok(CoordinatorState {
             board,
             generation: 0,
             flights_version: 0,
             regrouping: false,
             reshape: false,
-            keeps_itself,
+            settled,
             joins: Vec::new(),
             not_before: NodeTime::default(),
             told_cannot: None,
@@ -135,8 +135,8 @@ impl Actor for Coordinator {
     }
 }
 
-fn is_kept_by_neighbours(coordination: &Coordination, now: NodeTime) -> bool {
-    coordination.formation.as_ref().is_some_and(|f| f.keeps_itself(now))
+fn is_settled(coordination: &Coordination, now: NodeTime) -> bool {
+    coordination.formation.as_ref().is_some_and(|f| f.is_settled(now))
 }
 
 impl CoordinatorState {
@@ -186,7 +186,7 @@ impl CoordinatorState {
     fn publish(&mut self) {
         let now = self.board.now();
         let coordination = self.board.coordination.lock();
-        self.keeps_itself = is_kept_by_neighbours(&coordination, now);
+        self.settled = is_settled(&coordination, now);
         let before = self.board.intent.load();
         let withdrawn = self.board.withdrawn.lock().clone();
         let intent = coordination::intent(&before, &coordination, &withdrawn, now);
@@ -256,12 +256,14 @@ impl CoordinatorState {
                 return;
             }
         }
-        if formation.keeps_itself(now) != self.keeps_itself {
+        if formation.is_settled(now) != self.settled {
             self.publish();
-            self.record(
-                Severity::Info,
-                "formed: the members keep their places by their neighbours",
-            );
+            if formation.keeps_itself(now) {
+                self.record(
+                    Severity::Info,
+                    "formed: the members keep their places by their neighbours",
+                );
+            }
         }
     }
 

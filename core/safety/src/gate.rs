@@ -205,6 +205,12 @@ impl Gate {
         self.fences.contains(position)
     }
 
+    /// How far below the swarm's origin a vehicle is let fly at most, in metres, over ground that is `ground_down_m` below it.
+    #[must_use]
+    pub fn lowest_down_m(&self, ground_down_m: f64) -> f64 {
+        ground_down_m - self.min_height_m
+    }
+
     /// Whether a place is as high as a vehicle is let fly over ground that is `ground_down_m` below the swarm's origin.
     ///
     /// # Errors

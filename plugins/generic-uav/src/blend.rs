@@ -14,6 +14,8 @@ const NO_OFFSET_M: f64 = 0.005;
 const NO_VELOCITY_M_S: f64 = 0.01;
 /// No blend is shorter, in seconds.
 const SHORTEST_S: f64 = 0.5;
+/// Of the speed that the plan leaves a vehicle this share is used to catch up with it: the plan may be faster later.
+const SPARE_SHARE: f64 = 0.4;
 
 /// Place and motion at one moment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -52,7 +54,9 @@ impl Blend {
         // A difference in velocity fades so that, on top of a plan that starts from rest in the same direction, the sum is never
         // faster than both ends: that needs between one and three times the time of plain braking.
         let for_velocity_s = 3.0 * velocity_m_s / acceleration;
-        let for_offset_s = (1.5 * offset_m / settings.catch_up_m_s).max((6.0 * offset_m / acceleration).sqrt());
+        let spare_m_s = SPARE_SHARE * (settings.max_speed_m_s - plan.velocity.vector().norm());
+        let catch_up_m_s = settings.catch_up_m_s.max(spare_m_s);
+        let for_offset_s = (1.5 * offset_m / catch_up_m_s).max((6.0 * offset_m / acceleration).sqrt());
         let duration_s = for_velocity_s.max(for_offset_s).max(SHORTEST_S);
         Some(Self {
             offset: offset.into(),

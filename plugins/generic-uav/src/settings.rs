@@ -33,8 +33,8 @@ pub struct Settings {
     /// Largest planned descent rate in metres per second.
     #[schemars(range(min = 0.1))]
     pub descent_m_s: f64,
-    /// Speed beside the planned one with which a difference between where the vehicle is and where its plan begins is made up, in
-    /// metres per second.
+    /// Speed beside the planned one with which a difference between where the vehicle is and where its plan begins is made up, at least, in
+    /// metres per second. Where the plan leaves it more, some of that is used.
     #[schemars(range(min = 0.1))]
     pub catch_up_m_s: f64,
     /// Turning rate of the formation when its fixed heading is changed while leading, in radians per second.

@@ -50,6 +50,7 @@ pub struct Ground {
     generation: u64,
     reshape: bool,
     pub keeps_itself: bool,
+    settled: bool,
     joins: Vec<VehicleId>,
     not_before: NodeTime,
     pending: Vec<Pending>,
@@ -72,6 +73,7 @@ impl Ground {
             generation: 0,
             reshape: false,
             keeps_itself: false,
+            settled: false,
             joins: Vec::new(),
             not_before: NodeTime::default(),
             pending: Vec::new(),
@@ -240,6 +242,7 @@ impl Ground {
             .formation
             .as_ref()
             .is_some_and(|f| f.keeps_itself(now));
+        self.settled = self.coordination.formation.as_ref().is_some_and(|f| f.is_settled(now));
         self.intent = coordination::intent(&self.intent, &self.coordination, &self.withdrawn, now);
     }
 
@@ -258,7 +261,7 @@ impl Ground {
                 return;
             }
         }
-        if formation.keeps_itself(now) != self.keeps_itself {
+        if formation.is_settled(now) != self.settled {
             self.publish(now);
         }
     }

@@ -61,6 +61,7 @@ pub(super) struct Ways {
     levels: Vec<usize>,
     near: Vec<Vec<Near>>,
     levels_m: Vec<f64>,
+    lowest_down_m: f64,
     pinned: usize,
 }
 
@@ -104,8 +105,20 @@ impl Ways {
             levels: vec![STRAIGHT; ends.len()],
             ends,
             levels_m: LEVELS.iter().map(|level| level * task.min_distance_m).collect(),
+            lowest_down_m: task.lowest_down_m,
             pinned: task.pinned,
         }
+    }
+
+    /// Whether a detour at this level leads a member lower than it may fly. Straight ways are as low as their ends.
+    fn is_too_low(&self, member: usize, level: usize) -> bool {
+        let lift_m = self.levels_m.get(level).copied().unwrap_or(0.0);
+        let lower_end_m = [&self.starts, &self.ends]
+            .iter()
+            .filter_map(|places| places.get(member))
+            .map(|place| place.z)
+            .fold(f64::NEG_INFINITY, f64::max);
+        lift_m < 0.0 && lower_end_m - lift_m > self.lowest_down_m
     }
 
     /// Looks for detours until no pair is too close. False if none were found.
@@ -157,7 +170,8 @@ impl Ways {
     /// The height with the fewest conflicts, the first of several.
     fn best_level(&self, member: usize, present: usize, barred: usize) -> Option<usize> {
         let mut best: Option<(usize, usize)> = None;
-        for level in (0..self.levels_m.len()).filter(|level| *level != present && *level != barred) {
+        let open = |level: &usize| *level != present && *level != barred && !self.is_too_low(member, *level);
+        for level in (0..self.levels_m.len()).filter(open) {
             let count = self.conflicts(member, level);
             if best.is_none_or(|(least, _)| count < least) {
                 best = Some((count, level));

@@ -17,7 +17,7 @@ const LOOKS: u32 = 48;
 /// How often the duration is tried again.
 const TRIES: usize = 12;
 /// A change takes no longer than this many times what its members need for it alone.
-const LONGEST: f64 = 4.0;
+const LONGEST: f64 = 2.0;
 /// Pairs that never come closer than this many seconds of their fastest approach do not matter.
 const REACH_S: f64 = 2.0;
 

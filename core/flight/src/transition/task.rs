@@ -88,6 +88,8 @@ pub(super) struct Task {
     slots: Vec<Vector3<f64>>,
     pub abilities: Vec<Ability>,
     pub min_distance_m: f64,
+    /// No detour leads lower than this.
+    pub lowest_down_m: f64,
     /// 1 with a leader: so many members from the first on have their slot already, at zero.
     pub pinned: usize,
     held: Option<Vec<usize>>,
@@ -128,6 +130,7 @@ impl Task {
             slots,
             abilities,
             min_distance_m: limits.min_distance_m,
+            lowest_down_m: change.lowest_down_m.unwrap_or(f64::INFINITY),
             pinned,
             held: change.held.map(<[usize]>::to_vec),
             keeps_view,

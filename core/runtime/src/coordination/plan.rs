@@ -2,11 +2,13 @@
 //!
 //! Must never do: read the board. With many vehicles planning takes longer than a control period: it is called off the actors.
 
+mod heading;
+
 use super::{Formation, available, by_fitness};
 use crate::board::PeerSnapshot;
 use crate::{steering, ways};
+use heading::{HEADING_TURN_M_S, STANDING_TURN_RAD_S, farthest_m};
 use skein_config::CoordinatorSettings;
-use skein_domain::frames::wrap_angle_rad;
 use skein_domain::{
     AnchorPlan, AnchorReference, FlightLimits, FormationAnchor, FormationControl, FormationHeading, FormationRequest,
     HeadingRequest, Keeping, KeepingLaw, NodeTime, OffsetFrd, PositionNed, Refusal, Route, VehicleId,
@@ -18,23 +20,11 @@ use skein_safety::Gate;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Below this turning rate a formation does not follow its leader's course: a quarter turn would take longer than ten seconds.
-const SLOWEST_USEFUL_TURN_RAD_S: f64 = 0.15;
-/// Leader's speed assumed when a formation's turning rate is chosen, in metres per second, until a route says otherwise.
-const NOMINAL_SPEED_M_S: f64 = 5.0;
-/// Acceleration of the outermost vehicle in a turn of the formation, in metres per second squared: beyond it tracking suffers.
-const TURN_ACCELERATION_M_S2: f64 = 3.0;
 /// A virtual leader speeds up and turns no harder than this, so that followers have something to spare, in metres per second squared.
 const ANCHOR_ACCELERATION_M_S2: f64 = 2.0;
-/// A formation that stands turns towards its heading no faster than this, in radians per second.
-const STANDING_TURN_RAD_S: f64 = 0.2;
-/// The outermost vehicle goes no faster by a turn to a fixed heading, in metres per second: it may be changing places at the same time.
-const HEADING_TURN_M_S: f64 = 4.0;
-/// However little speed is left to the outermost vehicle, a turn to a fixed heading takes this much of it, in metres per second: it must
-/// come to an end.
-const HEADING_TURN_LEAST_M_S: f64 = 0.5;
-/// Less than this is no turn, in radians.
-const NO_TURN_RAD: f64 = 0.01;
+
+/// Detours keep so far above the lowest that the gate lets anybody fly, in metres.
+const OVER_FLOOR_M: f64 = 1.0;
 
 /// Limits a plan is made under.
 #[derive(Debug, Clone)]
@@ -91,18 +81,7 @@ pub struct PlanInput {
 /// When a named member or leader is not available, too few are, the anchor is not known, or no safe way into the slots is found.
 pub fn plan(input: &PlanInput, peers: &PeerSnapshot) -> Result<Formation, Refusal> {
     let mut members = members(&input.request, peers)?;
-    let led = input.request.anchor == FormationAnchor::Leader;
-    let leader = if led {
-        Some(choose_leader(input, &members, peers)?)
-    } else if members.is_empty() {
-        return Err(Refusal::NotEnoughVehicles { have: 0, need: 1 });
-    } else {
-        None
-    };
-    if let Some(leader) = leader {
-        members.retain(|id| *id != leader);
-        members.insert(0, leader);
-    }
+    let leader = choose_leader(input, &mut members, peers)?;
     let able = capabilities(&members, peers, &input.limits);
     let invalid = |e: formation::FormationError| Refusal::InvalidValue { detail: e.to_string() };
     let slots = formation::anchored_slots(&input.request, members.len()).map_err(invalid)?;
@@ -112,23 +91,24 @@ pub fn plan(input: &PlanInput, peers: &PeerSnapshot) -> Result<Formation, Refusa
     let basis = Basis::now(input, leader, peers)?;
     let together = slowest(&able);
     let from = present_offsets(input, &members, leader, &basis, peers)?;
-    let heading = choose_heading(input, &from, &slots, &basis, &together);
-    let taken_m_s = taken_m_s(input, &from, &slots, &heading, &basis);
+    let headings = heading::choose(input, &from, &slots, &basis, &together);
+    let taken_m_s = heading::taken_m_s(input, &from, &slots, &headings, &basis);
     let held = held_slots(input, &members, &from, &slots);
     let filter = input.gate.avoidance();
     let change = Change {
         able: &able,
         taken_m_s,
         filter: Some(&filter),
+        lowest_down_m: lowest_down_m(input, &members, peers).map(|lowest_m| lowest_m - basis.position.down_m),
         led: leader.is_some(),
         held: held.as_deref(),
         ..Change::new(&from, &slots, &input.limits.transition)
     };
     let planned = change.plan(input.start).map_err(invalid)?;
     let ends: Vec<OffsetFrd> = planned.moves.iter().map(|m| m.to).collect();
-    stays_inside(input, peers, (&members, &ends), &basis, &heading)?;
-    let farthest_m = farthest_m(&from, &slots);
-    let anchor = anchor_plan(input, &basis, heading, &together, (planned.duration_s, farthest_m));
+    stays_inside(input, peers, (&members, &ends), &basis, &headings.formed)?;
+    let forming = (planned.duration_s, farthest_m(&from, &slots));
+    let anchor = anchor_plan(input, &basis, headings.formed, &together, forming);
     let skipped = usize::from(leader.is_some());
     Ok(Formation {
         request: FormationRequest {
@@ -141,7 +121,8 @@ pub fn plan(input: &PlanInput, peers: &PeerSnapshot) -> Result<Formation, Refusa
         keeping: keeping(input, &members, leader, &ends, basis.heading_rad, planned.duration_s),
         slots: members.iter().copied().zip(planned.moves).skip(skipped).collect(),
         members,
-        heading,
+        heading: headings.formed,
+        heading_while_forming: headings.forming,
         decided: input.start,
         settled_at: input.start.plus_seconds(planned.duration_s),
         min_distance_m: planned.min_distance_m,
@@ -236,17 +217,38 @@ fn members(request: &FormationRequest, peers: &PeerSnapshot) -> Result<Vec<Vehic
     Ok(members)
 }
 
-fn choose_leader(input: &PlanInput, members: &[VehicleId], peers: &PeerSnapshot) -> Result<VehicleId, Refusal> {
+/// How far below the swarm's origin detours of these members may lead, in metres; none without any.
+fn lowest_down_m(input: &PlanInput, members: &[VehicleId], peers: &PeerSnapshot) -> Option<f64> {
+    let of = |id: &VehicleId| {
+        let ground_down_m = peers.entry(*id).map_or(0.0, steering::ground_down_m);
+        input.gate.lowest_down_m(ground_down_m) - OVER_FLOOR_M
+    };
+    members.iter().map(of).reduce(f64::min)
+}
+
+/// Who leads, if a vehicle does: then it is the first of the members.
+fn choose_leader(
+    input: &PlanInput,
+    members: &mut Vec<VehicleId>,
+    peers: &PeerSnapshot,
+) -> Result<Option<VehicleId>, Refusal> {
+    if input.request.anchor != FormationAnchor::Leader {
+        let nobody = Refusal::NotEnoughVehicles { have: 0, need: 1 };
+        return if members.is_empty() { Err(nobody) } else { Ok(None) };
+    }
     let asked = input.request.leader.filter(|id| members.contains(id));
     let present = input
         .before
         .as_ref()
         .and_then(|f| f.leader)
         .filter(|id| members.contains(id));
-    asked
+    let leader = asked
         .or(present)
         .or_else(|| by_fitness(members, &input.limits.leader_order, peers).first().copied())
-        .ok_or(Refusal::NotEnoughVehicles { have: 0, need: 1 })
+        .ok_or(Refusal::NotEnoughVehicles { have: 0, need: 1 })?;
+    members.retain(|id| *id != leader);
+    members.insert(0, leader);
+    Ok(Some(leader))
 }
 
 /// What each member can do: as its model says, or else as the configuration has it for all.
@@ -436,75 +438,6 @@ fn keeping(
     consensus::keepings(&placed, leader, heading_rad, law, start)
         .into_iter()
         .collect()
-}
-
-fn choose_heading(
-    input: &PlanInput,
-    from: &[OffsetFrd],
-    slots: &[OffsetFrd],
-    basis: &Basis,
-    together: &FlightLimits,
-) -> FormationHeading {
-    let speed_m_s = input
-        .route_speed_m_s
-        .unwrap_or(NOMINAL_SPEED_M_S)
-        .min(together.max_speed_m_s * limits::TURN_SPEED_SHARE);
-    let acceleration_m_s2 = TURN_ACCELERATION_M_S2.min(together.max_acceleration_m_s2);
-    let rate_rad_s = |slots: &[OffsetFrd]| {
-        limits::max_turn_rate_within_rad_s(slots, speed_m_s, together.max_speed_m_s, acceleration_m_s2)
-    };
-    let max_rate_rad_s = rate_rad_s(slots);
-    // Whoever is further out now than it will be is carried round as well.
-    let to_fixed_rad_s = {
-        let farthest_m = farthest_m(from, slots).max(1.0);
-        let within = max_rate_rad_s.min(rate_rad_s(from)).min(HEADING_TURN_M_S / farthest_m);
-        within.max(HEADING_TURN_LEAST_M_S / farthest_m).min(STANDING_TURN_RAD_S)
-    };
-    let fixed = |heading_rad: f64| FormationHeading::Fixed {
-        heading_rad,
-        max_rate_rad_s: Some(to_fixed_rad_s),
-    };
-    match input.request.heading {
-        HeadingRequest::Fixed { heading_deg } => fixed(heading_deg.to_radians()),
-        // Directions are kept in north and east: such a formation does not turn.
-        _ if input.request.control == FormationControl::Bearings => fixed(basis.heading_rad),
-        HeadingRequest::Auto if max_rate_rad_s < SLOWEST_USEFUL_TURN_RAD_S => fixed(basis.heading_rad),
-        HeadingRequest::Auto | HeadingRequest::Course => FormationHeading::Course { max_rate_rad_s },
-    }
-}
-
-/// How much of each member's speed the formation as a whole takes: its anchor's speed and its turning.
-fn taken_m_s(
-    input: &PlanInput,
-    from: &[OffsetFrd],
-    slots: &[OffsetFrd],
-    heading: &FormationHeading,
-    basis: &Basis,
-) -> f64 {
-    let turning_rad_s = basis.turning_rad_s.abs();
-    let turns = turning_rad_s > 1e-3;
-    let farthest_now_m = farthest_m(from, slots);
-    // Who comes from far outside is carried round by what the formation turns now; the rate it may turn at later is for its places.
-    let turned_m_s = match heading {
-        FormationHeading::Course { max_rate_rad_s } if input.under_way || turns => {
-            (turning_rad_s * farthest_now_m).max(max_rate_rad_s * farthest_m(&[], slots))
-        }
-        FormationHeading::Fixed {
-            heading_rad,
-            max_rate_rad_s: Some(max_rate_rad_s),
-        } if wrap_angle_rad(heading_rad - basis.heading_rad).abs() > NO_TURN_RAD => {
-            turning_rad_s.max(*max_rate_rad_s) * farthest_now_m
-        }
-        _ => turning_rad_s * farthest_now_m,
-    };
-    let flown_m_s = input.route_speed_m_s.filter(|_| input.under_way).unwrap_or(0.0);
-    flown_m_s + turned_m_s
-}
-
-/// How far the outermost place is from the anchor on the ground, before or after a change.
-fn farthest_m(from: &[OffsetFrd], slots: &[OffsetFrd]) -> f64 {
-    let all = from.iter().chain(slots);
-    all.map(|o| o.forward_m.hypot(o.right_m)).fold(0.0, f64::max)
 }
 
 /// Who has which of the slots, where the same members fly the same shape and only its parameters change: such a change is a morph.

@@ -35,7 +35,7 @@ pub fn intent(before: &Intent, coordination: &Coordination, withdrawn: &BTreeSet
     Intent {
         version,
         leader: coordination.formation.as_ref().and_then(|f| f.leader),
-        anchor: coordination.formation.as_ref().and_then(|f| f.anchor.clone()),
+        anchor: coordination.formation.as_ref().and_then(|f| f.anchor_at(now)),
         tasks,
     }
 }
@@ -46,7 +46,7 @@ fn members_tasks(formation: &Formation, coordination: &Coordination, now: NodeTi
     if let Some(leader) = formation.leader {
         let task = Task::Lead {
             route: coordination.route.as_ref().map(|r| r.route.clone()),
-            heading: formation.heading,
+            heading: formation.heading_at(now),
         };
         tasks.insert(leader, task);
     }

@@ -339,9 +339,45 @@ fn the_first_formation_begins_where_everyone_is_whatever_its_heading() {
         for (id, slot) in &formation.slots {
             let begins = anchor.position.moved(slot.from.rotated(anchor.heading_rad));
             let is = peers.entry(*id).unwrap().kinematics.unwrap().position;
-            assert!(begins.distance_m(&is) < 0.01, "{asked:?}: {id} at {is:?} begins at {begins:?}");
+            assert!(
+                begins.distance_m(&is) < 0.01,
+                "{asked:?}: {id} at {is:?} begins at {begins:?}"
+            );
         }
     }
+}
+
+/// Whoever is far outside of its place is carried round with the formation's turns.
+#[test]
+fn a_formation_turns_slowly_until_those_from_far_are_in_their_places() {
+    let mut peers = peers(6);
+    let asked = FormationRequest {
+        heading: HeadingRequest::Course,
+        ..request()
+    };
+    let near = plan(&input(asked.clone(), None), &peers).expect("plans");
+    assert_eq!(near.heading_while_forming, near.heading);
+    let last = peers.entries[5].kinematics.as_mut().unwrap();
+    last.position.east_m += 400.0;
+    let far = plan(&input(asked, None), &peers).expect("plans");
+    assert_eq!(far.heading, near.heading);
+    let FormationHeading::Course { max_rate_rad_s } = far.heading_while_forming else {
+        panic!("{:?}", far.heading_while_forming)
+    };
+    assert!(max_rate_rad_s * 400.0 <= 4.0, "{max_rate_rad_s}");
+    let coordination = Coordination {
+        formation: Some(far.clone()),
+        ..Coordination::default()
+    };
+    let heading_at = |time| {
+        let intent = intent(&Intent::default(), &coordination, &BTreeSet::new(), time);
+        match &intent.tasks[&VehicleId(1)].task {
+            Task::Lead { heading, .. } => *heading,
+            other => panic!("{other:?}"),
+        }
+    };
+    assert_eq!(heading_at(now()), far.heading_while_forming);
+    assert_eq!(heading_at(far.settled_at), far.heading);
 }
 
 #[test]

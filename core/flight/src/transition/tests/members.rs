@@ -204,6 +204,27 @@ fn who_goes_straight_for_the_leader_brakes_in_time_for_the_filter() {
     assert!(slower.duration_s < 2.0 * plan.duration_s, "{} s", slower.duration_s);
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, max_global_rejects: 8, ..ProptestConfig::default() })]
+
+    #[test]
+    fn no_detour_leads_lower_than_may_be_flown(
+        from in starts(3.5), shape in prop::sample::select(shapes()), room_m in 0.0..6.0,
+    ) {
+        let slots = formation::slots(&FormationRequest::new(shape, 5.0), from.len()).unwrap();
+        let ends_m = from.iter().chain(&slots).map(|place| place.down_m).fold(0.0, f64::max);
+        let lowest_m = ends_m + room_m;
+        let change = Change { lowest_down_m: Some(lowest_m), ..Change::new(&from, &slots, &APART) };
+        let plan = change.plan(START).map_err(|refused| TestCaseError::reject(refused.to_string()))?;
+        for slot in &plan.moves {
+            for k in 0..=200 {
+                let here = sample(slot, START.plus_seconds(plan.duration_s * f64::from(k) / 200.0));
+                prop_assert!(here.offset.down_m <= lowest_m + 1e-9, "{:?} of {lowest_m}", here.offset);
+            }
+        }
+    }
+}
+
 #[test]
 fn without_a_leader_the_first_moves_too() {
     let slots = formation::centred_slots(&FormationRequest::new(Shape::Line, 10.0), 3).unwrap();
