@@ -271,7 +271,8 @@ fn a_follower_far_from_its_slot_catches_up_without_haste() {
         .filter_map(|(_, s)| s.velocity)
         .map(|v| v.norm())
         .fold(0.0, f64::max);
-    assert!(fastest < 5.1, "{fastest} m/s");
+    // The formation's 3 m/s and four tenths of what they leave of 12 m/s.
+    assert!(fastest < 6.7, "{fastest} m/s");
 }
 
 #[test]
