@@ -28,12 +28,17 @@ use skein_domain::{
 };
 use tracker::{Change, Tracker};
 
+/// Not heard for longer than this, in seconds, a vehicle was silent: what it could not say meanwhile is not missing.
+const SILENCE_S: f64 = 3.0;
+
 /// The ladder of one vehicle.
 #[derive(Debug, Clone)]
 pub struct Ladder {
     trackers: Vec<(Trigger, Tracker)>,
     clock: ClockWatch,
     gnss_good_at: Option<NodeTime>,
+    /// When the vehicle was last heard, and since when it has been without a silence.
+    heard: Option<(NodeTime, NodeTime)>,
     /// In the air and in the swarm's hands since then.
     reacting_since: Option<NodeTime>,
     pilot_in_control: bool,
@@ -58,6 +63,7 @@ impl Ladder {
             trackers: Trigger::ALL.iter().map(|t| (*t, Tracker::default())).collect(),
             clock: ClockWatch::default(),
             gnss_good_at: None,
+            heard: None,
             reacting_since: None,
             pilot_in_control: false,
             order: None,
@@ -78,6 +84,7 @@ impl Ladder {
         self.gnss_good_at = readings::good_fix_at(health, settings).max(self.gnss_good_at);
         let memory = Memory {
             gnss_good_at: self.gnss_good_at,
+            heard_since: self.note_heard(health.last_heard),
             clock_deviation_s,
             reacting_since: self.reacting_since,
         };
@@ -86,6 +93,17 @@ impl Ladder {
         }
         self.give_orders(health, settings, &mut events);
         events
+    }
+
+    /// Since when the vehicle has been heard without a silence.
+    fn note_heard(&mut self, heard: NodeTime) -> NodeTime {
+        let since = match self.heard {
+            Some((last, since)) if heard.seconds_since(last) <= SILENCE_S => since,
+            Some(_) => heard,
+            None => NodeTime::default(),
+        };
+        self.heard = Some((heard, since));
+        since
     }
 
     /// Where the vehicle stands on its ladder.

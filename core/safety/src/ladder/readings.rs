@@ -44,6 +44,8 @@ pub(super) struct Reading<'a> {
 pub(super) struct Memory {
     /// When a good fix was last reported.
     pub gnss_good_at: Option<NodeTime>,
+    /// Since when it has been heard without a silence.
+    pub heard_since: NodeTime,
     /// How far the clocks are from where they should be, in seconds.
     pub clock_deviation_s: f64,
     /// Since when the vehicle has been in the air and in the swarm's hands.
@@ -72,12 +74,14 @@ pub(super) fn read<'a>(
     }
     let steps = settings.steps(trigger);
     let age = |at: NodeTime| by_age(now.seconds_since(at).max(0.0), steps);
+    // While nothing at all is heard, that is the link's trouble; and what comes first after a silence tells nothing of what comes next.
+    let heard_without = |at: NodeTime| {
+        let since = at.max(memory.heard_since);
+        by_age(health.last_heard.seconds_since(since).max(0.0), steps)
+    };
     match trigger {
         Trigger::LinkLoss => age(health.last_heard),
-        // While nothing at all is heard, that is the link's trouble.
-        Trigger::GnssLoss => memory
-            .gnss_good_at
-            .and_then(|at| by_age(health.last_heard.seconds_since(at).max(0.0), steps)),
+        Trigger::GnssLoss => memory.gnss_good_at.and_then(heard_without),
         Trigger::GnssDisagreement => {
             let rule = &settings.gnss_disagreement;
             health
@@ -92,8 +96,7 @@ pub(super) fn read<'a>(
                 .map(|value| beyond(value, (rule.limit_m, rule.clear_m), "m", steps))
         }
         Trigger::StaleEstimate => match health.position_time {
-            // While nothing at all is heard, that is the link's trouble.
-            Some(at) => by_age(health.last_heard.seconds_since(at).max(0.0), steps),
+            Some(at) => heard_without(at),
             None if health.airborne => by_age(f64::INFINITY, steps),
             None => None,
         },

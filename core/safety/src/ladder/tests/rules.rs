@@ -270,6 +270,44 @@ fn link_loss_and_stale_estimates_are_reported_whatever_is_configured() {
     assert_eq!(raised, [Trigger::LinkLoss, Trigger::StaleEstimate]);
 }
 
+/// The first frame after a silence makes everything else look old that came with others.
+#[test]
+fn what_could_not_be_said_in_a_silence_is_not_missing_after_it() {
+    let of_others = [Trigger::GnssLoss, Trigger::StaleEstimate];
+    let told = |rig: &Rig| rig.events.iter().filter(|e| of_others.contains(&e.trigger)).count();
+    let before = NodeTime::from_seconds(START_S);
+    let without_fix = |h: &mut Health, _: f64| {
+        h.position_time = Some(before);
+        h.gnss.as_mut().unwrap().heard = before;
+    };
+    let mut rig = Rig::new();
+    rig.run(50.0, |h, t| {
+        without_fix(h, t);
+        h.last_heard = before;
+    });
+    rig.run(0.25, without_fix);
+    rig.run(5.0, |_, _| {});
+    assert_eq!(told(&rig), 0, "{:?}", rig.events);
+    // What stays missing is, from then on.
+    let mut rig = Rig::new();
+    rig.run(50.0, |h, t| {
+        without_fix(h, t);
+        h.last_heard = before;
+    });
+    rig.run(20.0, without_fix);
+    let raised = |trigger| {
+        let mut raised = rig
+            .events
+            .iter()
+            .filter(|e| e.trigger == trigger && e.kind == LadderEventKind::Raised);
+        raised.next().map(|e| e.at.seconds_since(before))
+    };
+    for trigger in of_others {
+        let at_s = raised(trigger).unwrap_or_else(|| panic!("{trigger:?}: {:?}", rig.events));
+        assert!(at_s > 50.5 && at_s < 60.0, "{trigger:?} at {at_s} s");
+    }
+}
+
 #[test]
 fn a_return_without_a_way_home_is_a_landing() {
     let return_now = |h: &mut Health| {
