@@ -48,6 +48,8 @@ pub enum AnchorPlan {
         name: String,
         /// How the heading is chosen.
         heading: FormationHeading,
+        /// Everyone's place about it: it is followed no further than all of them are inside of the fences.
+        places: Vec<OffsetFrd>,
     },
     /// A place.
     Place {

@@ -3,10 +3,14 @@
 //!
 //! Must never do: decide anything. A virtual leader's way follows from the intent alone, so that every node finds the same.
 
+mod tether;
+
 use crate::references::References;
 use skein_domain::{AnchorPlan, AnchorReference, FormationHeading, NodeTime, PositionNed, VelocityNed};
 use skein_flight::virtual_leader::VirtualLeader;
 use skein_flight::{HeadingFollower, PathLimits};
+use skein_safety::Fences;
+use tether::{Room, Tether};
 
 /// A reference slower than this has no course, in metres per second.
 const SLOWEST_COURSE_M_S: f64 = 0.5;
@@ -24,9 +28,16 @@ pub struct AnchorKeeper {
     last: Option<AnchorReference>,
     /// The anchor of whoever led last: a leader's is taken away in the moment in which the formation gets another.
     led: Option<AnchorReference>,
+    tether: Tether,
 }
 
 impl AnchorKeeper {
+    /// Whether the formation waits at a fence for the reference that it follows to come back.
+    #[must_use]
+    pub fn is_held(&self) -> bool {
+        self.tether.is_held()
+    }
+
     /// The anchor at `now`; `None` without a plan, or as long as its reference is not known. `formerly` is the heading of the
     /// formation until now, from which it turns.
     pub fn at(
@@ -34,6 +45,7 @@ impl AnchorKeeper {
         plan: Option<&AnchorPlan>,
         formerly: Option<&AnchorReference>,
         references: &References,
+        fences: &Fences,
         now: NodeTime,
     ) -> Option<AnchorReference> {
         self.led = formerly.copied().or(self.led);
@@ -52,10 +64,14 @@ impl AnchorKeeper {
                 let (position, heading_rad) = (*position, *heading_rad);
                 self.standing(position, heading_rad, dt_s, now)
             }
-            AnchorPlan::Reference { name, heading } => {
-                let heading = *heading;
+            AnchorPlan::Reference { name, heading, places } => {
+                let (heading, places) = (*heading, places.clone());
+                let room = Room {
+                    fences,
+                    places: &places,
+                };
                 match references.anchor(name, now) {
-                    Some(moving) => self.moving(moving, heading, dt_s),
+                    Some(moving) => self.moving(moving, heading, &room, dt_s),
                     // A reference that was removed in flight: the formation stands where it was.
                     None => {
                         let before = before?;
@@ -77,6 +93,9 @@ impl AnchorKeeper {
     fn take_up(&mut self, plan: Option<&AnchorPlan>, now: NodeTime) {
         let led = self.led.filter(|led| now.seconds_since(led.time) < LED_LATELY_S);
         let present = self.last.or(led);
+        if name_of(self.plan.as_ref()) != name_of(plan) {
+            self.tether = Tether::default();
+        }
         self.plan = plan.cloned();
         self.path = None;
         self.heading = None;
@@ -137,7 +156,15 @@ impl AnchorKeeper {
     }
 
     /// The heading follows the reference's course, or the heading it tells while it stands.
-    fn moving(&mut self, reference: AnchorReference, mode: FormationHeading, dt_s: f64) -> AnchorReference {
+    fn moving(
+        &mut self,
+        reference: AnchorReference,
+        mode: FormationHeading,
+        room: &Room<'_>,
+        dt_s: f64,
+    ) -> AnchorReference {
+        let formerly_rad = self.heading.map_or(reference.heading_rad, |h| h.heading_rad());
+        let reference = self.tether.lead(reference, formerly_rad, room, dt_s);
         let v = &reference.velocity;
         let course_rad = match mode {
             FormationHeading::Fixed { heading_rad, .. } => heading_rad,
@@ -150,11 +177,28 @@ impl AnchorKeeper {
             .heading
             .as_mut()
             .map_or((reference.heading_rad, 0.0), |h| h.step(course_rad, dt_s));
+        let outside = |heading_rad| room.outside(&reference.position, heading_rad);
+        if !room.fences.is_empty() && outside(heading_rad) > outside(formerly_rad) {
+            // A turn that would swing a place outside waits.
+            self.heading = Some(HeadingFollower::resume(mode, formerly_rad, 0.0));
+            return AnchorReference {
+                heading_rad: formerly_rad,
+                heading_rate_rad_s: 0.0,
+                ..reference
+            };
+        }
         AnchorReference {
             heading_rad,
             heading_rate_rad_s,
             ..reference
         }
+    }
+}
+
+fn name_of(plan: Option<&AnchorPlan>) -> Option<&str> {
+    match plan {
+        Some(AnchorPlan::Reference { name, .. }) => Some(name),
+        _ => None,
     }
 }
 

@@ -5,20 +5,22 @@
 
 mod membership;
 mod plan;
+mod route;
 mod succession;
 mod tasks;
 mod trajectories;
 
 pub use membership::{Changed, Judging};
-pub use plan::{PlanInput, PlanLimits, fitted, plan};
+pub use plan::{PlanInput, PlanLimits, plan};
+pub use route::ActiveRoute;
 pub use succession::{by_fitness, succeed};
 pub use tasks::intent;
 pub use trajectories::{Flight, PlannedFlights, TrajectoryInput, plan_trajectories};
 
 use crate::board::PeerSnapshot;
 use skein_domain::{
-    AnchorPlan, FormationAnchor, FormationControl, FormationHeading, FormationRequest, Keeping, NodeTime, PositionNed,
-    Route, SlotMove, VehicleId,
+    AnchorPlan, FormationAnchor, FormationControl, FormationHeading, FormationRequest, Keeping, NodeTime, SlotMove,
+    VehicleId,
 };
 use std::collections::BTreeMap;
 
@@ -97,6 +99,7 @@ impl Formation {
             AnchorPlan::Reference { name, .. } => Some(AnchorPlan::Reference {
                 name,
                 heading: self.heading_at(now),
+                places: self.slots.values().map(|slot| slot.to).collect(),
             }),
             other => Some(other),
         }
@@ -172,43 +175,6 @@ impl Coordination {
         if let (Some(active), Some(position)) = (self.route.as_mut(), position) {
             active.advance(&position);
             active.finished |= finished(leader);
-        }
-    }
-}
-
-/// A route being flown.
-#[derive(Debug, Clone)]
-pub struct ActiveRoute {
-    /// The whole route.
-    pub route: Route,
-    /// Index of the first waypoint not passed yet.
-    pub next: usize,
-    /// The leader reported the end.
-    pub finished: bool,
-}
-
-impl ActiveRoute {
-    /// What is left of it, for a new leader.
-    #[must_use]
-    pub fn remaining(&self) -> Option<Route> {
-        let waypoints: Vec<PositionNed> = self.route.waypoints.iter().skip(self.next).copied().collect();
-        (!self.finished && !waypoints.is_empty()).then(|| Route {
-            waypoints,
-            ..self.route.clone()
-        })
-    }
-
-    /// Notes the waypoints that a leader at `position` has passed. A corner is rounded, so that near it counts as passed.
-    pub fn advance(&mut self, position: &PositionNed) {
-        let near_m = self.route.corner_radius_m + 2.0;
-        while self.next + 1 < self.route.waypoints.len()
-            && self
-                .route
-                .waypoints
-                .get(self.next)
-                .is_some_and(|w| w.horizontal_distance_m(position) < near_m)
-        {
-            self.next += 1;
         }
     }
 }

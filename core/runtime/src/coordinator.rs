@@ -12,7 +12,7 @@ pub use planning::Planned;
 pub use trajectories::{PlannedTrajectories, TrajectoryAnswer, TrajectoryAsk};
 
 use crate::board::{Board, PeerSnapshot};
-use crate::coordination::{self, ActiveRoute, Coordination, Formation};
+use crate::coordination::{self, Coordination, Formation};
 use crate::handle::FormationReceipt;
 use crate::snapshot::EventKind;
 use planning::Purpose;
@@ -209,17 +209,15 @@ impl CoordinatorState {
 
     /// Has the leader fly a route, as fast and as wide as the formation can; gives it as it is flown.
     fn set_route(&mut self, route: Route) -> Result<Route, Refusal> {
-        let formation = self.board.coordination.lock().formation.clone();
         let peers = self.board.peers.load_full();
         let asked_m_s = route.speed_m_s;
         let (limits, gate) = (self.plan_limits(), self.board.gate());
-        let fitted = coordination::fitted(route, formation.as_ref(), &peers, &limits, &gate)?;
+        let fitted = self
+            .board
+            .coordination
+            .lock()
+            .set_route(route, &peers, &limits, &gate)?;
         let slower = fitted.speed_m_s < asked_m_s;
-        self.board.coordination.lock().route = Some(ActiveRoute {
-            route: fitted.clone(),
-            next: 0,
-            finished: false,
-        });
         for cell in self.board.cells() {
             cell.state.lock().route_finished = None;
         }

@@ -143,14 +143,29 @@ fn publish(board: &Board, entries: Vec<PeerEntry>, now: NodeTime) {
     let anchor = {
         let plan = board.intent.load().anchor.clone();
         let led = entries.iter().find_map(|e| e.anchor);
-        board
-            .anchor
-            .lock()
-            .at(plan.as_ref(), led.as_ref(), &board.references, now)
+        let mut keeper = board.anchor.lock();
+        let was_held = keeper.is_held();
+        let gate = board.gate();
+        let anchor = keeper.at(plan.as_ref(), led.as_ref(), &board.references, gate.fences(), now);
+        if keeper.is_held() != was_held {
+            tell_held(board, keeper.is_held(), now);
+        }
+        anchor
     };
     board.peers.store(Arc::new(PeerSnapshot {
         entries,
         surroundings,
         anchor,
     }));
+}
+
+/// Tells that a formation waits at a fence, or no longer.
+fn tell_held(board: &Board, is_held: bool, now: NodeTime) {
+    let (severity, text) = if is_held {
+        let text = "the formation waits: after its reference not all of its places would be inside of the fences";
+        (Severity::Warning, text)
+    } else {
+        (Severity::Info, "the formation no longer waits at a fence")
+    };
+    board.events.record(now, None, severity, EventKind::Formation, text);
 }

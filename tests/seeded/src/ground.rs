@@ -8,9 +8,7 @@ use crate::craft::Craft;
 use nalgebra::Vector3;
 use skein_config::NodeConfig;
 use skein_domain::{AnchorReference, FormationAnchor, FormationRequest, Intent, NodeTime, Refusal, Route, VehicleId};
-use skein_runtime::coordination::{
-    self, ActiveRoute, Changed, Coordination, Formation, Judging, PlanInput, PlanLimits,
-};
+use skein_runtime::coordination::{self, Changed, Coordination, Formation, Judging, PlanInput, PlanLimits};
 use skein_runtime::{AnchorKeeper, PeerSnapshot, ReferenceReport, References};
 use skein_safety::Gate;
 use std::collections::BTreeSet;
@@ -82,7 +80,20 @@ impl Ground {
 
     /// The formation's anchor of this period, if it is no vehicle.
     pub fn anchor(&mut self, led: Option<&AnchorReference>, now: NodeTime) -> Option<AnchorReference> {
-        self.keeper.at(self.intent.anchor.as_ref(), led, &self.references, now)
+        let was_held = self.keeper.is_held();
+        let fences = self.gate.fences();
+        let anchor = self
+            .keeper
+            .at(self.intent.anchor.as_ref(), led, &self.references, fences, now);
+        if self.keeper.is_held() != was_held {
+            let text = if was_held {
+                "follows the reference again"
+            } else {
+                "waits at the fence for the reference"
+            };
+            self.story.push(text.into());
+        }
+        anchor
     }
 
     /// What moves is told of, as often as it is, and for some time after it has stopped.
@@ -120,7 +131,7 @@ impl Ground {
 
     /// An operator gives the leader a route.
     pub fn route(&mut self, route: Route, crafts: &mut [Craft], peers: &PeerSnapshot, now: NodeTime) {
-        let given = self.set_route(route, peers);
+        let given = self.coordination.set_route(route, peers, &self.limits, &self.gate);
         match given {
             Ok(route) => {
                 self.story
@@ -132,17 +143,6 @@ impl Ground {
             }
             Err(refusal) => self.refuse("route", &refusal),
         }
-    }
-
-    fn set_route(&mut self, route: Route, peers: &PeerSnapshot) -> Result<Route, Refusal> {
-        let formation = self.coordination.formation.as_ref();
-        let fitted = coordination::fitted(route, formation, peers, &self.limits, &self.gate)?;
-        self.coordination.route = Some(ActiveRoute {
-            route: fitted.clone(),
-            next: 0,
-            finished: false,
-        });
-        Ok(fitted)
     }
 
     fn refuse(&mut self, what: &str, refusal: &Refusal) {

@@ -2,11 +2,11 @@
 //!
 //! Must never do: read the board. With many vehicles planning takes longer than a control period: it is called off the actors.
 
-mod heading;
+pub(super) mod heading;
 
 use super::{Formation, available, by_fitness};
 use crate::board::PeerSnapshot;
-use crate::{steering, ways};
+use crate::steering;
 use heading::{HEADING_TURN_M_S, STANDING_TURN_RAD_S, farthest_m};
 use skein_config::CoordinatorSettings;
 use skein_domain::{
@@ -163,36 +163,6 @@ fn stays_inside(
     })
 }
 
-/// A route as a formation can fly it from where its leader is: around what is closed with room for everyone, no faster than the slowest
-/// member, no corner tighter than the widest turn that one needs.
-///
-/// # Errors
-/// When nobody leads, or the route leads where the gate lets nobody go.
-pub fn fitted(
-    route: Route,
-    formation: Option<&Formation>,
-    peers: &PeerSnapshot,
-    limits: &PlanLimits,
-    gate: &Gate,
-) -> Result<Route, Refusal> {
-    let (formation, leader) = formation
-        .and_then(|f| f.leader.map(|leader| (f, leader)))
-        .ok_or(Refusal::NotEnoughVehicles { have: 0, need: 1 })?;
-    let start = peers
-        .entry(leader)
-        .and_then(|e| e.kinematics)
-        .ok_or(Refusal::NoPosition)?
-        .position;
-    let route = ways::route(gate.fences(), &start, route, formation.reach_m())?;
-    gate.route_from(&start, &route)?;
-    let together = slowest(&capabilities(&formation.members, peers, limits));
-    Ok(Route {
-        speed_m_s: route.speed_m_s.min(formation.max_speed_m_s),
-        corner_radius_m: route.corner_radius_m.max(together.min_turn_radius_m),
-        ..route
-    })
-}
-
 /// Who takes part, by ascending id.
 fn members(request: &FormationRequest, peers: &PeerSnapshot) -> Result<Vec<VehicleId>, Refusal> {
     let available = available(peers);
@@ -273,7 +243,7 @@ pub(super) fn capabilities(members: &[VehicleId], peers: &PeerSnapshot, limits: 
 }
 
 /// What all of them can do together.
-fn slowest(able: &[FlightLimits]) -> FlightLimits {
+pub(super) fn slowest(able: &[FlightLimits]) -> FlightLimits {
     let all = able.iter().copied().reduce(|a, b| a.with(&b));
     all.unwrap_or(FlightLimits {
         max_speed_m_s: 0.0,
@@ -410,6 +380,7 @@ fn anchor_plan(
         FormationAnchor::Reference { name } => Some(AnchorPlan::Reference {
             name: name.clone(),
             heading,
+            places: Vec::new(),
         }),
         FormationAnchor::Place { position, .. } => Some(AnchorPlan::Place {
             position: *position,

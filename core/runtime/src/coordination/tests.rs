@@ -5,8 +5,10 @@ use crate::anchor::AnchorKeeper;
 use crate::board::PeerEntry;
 use crate::references::References;
 use skein_domain::telemetry::VehicleKinematics;
-use skein_domain::{FlightState, HeadingRequest, Intent, LinkHealth, OffsetFrd, Refusal, Shape, Task, Telemetry};
-use skein_safety::{Gate, Limits};
+use skein_domain::{
+    FlightState, HeadingRequest, Intent, LinkHealth, OffsetFrd, PositionNed, Refusal, Route, Shape, Task, Telemetry,
+};
+use skein_safety::{Fences, Gate, Limits};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -334,7 +336,13 @@ fn the_first_formation_begins_where_everyone_is_whatever_its_heading() {
         };
         let formation = plan(&input(asked.clone(), None), &peers).expect("plans");
         let mut keeper = AnchorKeeper::default();
-        let anchor = keeper.at(formation.anchor.as_ref(), None, &References::new(12.0), now());
+        let anchor = keeper.at(
+            formation.anchor.as_ref(),
+            None,
+            &References::new(12.0),
+            &Fences::default(),
+            now(),
+        );
         let anchor = anchor.expect("it is known where it is");
         for (id, slot) in &formation.slots {
             let begins = anchor.position.moved(slot.from.rotated(anchor.heading_rad));
@@ -422,8 +430,48 @@ fn the_slowest_member_decides_how_fast_the_formation_goes() {
         corner_radius_m: 5.0,
     };
     let limits = PlanLimits::new(&settings, 12.0);
-    let fitted = fitted(route, Some(&formation), &peers, &limits, &gate()).expect("is inside");
+    let mut coordination = Coordination {
+        formation: Some(formation),
+        ..Coordination::default()
+    };
+    let fitted = coordination
+        .set_route(route, &peers, &limits, &gate())
+        .expect("is inside");
     assert!(fitted.speed_m_s <= 5.0 && fitted.corner_radius_m >= 12.0, "{fitted:?}");
+}
+
+/// On a fast route there is less left to the outermost for turns.
+#[test]
+fn a_formation_that_follows_its_course_turns_as_fast_as_its_route_allows() {
+    let peers = peers(6);
+    let asked = FormationRequest {
+        heading: HeadingRequest::Course,
+        ..request()
+    };
+    let formation = plan(&input(asked, None), &peers).expect("plans");
+    let limits = PlanLimits::new(&skein_config::CoordinatorSettings::default(), 12.0);
+    let turns_rad_s = |speed_m_s: f64| {
+        let route = Route {
+            waypoints: vec![PositionNed::new(100.0, 0.0, -6.0)],
+            speed_m_s,
+            corner_radius_m: 5.0,
+        };
+        let mut coordination = Coordination {
+            formation: Some(formation.clone()),
+            ..Coordination::default()
+        };
+        let fitted = coordination.set_route(route, &peers, &limits, &gate()).unwrap();
+        let formation = coordination.formation.unwrap();
+        let FormationHeading::Course { max_rate_rad_s } = formation.heading else {
+            panic!("{:?}", formation.heading)
+        };
+        let outermost_m_s = fitted.speed_m_s + max_rate_rad_s * formation.reach_m();
+        // Of 12 m/s nine tenths; the outermost is not beside the leader but behind it.
+        assert!(outermost_m_s < 13.0, "{outermost_m_s}");
+        max_rate_rad_s
+    };
+    let (slow, fast) = (turns_rad_s(3.0), turns_rad_s(12.0));
+    assert!(fast > 0.02 && fast < 0.8 * slow, "{fast} {slow}");
 }
 
 #[test]

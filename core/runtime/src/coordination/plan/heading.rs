@@ -44,10 +44,7 @@ pub(super) fn choose(
         .route_speed_m_s
         .unwrap_or(NOMINAL_SPEED_M_S)
         .min(together.max_speed_m_s * limits::TURN_SPEED_SHARE);
-    let acceleration_m_s2 = TURN_ACCELERATION_M_S2.min(together.max_acceleration_m_s2);
-    let rate_rad_s = |slots: &[OffsetFrd]| {
-        limits::max_turn_rate_within_rad_s(slots, speed_m_s, together.max_speed_m_s, acceleration_m_s2)
-    };
+    let rate_rad_s = |slots: &[OffsetFrd]| course_rate_rad_s(slots, speed_m_s, together);
     let max_rate_rad_s = rate_rad_s(slots);
     // Whoever is further out now than it will be is carried round as well.
     let to_fixed_rad_s = {
@@ -74,6 +71,12 @@ pub(super) fn choose(
         as_formed => as_formed,
     };
     Headings { forming, formed }
+}
+
+/// How fast a formation may turn, in radians per second, while its anchor flies at `speed_m_s`, for everyone to keep up with its place.
+pub(in crate::coordination) fn course_rate_rad_s(slots: &[OffsetFrd], speed_m_s: f64, together: &FlightLimits) -> f64 {
+    let acceleration_m_s2 = TURN_ACCELERATION_M_S2.min(together.max_acceleration_m_s2);
+    limits::max_turn_rate_within_rad_s(slots, speed_m_s, together.max_speed_m_s, acceleration_m_s2)
 }
 
 /// How much of each member's speed the formation as a whole takes: its anchor's speed and its turning.
