@@ -19,8 +19,8 @@ pub use trajectories::{Flight, PlannedFlights, TrajectoryInput, plan_trajectorie
 
 use crate::board::PeerSnapshot;
 use skein_domain::{
-    AnchorPlan, FormationAnchor, FormationControl, FormationHeading, FormationRequest, Keeping, NodeTime, SlotMove,
-    VehicleId,
+    AnchorPlan, FormationAnchor, FormationControl, FormationHeading, FormationRequest, Keeping, NodeTime, Route,
+    SlotMove, VehicleId,
 };
 use std::collections::BTreeMap;
 
@@ -148,6 +148,22 @@ impl Coordination {
         }
         let route = self.route.as_ref().filter(|r| !r.finished);
         (route.map(|r| r.route.speed_m_s), route.is_some())
+    }
+
+    /// Where the anchor of a formation goes from here: what is left of its leader's route, or a new path.
+    #[must_use]
+    pub fn ahead(&self, request: &FormationRequest) -> Option<Route> {
+        match &request.anchor {
+            FormationAnchor::Leader => self.route.as_ref()?.remaining(),
+            FormationAnchor::Path { route } => {
+                let goes_on = self
+                    .formation
+                    .as_ref()
+                    .is_some_and(|f| f.request.anchor == request.anchor);
+                (!goes_on).then(|| route.clone())
+            }
+            FormationAnchor::Place { .. } | FormationAnchor::Reference { .. } => None,
+        }
     }
 
     /// Takes up a formation; a new leader takes over what is left of the route. Whether the leader is another than before.

@@ -3,7 +3,8 @@
 //! Must never do: change where somebody wants to go. A goal that is not permitted is refused as such.
 
 use crate::board::Board;
-use skein_domain::{PositionNed, Refusal, Route, VehicleCommand, VehicleId};
+use skein_domain::frames::wrap_angle_rad;
+use skein_domain::{FormationHeading, OffsetFrd, PositionNed, Refusal, Route, VehicleCommand, VehicleId};
 use skein_flight::way_around::way_around;
 use skein_safety::{Clearance, Fences};
 use std::collections::VecDeque;
@@ -13,6 +14,9 @@ const CLEARANCE: Clearance = Clearance {
     horizontal_m: 2.0,
     vertical_m: 1.5,
 };
+
+/// A leg shorter than this has no course, in metres.
+const SHORTEST_COURSE_M: f64 = 0.5;
 
 /// The legs of a command for a vehicle in the air; empty if the straight way is free, so that its model flies it by itself.
 ///
@@ -93,3 +97,56 @@ pub fn route(fences: &Fences, start: &PositionNed, route: Route, radius_m: f64) 
     }
     Ok(Route { waypoints, ..route })
 }
+
+/// Whether everyone's place about an anchor stays inside while the anchor flies a route: on each leg with the heading it has there, and
+/// in the middle of each turn between two.
+///
+/// # Errors
+/// The first place that does not, and where.
+pub fn keeps_places_inside(
+    fences: &Fences,
+    start: &PositionNed,
+    route: &Route,
+    heading: &FormationHeading,
+    places: &[(VehicleId, OffsetFrd)],
+) -> Result<(), Refusal> {
+    if fences.is_empty() {
+        return Ok(());
+    }
+    let (mut from, mut formerly_rad) = (*start, None);
+    for (leg, to) in (1..).zip(&route.waypoints) {
+        let heading_rad = match heading {
+            FormationHeading::Fixed { heading_rad, .. } => *heading_rad,
+            FormationHeading::Course { .. } => course_rad(&from, to).or(formerly_rad).unwrap_or_default(),
+        };
+        let turn_rad = wrap_angle_rad(heading_rad - formerly_rad.unwrap_or(heading_rad));
+        for (id, place) in places {
+            let at = |anchor: &PositionNed, heading_rad: f64| anchor.moved(place.rotated(heading_rad));
+            let in_turn = fences.contains(&at(&from, heading_rad - 0.5 * turn_rad));
+            in_turn
+                .and_then(|()| fences.contains_way(&at(&from, heading_rad), &at(to, heading_rad)))
+                .map_err(|refusal| of_place(*id, leg, &refusal))?;
+        }
+        (from, formerly_rad) = (*to, Some(heading_rad));
+    }
+    Ok(())
+}
+
+/// The course of a leg; none of one that leads straight up or nowhere.
+fn course_rad(from: &PositionNed, to: &PositionNed) -> Option<f64> {
+    let way = to.vector() - from.vector();
+    (way.xy().norm() > SHORTEST_COURSE_M).then(|| way.y.atan2(way.x))
+}
+
+fn of_place(vehicle: VehicleId, leg: usize, refusal: &Refusal) -> Refusal {
+    let detail = match refusal {
+        Refusal::OutsideFence { detail } => detail.clone(),
+        other => other.to_string(),
+    };
+    Refusal::OutsideFence {
+        detail: format!("the place of vehicle {vehicle} on the way to waypoint {leg}: {detail}"),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -251,6 +251,7 @@ impl Swarm {
             before,
             route_speed_m_s: None,
             under_way: false,
+            ahead: None,
             reference: None,
             limits: PlanLimits::new(&config.coordinator, config.safety.max_speed_m_s),
             gate: Arc::clone(gate),

@@ -168,6 +168,7 @@ impl Ground {
             request: request.clone(),
             route_speed_m_s,
             under_way,
+            ahead: regroup.is_none().then(|| self.coordination.ahead(&request)).flatten(),
             reference,
             before: self.coordination.formation.clone(),
             limits: self.limits.clone(),

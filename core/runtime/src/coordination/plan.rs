@@ -6,7 +6,7 @@ pub(super) mod heading;
 
 use super::{Formation, available, by_fitness};
 use crate::board::PeerSnapshot;
-use crate::steering;
+use crate::{steering, ways};
 use heading::{HEADING_TURN_M_S, STANDING_TURN_RAD_S, farthest_m};
 use skein_config::CoordinatorSettings;
 use skein_domain::{
@@ -65,6 +65,8 @@ pub struct PlanInput {
     pub route_speed_m_s: Option<f64>,
     /// The anchor flies along it now; a virtual leader that is new waits until they are formed.
     pub under_way: bool,
+    /// Where the anchor goes from here, if that is looked at: everyone's place is inside all along.
+    pub ahead: Option<Route>,
     /// Where the reference is that the formation is to be anchored to, if it is.
     pub reference: Option<AnchorReference>,
     /// Limits.
@@ -142,8 +144,8 @@ fn view_blocked(members: &[VehicleId], able: &[FlightLimits], places: &[OffsetFr
         .collect()
 }
 
-/// Whether everyone's place is one that may be flown to, as far as is known now: about the anchor as it stands. Where it goes later is
-/// looked at when it gets a route, and in flight. In the same order, members and their places.
+/// Whether everyone's place is one that may be flown to, as far as is known now: about the anchor as it stands, and along the way it is on.
+/// In the same order, members and their places.
 fn stays_inside(
     input: &PlanInput,
     peers: &PeerSnapshot,
@@ -160,7 +162,10 @@ fn stays_inside(
         let ground_down_m = peers.entry(*id).map_or(0.0, steering::ground_down_m);
         input.gate.goal(&place)?;
         input.gate.height(&place, ground_down_m)
-    })
+    })?;
+    let Some(route) = &input.ahead else { return Ok(()) };
+    let places: Vec<(VehicleId, OffsetFrd)> = members.iter().copied().zip(slots.iter().copied()).collect();
+    ways::keeps_places_inside(input.gate.fences(), &basis.position, route, heading, &places)
 }
 
 /// Who takes part, by ascending id.

@@ -6,7 +6,7 @@ use super::plan::{capabilities, heading, slowest};
 use super::{Coordination, Formation, PlanLimits};
 use crate::board::PeerSnapshot;
 use crate::ways;
-use skein_domain::{FormationHeading, OffsetFrd, PositionNed, Refusal, Route};
+use skein_domain::{FormationHeading, OffsetFrd, PositionNed, Refusal, Route, VehicleId};
 use skein_safety::Gate;
 
 /// A formation that follows its leader's course flies no faster than this share of what it can fly straight on: its outermost members need
@@ -106,6 +106,8 @@ fn fitted(
         .position;
     let route = ways::route(gate.fences(), &start, route, formation.reach_m())?;
     gate.route_from(&start, &route)?;
+    let places: Vec<(VehicleId, OffsetFrd)> = formation.slots.iter().map(|(id, slot)| (*id, slot.to)).collect();
+    ways::keeps_places_inside(gate.fences(), &start, &route, &formation.heading, &places)?;
     let together = slowest(&capabilities(&formation.members, peers, limits));
     let share = match formation.heading {
         FormationHeading::Course { .. } => TURNING_SHARE,

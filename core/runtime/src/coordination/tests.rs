@@ -65,6 +65,7 @@ fn input(request: FormationRequest, before: Option<Formation>) -> PlanInput {
         before,
         route_speed_m_s: None,
         under_way: false,
+        ahead: None,
         reference: None,
         limits: PlanLimits::new(&settings, 12.0),
         gate: Arc::new(gate()),

@@ -53,7 +53,7 @@ impl CoordinatorState {
         if matches!(purpose, Purpose::Regroup { .. }) {
             self.regrouping = true;
         }
-        let (generation, input) = (self.generation, self.plan_input(request.clone()));
+        let (generation, input) = (self.generation, self.plan_input(request.clone(), &purpose));
         let mut peers = self.board.peers.load_full();
         if request.members.is_none() {
             peers = Arc::new(self.without_flights(&peers));
@@ -77,7 +77,7 @@ impl CoordinatorState {
         });
     }
 
-    fn plan_input(&self, request: FormationRequest) -> PlanInput {
+    fn plan_input(&self, request: FormationRequest, purpose: &Purpose) -> PlanInput {
         let coordination = self.board.coordination.lock().clone();
         let now = self.board.now();
         let reference = match &request.anchor {
@@ -85,8 +85,14 @@ impl CoordinatorState {
             _ => None,
         };
         let (route_speed_m_s, under_way) = coordination.way(&request);
+        // Who joins or leaves does so wherever the route leads: the route was looked at when it was given.
+        let ahead = match purpose {
+            Purpose::Asked(_) => coordination.ahead(&request),
+            Purpose::Regroup { .. } => None,
+        };
         PlanInput {
             request,
+            ahead,
             route_speed_m_s,
             under_way,
             reference,
