@@ -197,6 +197,7 @@ fn own_now(
         wanted: flown::velocity(wanted, &position, settings, &speed_limits(settings)),
         position,
         velocity,
+        goal: wanted.position.map(|goal| goal.vector()),
         uncertain_m: settings.noise_m + surroundings::unknown_m(age_s, settings.peer_acceleration_m_s2),
         age_s,
     })
@@ -291,13 +292,15 @@ fn row_of(bound: &HalfSpace) -> Option<Row> {
 }
 
 /// Who is held up turns to the right, the more the less of the way is left: two that stand before each other would otherwise stand
-/// there for ever. All turn the same way, so that many who meet in one point go round it.
+/// there for ever. All turn the same way, so that many who meet in one point go round it. Who is held up by somebody in its very place waits
+/// there: going round would only stir up the others.
 fn way_round(wanted: &Vector3<f64>, allowed: &Vector3<f64>, demands: &[Demand]) -> Option<Vector3<f64>> {
     let speed = wanted.norm();
-    let is_stopped = demands
+    let mut stopping = demands
         .iter()
-        .any(|demand| demand.stops && demand.row.excess(wanted) > 0.0);
-    if speed < SLOW_M_S || !is_stopped {
+        .filter(|demand| demand.stops && demand.row.excess(wanted) > 0.0)
+        .peekable();
+    if speed < SLOW_M_S || stopping.peek().is_none() || stopping.any(|demand| demand.in_place) {
         return None;
     }
     let progress = allowed.dot(wanted) / (speed * speed);

@@ -273,7 +273,7 @@ fn held(
                 continue;
             }
             let why = reason(craft, crafts, ground, &held, now_s)
-                .or_else(|| closed_to_it(craft, crafts, ground, peers))
+                .or_else(|| closed_to_it(craft, crafts, ground, peers, &held))
                 .or_else(|| of_a_neighbour(craft, ground, &held));
             if let Some(why) = why {
                 held.push((craft.id, why));
@@ -313,17 +313,27 @@ fn reason(
         .next()
 }
 
-/// Whether its place is one where it may not go: behind a fence, or so near somebody who does not answer.
-fn closed_to_it(craft: &Craft, crafts: &[Craft], ground: &Ground, peers: &PeerSnapshot) -> Option<String> {
+/// Whether its place is one where it may not go: behind a fence, or so near somebody who does not answer, or who is held back there.
+fn closed_to_it(
+    craft: &Craft,
+    crafts: &[Craft],
+    ground: &Ground,
+    peers: &PeerSnapshot,
+    held: &[(VehicleId, String)],
+) -> Option<String> {
     let place = slot_place(craft, crafts, ground, peers)?;
     if let Err(refusal) = ground.gate.goal(&place.into()) {
         return Some(format!("its place is closed: {refusal}"));
     }
     // What is kept free around one that does not answer: the separation, and what both may be wrong about where they are.
     let free_m = ground.gate.avoidance().min_separation_m + FENCE_UNCERTAIN_M;
-    let stands = |c: &&Craft| c.flies() && !c.answers() && (c.plant.position() - place).norm() < free_m + ARRIVED_M;
-    let by = crafts.iter().find(stands)?;
-    Some(format!("{} stands in its place, and is not ours to move", by.id))
+    let stands = |c: &&Craft| c.flies() && c.id != craft.id && (c.plant.position() - place).norm() < free_m + ARRIVED_M;
+    if let Some(by) = crafts.iter().filter(stands).find(|c| !c.answers()) {
+        return Some(format!("{} stands in its place, and is not ours to move", by.id));
+    }
+    let why = |c: &Craft| held.iter().find(|(id, _)| *id == c.id);
+    let (by, why) = crafts.iter().filter(stands).find_map(why)?;
+    Some(format!("{by} stands in its place, held back itself: {why}"))
 }
 
 /// Who keeps its place by its neighbours is off it when one of them is held off its own: they know no other measure.

@@ -49,6 +49,8 @@ pub(super) struct Own {
     pub wanted: Vector3<f64>,
     pub uncertain_m: f64,
     pub age_s: f64,
+    /// Where the wanted setpoint leads, if it says.
+    pub goal: Option<Vector3<f64>>,
 }
 
 /// The demand of one neighbour.
@@ -60,6 +62,8 @@ pub(super) struct Demand {
     pub distance_m: f64,
     /// The half-space stops the approach instead of leading past: along the line of sight.
     pub stops: bool,
+    /// It does not give way, and is where the wanted setpoint leads: no way round it would lead there.
+    pub in_place: bool,
     /// Where it is from here, and how fast.
     apart: Vector3<f64>,
     velocity: Vector3<f64>,
@@ -192,6 +196,10 @@ pub(super) fn demand(own: &Own, peer: &Carried, settings: &AvoidanceSettings) ->
         row: chosen.unwrap_or(stop_row),
         distance_m: apart.norm(),
         stops: chosen.is_none(),
+        in_place: !peer.shares
+            && own
+                .goal
+                .is_some_and(|goal| squeezed(peer.position - goal).norm() < keep_m),
         apart,
         velocity: peer.velocity,
     })

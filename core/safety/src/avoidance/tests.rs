@@ -209,3 +209,29 @@ proptest::proptest! {
         proptest::prop_assert!((velocity(&all) - velocity(&few)).norm() < 1e-3, "{all:?}\n{few:?}");
     }
 }
+
+/// It stands in the place that is wanted: there is no way round it to there.
+#[test]
+fn who_finds_a_stranger_in_its_place_waits_before_it() {
+    let place = [20.0, 0.0, 0.0];
+    let stranger = Neighbour {
+        cooperation: Cooperation::DoesNot,
+        ..neighbour(2, place, [0.0; 3])
+    };
+    let wanted = Setpoint::hold(PositionNed::new(place[0], place[1], place[2]), None);
+    let (mut at, mut velocity, mut flown_m) = (Vector3::zeros(), Vector3::<f64>::zeros(), 0.0);
+    for _ in 0..3_000 {
+        let own = kinematics([at.x, at.y, at.z], [velocity.x, velocity.y, velocity.z]);
+        let filtered = run(&own, &wanted, &[stranger]);
+        let asked = filtered.setpoint.velocity.map_or_else(
+            || filtered.setpoint.position.map_or(Vector3::zeros(), |p| p.vector() - at),
+            |v| v.vector(),
+        );
+        velocity += (asked - velocity) * (0.02 / 0.3);
+        at += velocity * 0.02;
+        flown_m += velocity.norm() * 0.02;
+    }
+    assert!(velocity.norm() < 0.05, "{velocity:?} at {at:?}");
+    assert!(at.x > 14.0 && at.x < 18.0, "{at:?}");
+    assert!(flown_m < 20.0, "{flown_m} m");
+}
