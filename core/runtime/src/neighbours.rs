@@ -94,6 +94,11 @@ pub fn vehicle(entry: &PeerEntry, now: NodeTime) -> Vec<Neighbour> {
             velocity: VelocityNed::default(),
             measured: now,
             uncertainty_m: VEHICLE_UNCERTAINTY_M + STOPS_BESIDE_S * speed_m_s,
+            cooperation: if height_m == 0.0 {
+                Cooperation::DoesNot
+            } else {
+                Cooperation::MayCome
+            },
             ..known
         }
     };

@@ -99,7 +99,7 @@ pub fn route(fences: &Fences, start: &PositionNed, route: Route, radius_m: f64) 
 }
 
 /// Whether everyone's place about an anchor stays inside while the anchor flies a route: on each leg with the heading it has there, and
-/// in the middle of each turn between two.
+/// in the middle of each turn between two. One that is outside at the start comes in on the first leg.
 ///
 /// # Errors
 /// The first place that does not, and where.
@@ -122,10 +122,16 @@ pub fn keeps_places_inside(
         let turn_rad = wrap_angle_rad(heading_rad - formerly_rad.unwrap_or(heading_rad));
         for (id, place) in places {
             let at = |anchor: &PositionNed, heading_rad: f64| anchor.moved(place.rotated(heading_rad));
-            let in_turn = fences.contains(&at(&from, heading_rad - 0.5 * turn_rad));
-            in_turn
-                .and_then(|()| fences.contains_way(&at(&from, heading_rad), &at(to, heading_rad)))
-                .map_err(|refusal| of_place(*id, leg, &refusal))?;
+            let (begins, ends) = (at(&from, heading_rad), at(to, heading_rad));
+            // A way back in from where it is now is a good way: who is held at the fence comes along it.
+            let back_in = leg == 1 && fences.contains(&begins).is_err();
+            let inside = if back_in {
+                fences.contains(&ends)
+            } else {
+                let in_turn = fences.contains(&at(&from, heading_rad - 0.5 * turn_rad));
+                in_turn.and_then(|()| fences.contains_way(&begins, &ends))
+            };
+            inside.map_err(|refusal| of_place(*id, leg, &refusal))?;
         }
         (from, formerly_rad) = (*to, Some(heading_rad));
     }

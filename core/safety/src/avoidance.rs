@@ -39,6 +39,8 @@ pub enum Cooperation {
     Shares,
     /// Anything else: link lost, silent, flown by a pilot or a failsafe, faulted, or not ours.
     DoesNot,
+    /// As such a one, in a place where it may come to be, and is not as far as is known: given way to in full, but nobody leaves a fence for it.
+    MayCome,
 }
 
 /// Something else in the air, as last measured.

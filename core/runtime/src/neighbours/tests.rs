@@ -78,6 +78,8 @@ fn who_stood_is_kept_away_from_over_and_under_its_place_and_no_further() {
         seen.iter()
             .all(|n| (n.position.north_m, n.position.east_m) == (10.0, 20.0))
     );
+    let is_there = seen.iter().filter(|n| n.cooperation == Cooperation::DoesNot);
+    assert!(is_there.map(|n| n.position.down_m).eq([-30.0]));
     // On the ground nobody climbs.
     let landed = PeerEntry {
         airborne: false,
@@ -99,7 +101,7 @@ proptest! {
         let stood = known.kinematics.unwrap().position.after(&velocity, within_s);
         let there = PositionNed { down_m: stood.down_m - up_m, ..stood };
         let seen = after(&known, silent_s);
-        prop_assert!(seen.iter().all(|n| n.velocity == VelocityNed::default() && n.cooperation == Cooperation::DoesNot));
+        prop_assert!(seen.iter().all(|n| n.velocity == VelocityNed::default() && n.cooperation != Cooperation::Shares));
         let near = seen.iter().any(|n| {
             let apart = n.position.vector() - there.vector();
             apart.xy().norm() <= n.uncertainty_m && apart.z.abs() <= 2.5 + 1e-6

@@ -70,3 +70,20 @@ fn what_is_swung_out_between_two_legs_is_seen() {
     assert!(flown(&there_and_back, &COURSE, behind).is_err());
     assert_eq!(flown(&there_and_back[..1], &COURSE, behind), Ok(()));
 }
+
+#[test]
+fn a_place_that_is_outside_now_may_come_in_on_the_first_leg() {
+    let beside = OffsetFrd::new(0.0, 12.0, 0.0);
+    let route = |waypoints: Vec<PositionNed>| Route {
+        waypoints,
+        speed_m_s: 5.0,
+        corner_radius_m: 5.0,
+    };
+    let flown = |waypoints| {
+        let places = [(VehicleId(4), beside)];
+        keeps_places_inside(&corridor(), &at(0.0, 8.0), &route(waypoints), &COURSE, &places)
+    };
+    assert_eq!(flown(vec![at(60.0, -5.0), at(120.0, -5.0)]), Ok(()));
+    assert!(flown(vec![at(60.0, 8.0)]).is_err());
+    assert!(flown(vec![at(60.0, -5.0), at(120.0, 8.0)]).is_err());
+}

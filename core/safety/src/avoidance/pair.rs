@@ -180,10 +180,10 @@ pub(super) fn demand(own: &Own, peer: &Carried, settings: &AvoidanceSettings) ->
     let margin_m = passing_margin_m(peer.shares, &there, &relative);
     let pass = passing(own, peer, &sight, &relative, (keep_m + margin_m) / distance_m);
     let contact_s = room_m.max(0.0) / sight.dot(&relative).max(0.1);
-    let (least, ease) = if peer.shares {
-        (YIELDS_LEAST, 2.0)
-    } else {
-        (STRANGER_YIELDS_LEAST, 1.0)
+    let (least, ease) = match (peer.shares, peer.is_there) {
+        (true, _) => (YIELDS_LEAST, 2.0),
+        (false, true) => (STRANGER_YIELDS_LEAST, 1.0),
+        (false, false) => (YIELDS_LEAST, 1.0),
     };
     let yields = (CONTACT_YIELDS_PER_S * contact_s).clamp(least, 1.0) * ease;
     let row = |side: &Side| side.row(own, peer.shares, squeeze, yields);

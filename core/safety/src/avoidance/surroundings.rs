@@ -36,6 +36,8 @@ pub(super) struct Carried {
     pub braked_m_s: f64,
     pub age_s: f64,
     pub shares: bool,
+    /// It is there as far as is known.
+    pub is_there: bool,
 }
 
 impl Carried {
@@ -61,6 +63,7 @@ impl Carried {
             braked_m_s: (settings.peer_acceleration_m_s2 * age_s).min(velocity.norm()),
             age_s,
             shares: neighbour.cooperation == Cooperation::Shares,
+            is_there: neighbour.cooperation != Cooperation::MayCome,
         })
     }
 }

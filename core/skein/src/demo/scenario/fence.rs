@@ -1,5 +1,6 @@
 //! A zone to stay in and two to keep out of: goals where nobody may be are refused with the zone's name, a goal behind a zone is reached
-//! around it, a vehicle at full speed stops inside, and a formation that would reach over the boundary slides along it.
+//! around it, a vehicle at full speed stops inside, a route that would lead somebody's place out is refused, and when the boundary is drawn in
+//! on the way, whose places are beyond it fly along inside.
 
 use super::{Flight, Setup, swarm_origin};
 use crate::demo::layout::{HEIGHT_M, SPACING_M};
@@ -9,13 +10,16 @@ use crate::demo::stage::Stage;
 use anyhow::{Context, bail};
 use nalgebra::Vector3;
 use parking_lot::Mutex;
-use skein_domain::fence::{AltitudeReference, BreachAction, FenceZone, ZoneKind, ZoneOutline};
+use skein_domain::fence::{AltitudeReference, BreachAction, FencePlan, FenceZone, ZoneKind, ZoneOutline};
 use skein_domain::{FormationRequest, PositionNed, Refusal, Route, Shape, VehicleCommand, VehicleId};
 use skein_sim::TruthFrame;
 use std::sync::Arc;
 
-/// The zone to stay in: south, west, north, east in metres.
+/// The zone to stay in: south, west, north, east in metres; and how much farther east it reaches until the boundary is drawn in.
 const FIELD_M: [f64; 4] = [-20.0, -20.0, 90.0, 80.0];
+const DRAWN_IN_M: f64 = 10.0;
+/// So far from the boundary the leader flies along it, in metres: its right arm reaches over that.
+const ALONG_M: f64 = 6.0;
 /// A mast: centre and radius in metres.
 const MAST_M: ([f64; 2], f64) = ([45.0, 5.0], 9.0);
 /// A yard: south, west, north, east in metres.
@@ -45,6 +49,7 @@ pub struct Fence {
     named: usize,
     around_off_m: Option<f64>,
     stopped_short_m: Option<f64>,
+    route_refused: bool,
     slid: bool,
     reached_over_m: Option<f64>,
 }
@@ -65,6 +70,20 @@ fn rectangle([south, west, north, east]: [f64; 4]) -> ZoneOutline {
     ZoneOutline::LocalPolygon {
         corners_m: vec![[south, west], [south, east], [north, east], [north, west]],
     }
+}
+
+/// All zones, with the field as large as this.
+fn zones(field_m: [f64; 4]) -> Vec<FenceZone> {
+    let ([north_m, east_m], radius_m) = MAST_M;
+    let mast = ZoneOutline::LocalCircle {
+        centre_m: [north_m, east_m],
+        radius_m,
+    };
+    vec![
+        zone("field", ZoneKind::Inclusion, rectangle(field_m)),
+        zone("mast", ZoneKind::Exclusion, mast),
+        zone("yard", ZoneKind::Exclusion, rectangle(YARD_M)),
+    ]
 }
 
 /// How far a place is outside of a rectangle in metres; negative inside.
@@ -145,23 +164,35 @@ impl Fence {
         Ok(vehicle.position.distance_m(&position))
     }
 
-    /// A wedge whose right arm would reach over the eastern boundary.
+    /// A wedge whose right arm would reach over the eastern boundary, on its way when that is drawn in.
     async fn slide(&mut self, stage: &Stage<'_>) -> anyhow::Result<()> {
         let wedge = FormationRequest::new(Shape::Wedge, SPACING_M);
         stage.form("Wedge", wedge).await?;
         let here = stage.leader_position()?;
-        let near_m = FIELD_M[3] - 6.0;
-        let at = |north: f64, east: f64| PositionNed::new(north, east, here.down_m);
-        let route = Route {
-            waypoints: vec![
-                at(here.north_m, near_m - 20.0),
-                at(here.north_m + 15.0, near_m),
-                at(70.0, near_m),
-            ],
-            speed_m_s: SPEED_M_S,
-            corner_radius_m: 10.0,
+        let along = |east_m: f64| {
+            let at = |north: f64, east: f64| PositionNed::new(north, east, here.down_m);
+            Route {
+                waypoints: vec![
+                    at(here.north_m, east_m - 20.0),
+                    at(here.north_m + 15.0, east_m),
+                    at(70.0, east_m),
+                ],
+                speed_m_s: SPEED_M_S,
+                corner_radius_m: 10.0,
+            }
         };
-        stage.begin_route("along the eastern boundary", &route).await?;
+        let near_m = FIELD_M[3] - ALONG_M;
+        if let Err(refusal @ Refusal::OutsideFence { .. }) = stage.node.set_route(along(near_m + DRAWN_IN_M)).await {
+            self.route_refused = refusal.to_string().contains("the place of vehicle");
+            stage.say(&format!("a route too near the eastern boundary is refused: {refusal}"));
+        }
+        let where_it_will_be = "along where the eastern boundary will be";
+        stage.begin_route(where_it_will_be, &along(near_m)).await?;
+        stage.node.set_fences(FencePlan {
+            zones: zones(FIELD_M),
+            ..FencePlan::default()
+        })?;
+        stage.say(&format!("the eastern boundary is drawn in by {DRAWN_IN_M} m"));
         let mut reached_over_m = f64::NEG_INFINITY;
         let deadline_s = stage.elapsed_s() + 60.0;
         while !stage
@@ -210,16 +241,8 @@ impl Fence {
 impl Flight for Fence {
     fn prepare(&self, setup: &mut Setup) {
         setup.node.swarm.origin = Some(swarm_origin());
-        let ([north_m, east_m], radius_m) = MAST_M;
-        let mast = ZoneOutline::LocalCircle {
-            centre_m: [north_m, east_m],
-            radius_m,
-        };
-        setup.node.safety.zones = vec![
-            zone("field", ZoneKind::Inclusion, rectangle(FIELD_M)),
-            zone("mast", ZoneKind::Exclusion, mast),
-            zone("yard", ZoneKind::Exclusion, rectangle(YARD_M)),
-        ];
+        let [south, west, north, east] = FIELD_M;
+        setup.node.safety.zones = zones([south, west, north, east + DRAWN_IN_M]);
     }
 
     async fn fly(&mut self, stage: &Stage<'_>) -> anyhow::Result<()> {
@@ -297,6 +320,12 @@ impl Flight for Fence {
                 self.stopped_short_m,
                 0.0,
                 "m",
+            ),
+            at_least(
+                "route refused that leads a place over the boundary",
+                Some(f64::from(u8::from(self.route_refused))),
+                1.0,
+                "",
             ),
             at_least("slots that reached over the boundary", self.reached_over_m, 0.5, "m"),
             at_least(
