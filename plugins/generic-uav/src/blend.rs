@@ -17,6 +17,10 @@ const SHORTEST_S: f64 = 0.5;
 /// Of the speed that the plan leaves a vehicle this share is used to catch up with it: the plan may be faster later.
 const SPARE_SHARE: f64 = 0.4;
 
+/// What is left of a blend is hastened if it is longer than this, in seconds, and can go so many times as fast.
+const WORTH_HASTENING_S: f64 = 10.0;
+const HASTENED_FROM: f64 = 1.5;
+
 /// Place and motion at one moment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Motion {
@@ -54,9 +58,7 @@ impl Blend {
         // A difference in velocity fades so that, on top of a plan that starts from rest in the same direction, the sum is never
         // faster than both ends: that needs between one and three times the time of plain braking.
         let for_velocity_s = 3.0 * velocity_m_s / acceleration;
-        let spare_m_s = SPARE_SHARE * (settings.max_speed_m_s - plan.velocity.vector().norm());
-        let catch_up_m_s = settings.catch_up_m_s.max(spare_m_s);
-        let for_offset_s = (1.5 * offset_m / catch_up_m_s).max((6.0 * offset_m / acceleration).sqrt());
+        let for_offset_s = (1.5 * offset_m / catch_up_m_s(plan, settings)).max((6.0 * offset_m / acceleration).sqrt());
         let duration_s = for_velocity_s.max(for_offset_s).max(SHORTEST_S);
         Some(Self {
             offset: offset.into(),
@@ -64,6 +66,19 @@ impl Blend {
             duration_s,
             elapsed_s: 0.0,
         })
+    }
+
+    /// The same, or a quicker one from the motion it has come to, where the plan has become so much slower that a long one would waste what speed
+    /// there is.
+    pub(crate) fn hastened(self, plan: &Motion, settings: &Settings) -> Self {
+        let left_s = self.duration_s - self.elapsed_s;
+        let began_with_m_s = 1.5 * self.offset.vector().norm() / self.duration_s;
+        if left_s < WORTH_HASTENING_S || catch_up_m_s(plan, settings) < HASTENED_FROM * began_with_m_s {
+            return self;
+        }
+        Self::between(&self.apply(plan), plan, settings)
+            .filter(|quicker| quicker.duration_s < left_s)
+            .unwrap_or(self)
     }
 
     /// The same, beginning so many seconds later.
@@ -95,6 +110,12 @@ impl Blend {
             acceleration: (plan.acceleration.vector() + change).into(),
         }
     }
+}
+
+/// How fast a vehicle comes after a plan, beside the plan's own speed.
+fn catch_up_m_s(plan: &Motion, settings: &Settings) -> f64 {
+    let spare_m_s = SPARE_SHARE * (settings.max_speed_m_s - plan.velocity.vector().norm());
+    settings.catch_up_m_s.max(spare_m_s)
 }
 
 /// Braking along a straight line to a stop, then standing there.

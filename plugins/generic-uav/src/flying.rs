@@ -48,6 +48,7 @@ impl GenericUav {
         {
             flying.yaw_rad = Some(turned_towards(yaw_rad, course_rad, dt_s));
         }
+        flying.blend = flying.blend.map(|blend| blend.hastened(&sample.motion, &self.settings));
         let motion = flying.blend.map_or(sample.motion, |blend| blend.apply(&sample.motion));
         let (yaw_rad, yaw_rate_rad_s) = flying.yaw(&sample);
         self.stream(&motion, yaw_rad, yaw_rate_rad_s, out);

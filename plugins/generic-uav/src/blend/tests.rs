@@ -67,3 +67,25 @@ fn in_the_direction_of_flight_nothing_gets_faster_than_cruise() {
         blend.advance(0.02);
     }
 }
+
+/// Begun while the formation was fast; then it stands, far away.
+#[test]
+fn what_was_begun_behind_a_fast_plan_is_hastened_once_that_stands() {
+    let settings = Settings::default();
+    let fast = motion([0.0, 0.0, 0.0, 10.0, 0.0, 0.0]);
+    let mut blend = Blend::between(&motion([-300.0, 0.0, 0.0, 9.0, 0.0, 0.0]), &fast, &settings).expect("they differ");
+    while blend.elapsed_s < 20.0 {
+        assert_eq!(blend.hastened(&fast, &settings), blend, "it is as quick as it can be");
+        blend.advance(0.02);
+    }
+    let stands = Motion::default();
+    let hastened = blend.hastened(&stands, &settings);
+    assert!(
+        hastened.duration_s < 0.6 * (blend.duration_s - blend.elapsed_s),
+        "{hastened:?} {blend:?}"
+    );
+    let (before, after) = (blend.apply(&stands), hastened.apply(&stands));
+    assert!(before.position.distance_m(&after.position) < 1e-9);
+    assert!((before.velocity.vector() - after.velocity.vector()).norm() < 1e-9);
+    assert_eq!(hastened.hastened(&stands, &settings), hastened, "once is enough");
+}
