@@ -315,15 +315,28 @@ fn leaves(count: usize, reserve: usize, rng: &mut ChaCha8Rng) -> Vec<(VehicleId,
 fn fence(starts: &[Vector3<f64>], height_m: f64, rng: &mut ChaCha8Rng) -> Box2 {
     let reach = |axis: usize| starts.iter().map(|s| s[axis].abs()).fold(0.0, f64::max);
     let mut beyond_m = || rng.random_range(6.0_f64..120.0);
-    Box2 {
+    let mut fence = Box2 {
         north_m: reach(0) + beyond_m(),
         east_m: reach(1) + beyond_m(),
         ceiling_m: height_m + 0.5 * beyond_m(),
         notch: rng
             .random_bool(0.3)
             .then(|| [rng.random_range(0.05..0.4), rng.random_range(0.05..0.4)]),
+    };
+    // Nobody begins in the corner that is cut out.
+    let cuts_off = |[of_north, of_east]: &[f64; 2]| {
+        let (north_m, east_m) = (fence.north_m * (1.0 - of_north), fence.east_m * (1.0 - of_east));
+        let is_in = |s: &Vector3<f64>| s.x > north_m - OFF_NOTCH_M && s.y > east_m - OFF_NOTCH_M;
+        starts.iter().any(is_in)
+    };
+    if fence.notch.as_ref().is_some_and(cuts_off) {
+        fence.notch = None;
     }
+    fence
 }
+
+/// Everyone begins at least so far from a corner that is cut out, in metres.
+const OFF_NOTCH_M: f64 = 3.0;
 
 /// Up to two, in three flights of ten, off the place where all begin, some of them from the ground up, some to be flown under.
 fn closed(starts: &[Vector3<f64>], height_m: f64, rng: &mut ChaCha8Rng) -> Vec<Closed> {
