@@ -29,6 +29,10 @@ id!(
     SystemId(u8)
 );
 id!(
+    /// One computer of the swarm: a run of the program with its own state. Random, and kept over restarts.
+    NodeId(u64)
+);
+id!(
     /// How many times an actor or plugin instance has been started, from 1. A message that carries an older one is stale.
     Incarnation(u32)
 );

@@ -33,7 +33,7 @@ pub use formation::{FormationAnchor, FormationControl, FormationRequest, Heading
 pub use frames::{
     AccelerationNed, Geodetic, LocalFrame, LocalPositionNed, OffsetFrd, PositionNed, SwarmFrame, VelocityNed,
 };
-pub use ids::{CommandId, Incarnation, RequestId, SystemId, VehicleId};
+pub use ids::{CommandId, Incarnation, NodeId, RequestId, SystemId, VehicleId};
 pub use intent::{
     AnchorPlan, AnchorReference, FormationHeading, Intent, Keeping, KeepingLaw, NeighbourPlace, Route, SlotMove, Task,
     Trajectory, TrajectoryPiece, VehicleTask,

@@ -1,0 +1,290 @@
+//! The watch in a small swarm whose messages are late, lost, or go one way only. Time is simulated; chance comes from seeds.
+
+use super::*;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+const STEP_S: f64 = 0.01;
+const BEACON_S: f64 = 0.1;
+
+#[derive(Clone, Copy)]
+struct Air {
+    loss: f64,
+    delay_s: f64,
+    jitter_s: f64,
+}
+
+const GOOD: Air = Air {
+    loss: 0.0,
+    delay_s: 0.002,
+    jitter_s: 0.002,
+};
+const BAD: Air = Air {
+    loss: 0.3,
+    delay_s: 0.2,
+    jitter_s: 0.05,
+};
+
+struct Node {
+    id: NodeId,
+    office: Office,
+    watch: Watch,
+    next_beacon_s: f64,
+    up: bool,
+}
+
+struct Swarm {
+    now_s: f64,
+    air: Air,
+    rng: ChaCha8Rng,
+    nodes: Vec<Node>,
+    flying: Vec<(f64, usize, Beacon)>,
+    deaf: fn(from: usize, to: usize) -> bool,
+}
+
+impl Swarm {
+    /// Nodes with these priorities, the first of them with id 1.
+    fn new(priorities: &[Option<u8>], air: Air, seed: u64) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let node = |(index, priority): (usize, &Option<u8>)| {
+            let id = NodeId(index as u64 + 1);
+            let mut office = Office::new(id, None);
+            office.set_priority(*priority);
+            let watch = Watch::new(WatchSettings::default(), NodeTime::from_seconds(0.0));
+            let next_beacon_s = chance(&mut rng) * BEACON_S;
+            Node {
+                id,
+                office,
+                watch,
+                next_beacon_s,
+                up: true,
+            }
+        };
+        let nodes = priorities.iter().enumerate().map(node).collect();
+        Self {
+            now_s: 0.0,
+            air,
+            rng,
+            nodes,
+            flying: Vec::new(),
+            deaf: |_, _| false,
+        }
+    }
+
+    fn step(&mut self) {
+        self.now_s += STEP_S;
+        let now = NodeTime::from_seconds(self.now_s);
+        let (due, later) = self.flying.drain(..).partition(|(at, ..)| *at <= self.now_s);
+        self.flying = later;
+        let due: Vec<(f64, usize, Beacon)> = due;
+        for (_, to, beacon) in due {
+            if let Some(node) = self.nodes.get_mut(to).filter(|node| node.up) {
+                node.office.hear(&beacon);
+                node.watch.hear(now, &node.office, &beacon);
+            }
+        }
+        for from in 0..self.nodes.len() {
+            self.act(from, now);
+        }
+    }
+
+    fn act(&mut self, from: usize, now: NodeTime) {
+        let node = &mut self.nodes[from];
+        if !node.up {
+            return;
+        }
+        let claimed = match node.watch.turn(now, &node.office) {
+            Turn::Claim => node.office.claim().is_ok(),
+            Turn::Renew => node.office.renew().is_ok(),
+            _ => false,
+        };
+        if !claimed && self.now_s < node.next_beacon_s {
+            return;
+        }
+        node.next_beacon_s = self.now_s + BEACON_S;
+        let beacon = node.watch.beacon(now, node.id, &node.office);
+        for to in (0..self.nodes.len()).filter(|to| *to != from) {
+            let lost = chance(&mut self.rng) < self.air.loss;
+            let late_s = self.air.delay_s + self.air.jitter_s * chance(&mut self.rng);
+            if !lost && !(self.deaf)(from, to) {
+                self.flying.push((self.now_s + late_s, to, beacon));
+            }
+        }
+    }
+
+    fn run(&mut self, for_s: f64) {
+        let end_s = self.now_s + for_s;
+        while self.now_s < end_s {
+            self.step();
+        }
+    }
+
+    /// Seconds until all that are up obey the same holder, who is up and acts in another term than `before`.
+    fn until_agreed_s(&mut self, before: Option<Term>) -> f64 {
+        let start_s = self.now_s;
+        while self.agreed().is_none_or(|term| Some(term) == before) {
+            assert!(self.now_s - start_s < 10.0, "no agreement");
+            self.step();
+        }
+        self.now_s - start_s
+    }
+
+    fn agreed(&self) -> Option<Term> {
+        let mut up = self.nodes.iter().filter(|node| node.up);
+        let term = up.next()?.office.obeyed()?;
+        let same = up.all(|node| node.office.obeyed() == Some(term));
+        let acts = self
+            .nodes
+            .iter()
+            .any(|node| node.up && node.office.acting() == Some(term));
+        (same && acts).then_some(term)
+    }
+}
+
+fn chance(rng: &mut ChaCha8Rng) -> f64 {
+    rng.random()
+}
+
+fn percentile(sorted: &[f64], share: f64) -> f64 {
+    sorted[((sorted.len() - 1) as f64 * share).round() as usize]
+}
+
+/// Times from a holder's death to everyone obeying its successor, over so many deaths.
+fn failovers_s(air: Air, kills: u64) -> Vec<f64> {
+    let mut times: Vec<f64> = (0..kills)
+        .map(|seed| {
+            let mut swarm = Swarm::new(&[Some(9), Some(5), Some(5), Some(1), None, None], air, seed);
+            swarm.until_agreed_s(None);
+            swarm.run(1.0 + (seed % 10) as f64 * STEP_S);
+            let before = swarm.agreed();
+            let holder = before.map(|term| term.holder.node);
+            for node in swarm.nodes.iter_mut().filter(|node| Some(node.id) == holder) {
+                node.up = false;
+            }
+            swarm.until_agreed_s(before)
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    times
+}
+
+#[test]
+fn the_best_of_those_who_start_takes_the_first_term() {
+    let mut swarm = Swarm::new(&[Some(1), None, Some(7), Some(7)], GOOD, 3);
+    swarm.until_agreed_s(None);
+    let term = swarm.agreed().unwrap();
+    assert_eq!(
+        (term.number, term.holder.node),
+        (1, NodeId(3)),
+        "of two equals the smaller id"
+    );
+}
+
+#[test]
+fn a_dead_holder_is_succeeded_within_a_second() {
+    let times = failovers_s(GOOD, 200);
+    let (p50, p99) = (percentile(&times, 0.5), percentile(&times, 0.99));
+    println!("200 holders killed: successor obeyed by all after {p50:.2} s (p50), {p99:.2} s (p99)");
+    assert!(p99 <= 1.0, "{p99}");
+}
+
+#[test]
+fn nobody_takes_over_while_the_holder_is_there_in_bad_air_too() {
+    for seed in 0..20 {
+        let mut swarm = Swarm::new(&[Some(9), Some(5), Some(5), None, None, None], BAD, seed);
+        swarm.until_agreed_s(None);
+        swarm.run(2.0);
+        let before = swarm.agreed().unwrap();
+        swarm.run(60.0);
+        assert_eq!(swarm.agreed(), Some(before), "seed {seed}");
+    }
+}
+
+#[test]
+fn a_holder_that_one_candidate_cannot_hear_is_not_missed() {
+    let mut swarm = Swarm::new(&[Some(9), Some(8), None], GOOD, 1);
+    swarm.deaf = |from, to| from == 0 && to == 1;
+    swarm.until_agreed_s(None);
+    let before = swarm.agreed().unwrap();
+    swarm.run(20.0);
+    assert_eq!(swarm.agreed(), Some(before), "its pulse comes over the third");
+}
+
+#[test]
+fn two_who_hear_each_other_do_not_keep_a_dead_holder_alive() {
+    let times = failovers_s(BAD, 50);
+    assert!(times.last().is_some_and(|longest| *longest < 5.0), "{times:?}");
+}
+
+#[test]
+fn each_part_of_a_divided_swarm_has_a_holder_and_the_whole_has_one_again() {
+    let mut swarm = Swarm::new(&[Some(9), None, None, Some(5), None, None], GOOD, 5);
+    swarm.until_agreed_s(None);
+    let whole = swarm.agreed().unwrap();
+    swarm.deaf = |from, to| (from < 3) != (to < 3);
+    swarm.run(5.0);
+    assert_eq!(
+        swarm.nodes[1].office.obeyed(),
+        Some(whole),
+        "the part with the holder goes on"
+    );
+    let other = swarm.nodes[5].office.obeyed().unwrap();
+    assert_eq!((other.number, other.holder.node), (2, NodeId(4)));
+    swarm.deaf = |_, _| false;
+    swarm.run(1.0);
+    assert_eq!(swarm.agreed(), Some(other), "the greater number wins");
+}
+
+#[test]
+fn who_is_cut_off_alone_does_not_take_over() {
+    let mut swarm = Swarm::new(&[Some(9), Some(5), None], GOOD, 5);
+    swarm.until_agreed_s(None);
+    let whole = swarm.agreed().unwrap();
+    swarm.deaf = |from, to| from == 1 || to == 1;
+    swarm.run(5.0);
+    let now = NodeTime::from_seconds(swarm.now_s);
+    let alone = &swarm.nodes[1];
+    assert_eq!(alone.watch.turn(now, &alone.office), Turn::Alone);
+    swarm.deaf = |_, _| false;
+    swarm.run(1.0);
+    assert_eq!(swarm.agreed(), Some(whole), "and changes nothing when it is back");
+}
+
+#[test]
+fn a_holder_that_starts_again_is_a_follower_or_takes_a_new_term() {
+    let mut swarm = Swarm::new(&[Some(9), Some(5), None], GOOD, 8);
+    swarm.until_agreed_s(None);
+    let before = swarm.agreed();
+    let now = NodeTime::from_seconds(swarm.now_s);
+    let stored = swarm.nodes[0].office.obeyed();
+    swarm.nodes[0].office = Office::new(NodeId(1), stored);
+    swarm.nodes[0].office.set_priority(Some(9));
+    swarm.nodes[0].watch = Watch::new(WatchSettings::default(), now);
+    swarm.until_agreed_s(before);
+    assert_eq!(swarm.agreed().unwrap().holder.node, NodeId(2));
+    swarm.run(10.0);
+    assert_eq!(
+        swarm.agreed().unwrap().number,
+        2,
+        "it does not take back what others hold"
+    );
+}
+
+#[test]
+fn who_obeys_a_dead_holder_of_the_same_number_is_taken_along() {
+    let mut swarm = Swarm::new(&[Some(5), None, None], GOOD, 8);
+    swarm.until_agreed_s(None);
+    let number = swarm.agreed().unwrap().number;
+    let dead = Term {
+        number,
+        holder: Standing {
+            priority: 9,
+            node: NodeId(77),
+        },
+    };
+    swarm.nodes[2].office = Office::new(NodeId(3), Some(dead));
+    swarm.run(2.0);
+    let agreed = swarm.agreed().unwrap();
+    assert_eq!((agreed.number, agreed.holder.node), (number + 1, NodeId(1)));
+}
