@@ -2,28 +2,24 @@
 //!
 //! Must never do: deliver a command twice or after a later one; hold on to more than its bounds; wait. Whoever calls it sends what is due.
 //!
-//! A node that starts again has another session, and everything of its former one is dropped: an order from before a restart is not
+//! A node that starts again has another boot, and everything of its former one is dropped: an order from before a restart is not
 //! carried out after it.
 
+use crate::seal::Boot;
 use minicbor::{Decode, Encode};
 use skein_domain::{NodeId, NodeTime};
 use std::collections::BTreeMap;
 use thiserror::Error;
-
-/// One run of a node, drawn at random when it starts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Encode, Decode)]
-#[cbor(transparent)]
-pub struct Session(#[n(0)] pub u64);
 
 /// One command on its way.
 #[derive(Debug, Clone, PartialEq, Eq, Encode, Decode)]
 pub struct Parcel {
     /// The run of the sender it belongs to.
     #[n(0)]
-    pub session: Session,
+    pub boot: Boot,
     /// The run of the receiver it is meant for, once that is known: a command for a node's earlier run is of no use to the next.
     #[n(1)]
-    pub to_session: Option<Session>,
+    pub to_boot: Option<Boot>,
     /// Counts from 1 per sender's run and receiver.
     #[n(2)]
     pub number: u64,
@@ -33,6 +29,9 @@ pub struct Parcel {
     /// The command.
     #[cbor(n(4), with = "minicbor::bytes")]
     pub body: Vec<u8>,
+    /// How long its sender will still wait for a receipt, in milliseconds: the receiver keeps it back no longer than that.
+    #[n(5)]
+    pub left_ms: u32,
 }
 
 /// The receiver's answer.
@@ -40,10 +39,10 @@ pub struct Parcel {
 pub struct Receipt {
     /// The sender's run it answers.
     #[n(0)]
-    pub session: Session,
+    pub boot: Boot,
     /// The receiver's run.
     #[n(1)]
-    pub from_session: Session,
+    pub from_boot: Boot,
     /// All before this number have been delivered or given up.
     #[n(2)]
     pub next: u64,
@@ -105,8 +104,8 @@ struct UnderWay {
 pub struct Outbox {
     settings: CourierSettings,
     to: NodeId,
-    session: Session,
-    to_session: Option<Session>,
+    boot: Boot,
+    to_boot: Option<Boot>,
     last: u64,
     under_way: BTreeMap<u64, UnderWay>,
 }
@@ -114,12 +113,12 @@ pub struct Outbox {
 impl Outbox {
     /// An empty outbox for the node `to`.
     #[must_use]
-    pub fn new(settings: CourierSettings, session: Session, to: NodeId) -> Self {
+    pub fn new(settings: CourierSettings, boot: Boot, to: NodeId) -> Self {
         Self {
             settings,
             to,
-            session,
-            to_session: None,
+            boot,
+            to_boot: None,
             last: 0,
             under_way: BTreeMap::new(),
         }
@@ -146,39 +145,63 @@ impl Outbox {
         Ok(self.last)
     }
 
-    /// The parcels to send now.
-    pub fn due(&mut self, now: NodeTime) -> Vec<Parcel> {
+    /// The next parcel to send now, if one is due: the oldest of them.
+    pub fn next(&mut self, now: NodeTime) -> Option<Parcel> {
         let oldest = self.oldest();
-        let at_most_s = self.settings.again_at_most_s;
-        let mut parcels = Vec::new();
-        for (number, command) in &mut self.under_way {
-            if now < command.next_try {
-                continue;
-            }
-            command.next_try = now.plus_seconds(command.pause_s);
-            command.pause_s = (command.pause_s * 2.0).min(at_most_s);
-            parcels.push(Parcel {
-                session: self.session,
-                to_session: self.to_session,
-                number: *number,
-                oldest,
-                body: command.body.clone(),
-            });
-        }
-        parcels
+        let CourierSettings {
+            again_at_most_s,
+            give_up_after_s,
+            ..
+        } = self.settings;
+        let (number, command) = self.under_way.iter_mut().find(|(_, command)| now >= command.next_try)?;
+        command.next_try = now.plus_seconds(command.pause_s);
+        command.pause_s = (command.pause_s * 2.0).min(again_at_most_s);
+        let left_s = give_up_after_s - now.seconds_since(command.posted);
+        Some(Parcel {
+            boot: self.boot,
+            to_boot: self.to_boot,
+            number: *number,
+            oldest,
+            body: command.body.clone(),
+            left_ms: (left_s * 1e3).max(0.0) as u32,
+        })
+    }
+
+    /// When the next parcel is due or given up; none if nothing is under way.
+    #[must_use]
+    pub fn wakes_at(&self) -> Option<NodeTime> {
+        let limit_s = self.settings.give_up_after_s;
+        let moments = self.under_way.values();
+        moments
+            .map(|command| command.next_try.min(command.posted.plus_seconds(limit_s)))
+            .min()
+    }
+
+    /// Whether anything is due.
+    #[must_use]
+    pub fn is_due(&self, now: NodeTime) -> bool {
+        self.under_way.values().any(|command| now >= command.next_try)
     }
 
     /// Takes a receipt in. Gives the numbers that ended, with how.
-    pub fn receipt(&mut self, receipt: &Receipt) -> Vec<(u64, Outcome)> {
-        if receipt.session != self.session {
+    pub fn receipt(&mut self, now: NodeTime, receipt: &Receipt) -> Vec<(u64, Outcome)> {
+        if receipt.boot != self.boot {
             return Vec::new();
         }
-        let restarted = self.to_session.replace(receipt.from_session).is_some_and(|known| known != receipt.from_session);
+        // First of all: the receiver does not carry out what has been given up, and says all the same that it is past it.
+        let mut ended = self.expire(now);
+        ended.extend(self.met(receipt.from_boot));
+        ended.extend(self.drain_before(receipt.next, Outcome::Delivered));
+        ended
+    }
+
+    /// The receiver is in this run now. What was under way for an earlier run ends.
+    pub fn met(&mut self, to_boot: Boot) -> Vec<(u64, Outcome)> {
+        let restarted = self.to_boot.replace(to_boot).is_some_and(|known| known != to_boot);
         if restarted {
-            // What was under way was for the run that has ended.
             return self.drain_before(u64::MAX, Outcome::NotAnswered);
         }
-        self.drain_before(receipt.next, Outcome::Delivered)
+        Vec::new()
     }
 
     /// Gives up what has waited too long.
@@ -206,24 +229,31 @@ impl Outbox {
 /// What one node has received of one other.
 #[derive(Debug)]
 pub struct Inbox {
-    session: Session,
+    boot: Boot,
     most_held: usize,
-    from: Option<Session>,
+    from: Option<Boot>,
     /// Runs of the sender that have ended; newest last.
-    former: Vec<Session>,
+    former: Vec<Boot>,
     next: u64,
-    held: BTreeMap<u64, Vec<u8>>,
+    held: BTreeMap<u64, Held>,
+}
+
+/// A command that waits for one before it.
+#[derive(Debug)]
+struct Held {
+    body: Vec<u8>,
+    until: NodeTime,
 }
 
 /// A sender's runs that are remembered as ended.
-const FORMER_SESSIONS: usize = 8;
+const FORMER_BOOTS: usize = 8;
 
 impl Inbox {
     /// An inbox of a node in this run. It holds as many commands back as may be under way.
     #[must_use]
-    pub fn new(settings: CourierSettings, session: Session) -> Self {
+    pub fn new(settings: CourierSettings, boot: Boot) -> Self {
         Self {
-            session,
+            boot,
             most_held: settings.most_under_way,
             from: None,
             former: Vec::new(),
@@ -232,53 +262,56 @@ impl Inbox {
         }
     }
 
-    /// Takes a parcel in. Gives what can be delivered now, in order, and the receipt to send back; nothing for what is not meant for
-    /// this run or comes from a run that has ended.
-    pub fn take(&mut self, parcel: Parcel) -> Option<(Vec<Vec<u8>>, Receipt)> {
-        if self.former.contains(&parcel.session) {
+    /// Takes a parcel in. Gives what can be delivered now, in order, and the receipt to send back; nothing for what comes from a run that
+    /// has ended. What is not meant for this run is not delivered; its receipt says so.
+    pub fn take(&mut self, now: NodeTime, parcel: Parcel) -> Option<(Vec<Vec<u8>>, Receipt)> {
+        if self.former.contains(&parcel.boot) {
             return None;
         }
-        if self.from != Some(parcel.session) {
-            self.begin(parcel.session);
+        if self.from != Some(parcel.boot) {
+            self.begin(parcel.boot);
         }
         let mut deliverable = Vec::new();
-        let meant = parcel.to_session.is_none_or(|to| to == self.session);
-        if meant {
-            self.give_up_before(parcel.oldest, &mut deliverable);
-            if parcel.number >= self.next && self.held.len() < self.most_held {
-                self.held.insert(parcel.number, parcel.body);
+        if parcel.to_boot.is_none_or(|to| to == self.boot) {
+            self.give_up_before(parcel.oldest);
+            let room = self.held.len() < self.most_held || parcel.number == self.next;
+            if parcel.number >= self.next && room {
+                let until = now.plus_seconds(f64::from(parcel.left_ms) * 1e-3);
+                let body = parcel.body;
+                self.held.insert(parcel.number, Held { body, until });
             }
-            while let Some(body) = self.held.remove(&self.next) {
-                deliverable.push(body);
-                self.next += 1;
+            while let Some(held) = self.held.remove(&self.next) {
+                // One that has waited for so long has been given up by its sender.
+                if now <= held.until {
+                    deliverable.push(held.body);
+                }
+                self.next = self.next.saturating_add(1);
             }
         }
         let receipt = Receipt {
-            session: parcel.session,
-            from_session: self.session,
+            boot: parcel.boot,
+            from_boot: self.boot,
             next: self.next,
         };
         Some((deliverable, receipt))
     }
 
-    fn begin(&mut self, session: Session) {
+    fn begin(&mut self, boot: Boot) {
         self.former.extend(self.from);
-        if self.former.len() > FORMER_SESSIONS {
+        if self.former.len() > FORMER_BOOTS {
             self.former.remove(0);
         }
-        self.from = Some(session);
+        self.from = Some(boot);
         self.next = 1;
         self.held.clear();
     }
 
-    /// What the sender has given up is not waited for; what is held of it and before is delivered in order.
-    fn give_up_before(&mut self, oldest: u64, deliverable: &mut Vec<Vec<u8>>) {
-        if oldest <= self.next {
-            return;
+    /// What the sender has given up is not waited for, and not delivered if it is here: the sender has been told that it was not.
+    fn give_up_before(&mut self, oldest: u64) {
+        if oldest > self.next {
+            self.held = self.held.split_off(&oldest);
+            self.next = oldest;
         }
-        let kept = self.held.split_off(&oldest);
-        deliverable.extend(std::mem::replace(&mut self.held, kept).into_values());
-        self.next = oldest;
     }
 }
 

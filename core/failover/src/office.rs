@@ -78,6 +78,12 @@ impl Office {
         }
     }
 
+    /// Whose office this is.
+    #[must_use]
+    pub fn node(&self) -> NodeId {
+        self.me
+    }
+
     /// Whether and how well this node can coordinate from now on. A holder that can't any more goes on until somebody else claims
     /// the office: a poor coordinator is better than none.
     pub fn set_priority(&mut self, priority: Option<u8>) {
@@ -136,7 +142,8 @@ impl Office {
         }
     }
 
-    /// Takes the office: because nobody holds it, it was handed over, or an operator asks for it.
+    /// Takes the office: because nobody holds it ([`crate::Turn::Claim`]), it was handed over, or an operator asks for it. A better
+    /// priority alone is no reason: nothing here takes the office from a holder that is heard, unless somebody asks.
     ///
     /// # Errors
     ///

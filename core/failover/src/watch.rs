@@ -4,8 +4,21 @@
 //! would keep a dead holder alive; the numbers of pulses are.
 
 use crate::{Beacon, Office, Standing, Term};
+use serde::{Deserialize, Serialize};
 use skein_domain::{NodeId, NodeTime};
 use std::collections::BTreeMap;
+
+/// Who may take over when the swarm has come apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Apart {
+    /// Every part has a coordinator of its own.
+    #[default]
+    EveryPart,
+    /// Only a part with more than half of the swarm takes over; the vehicles of the others do what [`crate::Unled`] says. A holder goes
+    /// on for those it reaches, whatever their number. Of two equal halves only the holder's is led, and two nodes have no successor.
+    Majority,
+}
 
 /// Limits of the watch.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,6 +31,10 @@ pub struct WatchSettings {
     pub listen_s: f64,
     /// How many others must be heard to take over. With none, a node that is cut off would coordinate itself alone.
     pub least_others: usize,
+    /// Who may take over in a swarm that has come apart.
+    pub apart: Apart,
+    /// How many nodes the swarm has, for the majority; without it as many as have been heard since the watch began.
+    pub swarm_size: Option<usize>,
 }
 
 impl Default for WatchSettings {
@@ -27,6 +44,8 @@ impl Default for WatchSettings {
             stagger_s: 0.2,
             listen_s: 2.0,
             least_others: 1,
+            apart: Apart::EveryPart,
+            swarm_size: None,
         }
     }
 }
@@ -40,11 +59,18 @@ pub enum Turn {
     Wait,
     /// It is this node's turn to claim the office.
     Claim,
+    /// This node coordinates but is no candidate any more, and another one is: the office is to be offered to it.
+    HandOver(NodeId),
     /// This node coordinates, but some obey another holder of the same number, and go on doing so: it is to take the next number.
     Renew,
     /// None is, and too few others are heard to take over: the node is cut off.
     Alone,
+    /// None is, and this part of the swarm is too small to take over.
+    Minority,
 }
+
+/// More nodes than any swarm has; those beyond are not counted on.
+const MOST_NODES: usize = 1024;
 
 #[derive(Debug, Clone, Copy)]
 struct Heard {
@@ -60,9 +86,15 @@ pub struct Watch {
     others: BTreeMap<NodeId, Heard>,
     /// The obeyed term, its newest pulse, and when that one was first heard of.
     pulse: Option<(Term, u64, NodeTime)>,
-    /// Since when others have been heard to obey another holder of the obeyed number.
-    divided: Option<NodeTime>,
+    /// Since when, and when last, others have been heard to obey another holder of the obeyed number.
+    divided: Option<(NodeTime, NodeTime)>,
+    /// When a better suited holder of the obeyed number was last heard itself.
+    better_rival: Option<NodeTime>,
 }
+
+/// How much longer a holder that hears a better suited one of its number itself leaves the next number to that one. Were both as quick, each would take the
+/// next number before it has heard that the other did, again and again, where messages take long.
+const RIVAL_FIRST: f64 = 4.0;
 
 impl Watch {
     /// A watch that begins at `now`.
@@ -74,24 +106,34 @@ impl Watch {
             others: BTreeMap::new(),
             pulse: None,
             divided: None,
+            better_rival: None,
         }
     }
 
     /// Takes a beacon of another node in. Call it after [`Office::hear`].
     pub fn hear(&mut self, now: NodeTime, office: &Office, beacon: &Beacon) {
+        let room = self.others.len() < MOST_NODES || self.others.contains_key(&beacon.from);
+        // Its own beacon, sent back by somebody, says nothing about others.
+        if beacon.from == office.node() || !room {
+            return;
+        }
         let heard = Heard {
             at: now,
             standing: beacon.standing,
         };
         self.others.insert(beacon.from, heard);
         self.follow(now, office);
-        let same_number = |a: Term, b: Term| a.number == b.number && a.holder.node != b.holder.node;
-        if office
-            .obeyed()
-            .zip(beacon.obeys)
-            .is_some_and(|(a, b)| same_number(a, b))
-        {
-            self.divided.get_or_insert(now);
+        let same_number = |(a, b): (Term, Term)| a.number == b.number && a.holder.node != b.holder.node;
+        if office.obeyed().zip(beacon.obeys).is_some_and(same_number) {
+            // A late beacon of somebody who has come round since must not count as lasting.
+            let lasting = self
+                .divided
+                .filter(|(_, last)| now.seconds_since(*last) <= self.settings.lost_after_s);
+            self.divided = Some((lasting.map_or(now, |(first, _)| first), now));
+            let better = beacon.obeys.map(|term| term.holder) > office.obeyed().map(|term| term.holder);
+            if better && beacon.obeys.is_some_and(|term| term.holder.node == beacon.from) {
+                self.better_rival = Some(now);
+            }
         }
         if let Some((term, pulse, since)) = self.pulse.as_mut()
             && beacon.obeys == Some(*term)
@@ -123,22 +165,26 @@ impl Watch {
 
     /// The others heard lately.
     pub fn present(&self, now: NodeTime) -> impl Iterator<Item = NodeId> {
-        let within_s = self.present_within_s();
-        self.others
-            .iter()
-            .filter(move |(_, heard)| now.seconds_since(heard.at) <= within_s)
-            .map(|(id, _)| *id)
+        self.heard_lately(now).map(|(node, _)| node)
+    }
+
+    /// Who has left the swarm for good is not missed when its majority is counted.
+    pub fn retire(&mut self, node: NodeId) {
+        self.others.remove(&node);
+    }
+
+    /// The most suited of the others heard lately: whom the office is to be handed to.
+    #[must_use]
+    pub fn heir(&self, now: NodeTime) -> Option<NodeId> {
+        let standings = self.heard_lately(now).filter_map(|(_, heard)| heard.standing);
+        standings.max().map(|standing| standing.node)
     }
 
     /// What a candidate should do now.
     #[must_use]
     pub fn turn(&self, now: NodeTime, office: &Office) -> Turn {
         if office.acting().is_some() {
-            // The better suited one renews at once when it hears of it; if none has, the other one is not acting.
-            let lasts = self
-                .divided
-                .is_some_and(|since| now.seconds_since(since) > self.settings.lost_after_s);
-            return if lasts { Turn::Renew } else { Turn::Held };
+            return self.holders_turn(now, office);
         }
         if self
             .silent_s(now)
@@ -150,14 +196,33 @@ impl Watch {
         let Some(mine) = office.standing().filter(|_| missed_s > 0.0) else {
             return Turn::Wait;
         };
-        if self.present(now).count() < self.settings.least_others {
+        let others = self.present(now).count();
+        if others < self.settings.least_others {
             return Turn::Alone;
+        }
+        let swarm = self.settings.swarm_size.unwrap_or(self.others.len() + 1);
+        if self.settings.apart == Apart::Majority && (others + 1) * 2 <= swarm {
+            return Turn::Minority;
         }
         if missed_s > self.settings.stagger_s * self.better_than(now, office, mine) as f64 {
             Turn::Claim
         } else {
             Turn::Wait
         }
+    }
+
+    fn holders_turn(&self, now: NodeTime, office: &Office) -> Turn {
+        // The better suited one renews at once when it hears of it; if none has, the other one is not acting, or does not hear of it.
+        let recent_s = self.settings.lost_after_s;
+        let rival = self.better_rival.is_some_and(|at| now.seconds_since(at) <= recent_s);
+        let limit_s = if rival { recent_s * RIVAL_FIRST } else { recent_s };
+        let lasts = self
+            .divided
+            .is_some_and(|(first, last)| last.seconds_since(first) > limit_s && now.seconds_since(last) <= recent_s);
+        if office.standing().is_none() {
+            return self.heir(now).map_or(Turn::Held, Turn::HandOver);
+        }
+        if lasts { Turn::Renew } else { Turn::Held }
     }
 
     /// How long the holder has been missed, in seconds. Who has just started misses nobody before it has listened.
@@ -172,19 +237,28 @@ impl Watch {
     /// How many of those heard lately are more suited. The missed holder is none of them: it may still be heard of, not acting.
     fn better_than(&self, now: NodeTime, office: &Office, mine: Standing) -> usize {
         let missed = office.obeyed().map(|term| term.holder.node);
-        let within_s = self.present_within_s();
-        let present = self
-            .others
-            .iter()
-            .filter(|(_, heard)| now.seconds_since(heard.at) <= within_s);
-        present
-            .filter(|(id, heard)| Some(**id) != missed && heard.standing.is_some_and(|standing| standing > mine))
+        self.heard_lately(now)
+            .filter(|(id, heard)| Some(*id) != missed && heard.standing.is_some_and(|standing| standing > mine))
             .count()
     }
 
     /// Somebody not heard for longer is not counted on. As long as a holder's: whoever went with it is then known to have gone.
-    fn present_within_s(&self) -> f64 {
+    fn heard_lately(&self, now: NodeTime) -> impl Iterator<Item = (NodeId, Heard)> {
+        let within_s = self.settings.lost_after_s;
+        self.others
+            .iter()
+            .filter(move |(_, heard)| now.seconds_since(heard.at) <= within_s)
+            .map(|(node, heard)| (*node, *heard))
+    }
+
+    /// A holder without a new pulse for so long is lost, in seconds.
+    pub(crate) fn lost_after_s(&self) -> f64 {
         self.settings.lost_after_s
+    }
+
+    /// For how long this watch has gone on, in seconds.
+    pub(crate) fn watched_s(&self, now: NodeTime) -> f64 {
+        now.seconds_since(self.started)
     }
 
     /// Begins to count anew when another term is obeyed: taking office is a sign of life.
@@ -193,6 +267,7 @@ impl Watch {
         if self.pulse.is_none_or(|(term, ..)| term != obeyed) {
             self.pulse = Some((obeyed, 0, now));
             self.divided = None;
+            self.better_rival = None;
         }
     }
 }

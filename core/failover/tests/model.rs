@@ -18,6 +18,10 @@ enum Broken {
     ForgetsOverARestart,
     /// Orders are carried out whatever their term.
     ObeysOldOrders,
+    /// Two who hold the same number leave it at that.
+    LeavesRivalsAlone,
+    /// Who takes the office does so under the number that is obeyed already.
+    TakesTheSameNumber,
 }
 
 #[derive(Clone)]
@@ -78,6 +82,15 @@ fn term(number: u64, priority: u8, holder: u64) -> Term {
     Term { number, holder }
 }
 
+fn beacon(from: u64, obeys: Option<Term>) -> Beacon {
+    Beacon {
+        from: NodeId(from),
+        obeys,
+        pulse: 0,
+        standing: None,
+    }
+}
+
 fn parts(term: Term) -> (u64, u8, u64) {
     (term.number, term.holder.priority, term.holder.node.0)
 }
@@ -100,12 +113,8 @@ impl Swarm {
                 if self.broken == Broken::ObeysTheBetter && better {
                     *office = self.office(node, Some(told));
                 }
-                office.hear(&Beacon {
-                    from: NodeId(*from),
-                    obeys: Some(told),
-                    pulse: 0,
-                    standing: None,
-                });
+                let beacon = beacon(*from, Some(told));
+                self.hear(office, &beacon);
             }
             Sent::Offer {
                 number,
@@ -132,6 +141,15 @@ impl Swarm {
                     state.faults.insert("an order of a second holder was carried out");
                 }
             }
+        }
+    }
+
+    fn hear(&self, office: &mut Office, beacon: &Beacon) {
+        match (self.broken, beacon.obeys) {
+            (Broken::LeavesRivalsAlone, Some(told)) => {
+                let _obeyed_or_not = office.order(told);
+            }
+            _ => office.hear(beacon),
         }
     }
 
@@ -196,7 +214,12 @@ impl Model for Swarm {
                 node
             }
             Action::Claim(node) => {
-                state.offices[node].claim().ok()?;
+                let before = state.offices[node].obeyed();
+                let mut claimed = state.offices[node].claim().ok()?;
+                if let Some(before) = before.filter(|_| self.broken == Broken::TakesTheSameNumber) {
+                    claimed.number = before.number;
+                    state.offices[node] = self.office(node, Some(claimed));
+                }
                 node
             }
             Action::HandOver(node, to) => {
@@ -272,29 +295,21 @@ impl Model for Swarm {
 
 /// From here on everyone is up, hears everyone, and the best suited claims when nobody acts: do they agree within a few rounds?
 fn settles(swarm: &Swarm, state: &State) -> bool {
-    if swarm.broken != Broken::Nothing {
-        return true;
-    }
     let mut offices: Vec<Office> = state.offices.clone();
     for (node, office) in offices.iter_mut().enumerate().filter(|(node, _)| !state.up[*node]) {
         *office = swarm.office(node, office.obeyed());
     }
     for round in 0..6 {
         for from in 0..offices.len() {
-            let told = offices[from].obeyed();
-            let beacon = Beacon {
-                from: NodeId(from as u64),
-                obeys: told,
-                pulse: 0,
-                standing: None,
-            };
+            let beacon = beacon(from as u64, offices[from].obeyed());
             for office in &mut offices {
-                office.hear(&beacon);
+                swarm.hear(office, &beacon);
             }
         }
         // A holder that has met another holder of its number for some rounds takes the next number, as the watch would have it.
         let told: Vec<Term> = offices.iter().filter_map(Office::obeyed).collect();
-        for office in offices.iter_mut().filter(|_| round == 2) {
+        let renews = round == 2 && swarm.broken != Broken::LeavesRivalsAlone;
+        for office in offices.iter_mut().filter(|_| renews) {
             let divided = |mine: Term| {
                 told.iter()
                     .any(|term| term.number == mine.number && term.holder != mine.holder)
@@ -350,6 +365,11 @@ fn broken_rules_are_found() {
         (Broken::ObeysTheBetter, "no vehicle obeys two holders in one term"),
         (Broken::ForgetsOverARestart, "no vehicle obeys two holders in one term"),
         (Broken::ObeysOldOrders, "no order of an old term is carried out"),
+        (
+            Broken::LeavesRivalsAlone,
+            "those who hear each other end with one coordinator",
+        ),
+        (Broken::TakesTheSameNumber, "no vehicle obeys two holders in one term"),
     ];
     for (broken, property) in found {
         let swarm = Swarm {

@@ -1,6 +1,7 @@
 //! The watch in a small swarm whose messages are late, lost, or go one way only. Time is simulated; chance comes from seeds.
 
 use super::*;
+use crate::{Allegiance, Handover, Reaction, Unled};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -40,6 +41,7 @@ struct Swarm {
     rng: ChaCha8Rng,
     nodes: Vec<Node>,
     flying: Vec<(f64, usize, Beacon)>,
+    offers: Vec<Handover>,
     deaf: fn(from: usize, to: usize) -> bool,
 }
 
@@ -68,6 +70,7 @@ impl Swarm {
             rng,
             nodes,
             flying: Vec::new(),
+            offers: Vec::new(),
             deaf: |_, _| false,
         }
     }
@@ -84,6 +87,11 @@ impl Swarm {
                 node.watch.hear(now, &node.office, &beacon);
             }
         }
+        for offer in std::mem::take(&mut self.offers) {
+            if let Some(heir) = self.nodes.iter_mut().find(|node| node.id == offer.to) {
+                heir.office.take_over(&offer);
+            }
+        }
         for from in 0..self.nodes.len() {
             self.act(from, now);
         }
@@ -97,6 +105,11 @@ impl Swarm {
         let claimed = match node.watch.turn(now, &node.office) {
             Turn::Claim => node.office.claim().is_ok(),
             Turn::Renew => node.office.renew().is_ok(),
+            Turn::HandOver(to) => {
+                let offer = node.office.hand_over(to);
+                self.offers.extend(offer);
+                false
+            }
             _ => false,
         };
         if !claimed && self.now_s < node.next_beacon_s {
@@ -111,6 +124,17 @@ impl Swarm {
                 self.flying.push((self.now_s + late_s, to, beacon));
             }
         }
+    }
+
+    /// Starts again with what it had stored, as after a crash.
+    fn restart(&mut self, index: usize, settings: WatchSettings) {
+        let now = NodeTime::from_seconds(self.now_s);
+        let node = &mut self.nodes[index];
+        let standing = node.office.standing();
+        node.office = Office::new(node.id, node.office.obeyed());
+        node.office.set_priority(standing.map(|standing| standing.priority));
+        node.watch = Watch::new(settings, now);
+        node.up = true;
     }
 
     fn run(&mut self, for_s: f64) {
@@ -213,8 +237,10 @@ fn a_holder_that_one_candidate_cannot_hear_is_not_missed() {
 
 #[test]
 fn two_who_hear_each_other_do_not_keep_a_dead_holder_alive() {
-    let times = failovers_s(BAD, 50);
-    assert!(times.last().is_some_and(|longest| *longest < 5.0), "{times:?}");
+    let times = failovers_s(BAD, 200);
+    let (p50, p99) = (percentile(&times, 0.5), percentile(&times, 0.99));
+    println!("the same with 30 % loss and 200 to 250 ms: {p50:.2} s (p50), {p99:.2} s (p99)");
+    assert!(p99 < 2.5, "two who duel for the next number take longer: {times:?}");
 }
 
 #[test]
@@ -256,11 +282,7 @@ fn a_holder_that_starts_again_is_a_follower_or_takes_a_new_term() {
     let mut swarm = Swarm::new(&[Some(9), Some(5), None], GOOD, 8);
     swarm.until_agreed_s(None);
     let before = swarm.agreed();
-    let now = NodeTime::from_seconds(swarm.now_s);
-    let stored = swarm.nodes[0].office.obeyed();
-    swarm.nodes[0].office = Office::new(NodeId(1), stored);
-    swarm.nodes[0].office.set_priority(Some(9));
-    swarm.nodes[0].watch = Watch::new(WatchSettings::default(), now);
+    swarm.restart(0, WatchSettings::default());
     swarm.until_agreed_s(before);
     assert_eq!(swarm.agreed().unwrap().holder.node, NodeId(2));
     swarm.run(10.0);
@@ -287,4 +309,175 @@ fn who_obeys_a_dead_holder_of_the_same_number_is_taken_along() {
     swarm.run(2.0);
     let agreed = swarm.agreed().unwrap();
     assert_eq!((agreed.number, agreed.holder.node), (number + 1, NodeId(1)));
+}
+
+#[test]
+fn a_half_without_the_holder_takes_over_only_where_every_part_may() {
+    let apart = |from: usize, to: usize| (from < 3) != (to < 3);
+    let majority = WatchSettings {
+        apart: Apart::Majority,
+        ..WatchSettings::default()
+    };
+    let mut swarm = Swarm::new(&[Some(9), None, None, Some(5), None, None], GOOD, 5);
+    for index in 0..6 {
+        swarm.restart(index, majority);
+    }
+    swarm.until_agreed_s(None);
+    let whole = swarm.agreed().unwrap();
+    swarm.deaf = apart;
+    swarm.run(8.0);
+    let now = NodeTime::from_seconds(swarm.now_s);
+    let candidate = &swarm.nodes[3];
+    assert_eq!(candidate.watch.turn(now, &candidate.office), Turn::Minority);
+    let unled = Unled {
+        after_s: 5.0,
+        reaction: Reaction::Hold,
+    };
+    let of = |index: usize| {
+        let node = &swarm.nodes[index];
+        node.watch.allegiance(now, &node.office, &unled)
+    };
+    assert_eq!(of(1), Allegiance::Led { term: whole });
+    assert!(
+        matches!(of(4), Allegiance::Unled { term, reaction: Reaction::Hold, .. } if term == whole),
+        "{:?}",
+        of(4)
+    );
+    swarm.deaf = |_, _| false;
+    swarm.run(1.0);
+    assert_eq!(swarm.agreed(), Some(whole));
+}
+
+#[test]
+fn a_majority_succeeds_its_holder() {
+    let mut swarm = Swarm::new(&[Some(9), None, Some(5), None, None], GOOD, 6);
+    for index in 0..5 {
+        let apart = Apart::Majority;
+        swarm.restart(
+            index,
+            WatchSettings {
+                apart,
+                ..WatchSettings::default()
+            },
+        );
+    }
+    swarm.until_agreed_s(None);
+    let before = swarm.agreed();
+    swarm.nodes[0].up = false;
+    assert!(swarm.until_agreed_s(before) <= 1.0);
+}
+
+#[test]
+fn a_holder_that_can_go_on_no_longer_hands_over_and_everyone_stays_led() {
+    let mut swarm = Swarm::new(&[Some(9), Some(3), Some(5), None], GOOD, 2);
+    swarm.until_agreed_s(None);
+    swarm.run(1.0);
+    let before = swarm.agreed();
+    swarm.nodes[0].office.set_priority(None);
+    while swarm.agreed().is_none_or(|term| Some(term) == before) {
+        swarm.step();
+        let now = NodeTime::from_seconds(swarm.now_s);
+        let led = |node: &Node| node.watch.allegiance(now, &node.office, &Unled::default());
+        assert!(
+            swarm
+                .nodes
+                .iter()
+                .all(|node| matches!(led(node), Allegiance::Led { .. }))
+        );
+    }
+    assert_eq!(swarm.agreed().unwrap().holder.node, NodeId(3));
+}
+
+#[test]
+fn nobody_takes_the_office_from_a_holder_that_is_heard_unless_it_is_asked_to() {
+    let mut swarm = Swarm::new(&[Some(5), Some(3), Some(9), None], GOOD, 4);
+    swarm.nodes[2].up = false;
+    swarm.until_agreed_s(None);
+    let before = swarm.agreed().unwrap();
+    swarm.restart(2, WatchSettings::default());
+    swarm.run(20.0);
+    assert_eq!(swarm.agreed(), Some(before), "a better priority alone takes nothing");
+    swarm.nodes[2].office.claim().unwrap();
+    assert!(swarm.until_agreed_s(Some(before)) < 0.3);
+    assert_eq!(swarm.agreed().unwrap().holder.node, NodeId(3));
+}
+
+#[test]
+fn one_late_word_of_a_rival_is_no_reason_for_a_new_term() {
+    let mut swarm = Swarm::new(&[Some(5), None, None], GOOD, 8);
+    swarm.until_agreed_s(None);
+    let agreed = swarm.agreed().unwrap();
+    let holder = Standing {
+        priority: 9,
+        node: NodeId(77),
+    };
+    let rival = Term { holder, ..agreed };
+    let late = Beacon {
+        from: NodeId(3),
+        obeys: Some(rival),
+        pulse: 4,
+        standing: None,
+    };
+    let now = NodeTime::from_seconds(swarm.now_s);
+    let node = &mut swarm.nodes[0];
+    node.office.hear(&late);
+    node.watch.hear(now, &node.office, &late);
+    swarm.run(5.0);
+    assert_eq!(swarm.agreed(), Some(agreed));
+}
+
+#[test]
+fn its_own_beacon_sent_back_keeps_nobody_company() {
+    let now = NodeTime::from_seconds(10.0);
+    let mut office = Office::new(NodeId(1), None);
+    office.set_priority(Some(5));
+    let mut watch = Watch::new(WatchSettings::default(), NodeTime::from_seconds(0.0));
+    let own = watch.beacon(now, NodeId(1), &office);
+    watch.hear(now, &office, &own);
+    assert_eq!(watch.turn(now, &office), Turn::Alone);
+}
+
+/// Crashes, restarts, parts and one-way links at random; then all is well again. Terms only grow all the while, and in the end one holds.
+#[test]
+fn whatever_has_happened_those_who_hear_each_other_end_with_one_coordinator() {
+    const WAYS: [fn(usize, usize) -> bool; 4] = [
+        |_, _| false,
+        |from, to| (from < 3) != (to < 3),
+        |from, to| from % 2 == 0 && to % 2 == 1,
+        |from, to| from == 0 || to == 5,
+    ];
+    let mut longest_s = 0.0_f64;
+    for seed in 0..100 {
+        let air = if seed % 2 == 0 { GOOD } else { BAD };
+        let mut swarm = Swarm::new(&[Some(9), Some(5), None, Some(5), Some(1), None], air, seed);
+        let mut numbers = vec![0; swarm.nodes.len()];
+        for _ in 0..12 {
+            let which = (chance(&mut swarm.rng) * 6.0) as usize;
+            swarm.deaf = WAYS[(chance(&mut swarm.rng) * 4.0) as usize];
+            match swarm.nodes[which].up {
+                true => swarm.nodes[which].up = false,
+                false => swarm.restart(which, WatchSettings::default()),
+            }
+            let for_s = chance(&mut swarm.rng) * 3.0;
+            swarm.run(for_s);
+            for (number, node) in numbers.iter_mut().zip(&swarm.nodes) {
+                let now = node.office.obeyed().map_or(0, |term| term.number);
+                assert!(now >= *number, "seed {seed}: a term went back");
+                *number = now;
+            }
+        }
+        swarm.deaf = |_, _| false;
+        for which in 0..swarm.nodes.len() {
+            if !swarm.nodes[which].up {
+                swarm.restart(which, WatchSettings::default());
+            }
+        }
+        swarm.until_agreed_s(None);
+        swarm.run(3.0);
+        longest_s = longest_s.max(swarm.until_agreed_s(None));
+        let settled = swarm.agreed();
+        swarm.run(10.0);
+        assert_eq!(swarm.agreed(), settled, "seed {seed}: and it stays so");
+    }
+    assert!(longest_s <= 1.0, "{longest_s}");
 }

@@ -5,12 +5,13 @@ use crate::workspace::{Package, Workspace};
 
 /// The crates of `core` from the binary to the words; each may depend on what stands below it.
 /// Names of crates that are not built yet keep their place.
-const ORDER: [&str; 15] = [
+const ORDER: [&str; 17] = [
     "skein",
     "skein-api",
     "skein-runtime",
     "skein-link-px4",
     "skein-link-dds",
+    "skein-bus-zenoh",
     "skein-bus",
     "skein-recorder",
     "skein-plugin-host",
@@ -18,6 +19,7 @@ const ORDER: [&str; 15] = [
     "skein-plugin-abi",
     "skein-sim",
     "skein-config",
+    "skein-failover",
     "skein-flight",
     "skein-safety",
     "skein-domain",

@@ -14,7 +14,12 @@ const SHIM_LINES_MAX: usize = 60;
 /// Names that say nothing about what a file holds.
 const EMPTY_NAMES: [&str; 7] = ["utils", "util", "common", "helpers", "helper", "misc", "mod"];
 /// Crates without effects: the same inputs give the same outputs.
-const PURE: [&str; 3] = ["core/domain/src/", "core/flight/src/", "core/safety/src/"];
+const PURE: [&str; 4] = [
+    "core/domain/src/",
+    "core/failover/src/",
+    "core/flight/src/",
+    "core/safety/src/",
+];
 /// What would give them effects.
 const EFFECTS: [&str; 9] = [
     "Instant::now",

@@ -1,0 +1,104 @@
+//! Zenoh over loopback passes the suite of every transport, in real time, over TCP and over UDP.
+
+use skein_bus::conformance::{self, Rig};
+use skein_bus::transport::{Class, To, Transport};
+use skein_bus_zenoh::{OpenError, Zenoh, ZenohSettings};
+use skein_domain::{NodeId, NodeTime};
+use std::net::{TcpListener, UdpSocket};
+use std::time::{Duration, Instant};
+
+/// A meeting point on this host: whoever is first listens there, the others connect to it and find each other by its gossip.
+struct Loopback {
+    begun: Instant,
+    swarm: String,
+    protocol: &'static str,
+    /// Of each node that was there, in its order.
+    endpoints: Vec<(NodeId, String)>,
+}
+
+impl Loopback {
+    fn new(protocol: &'static str) -> Self {
+        Self {
+            begun: Instant::now(),
+            swarm: format!("test-{}", free_port()),
+            protocol,
+            endpoints: Vec::new(),
+        }
+    }
+}
+
+/// One that was free a moment ago, for TCP and UDP.
+fn free_port() -> u16 {
+    loop {
+        let tcp = TcpListener::bind("127.0.0.1:0").unwrap();
+        let port = tcp.local_addr().unwrap().port();
+        if UdpSocket::bind(("127.0.0.1", port)).is_ok() {
+            return port;
+        }
+    }
+}
+
+impl Rig for Loopback {
+    type Transport = Zenoh;
+
+    fn join(&mut self, node: NodeId) -> Zenoh {
+        // A node that starts again does so at a port of its own: its former one may still be held by the system.
+        let listen = format!("{}/127.0.0.1:{}", self.protocol, free_port());
+        self.endpoints.retain(|(known, _)| *known != node);
+        let settings = ZenohSettings {
+            listen: vec![listen.clone()],
+            connect: self.endpoints.iter().map(|(_, endpoint)| endpoint.clone()).collect(),
+            ..ZenohSettings::default()
+        };
+        self.endpoints.push((node, listen));
+        Zenoh::open(&self.swarm, node, &settings).unwrap()
+    }
+
+    fn step(&mut self) -> NodeTime {
+        std::thread::sleep(Duration::from_millis(5));
+        NodeTime::from_seconds(self.begun.elapsed().as_secs_f64())
+    }
+}
+
+#[test]
+fn the_suite_is_passed_over_tcp() {
+    conformance::all(|| Loopback::new("tcp"));
+}
+
+#[test]
+fn the_suite_is_passed_over_udp() {
+    conformance::all(|| Loopback::new("udp"));
+}
+
+#[test]
+fn a_swarm_does_not_hear_another_one_at_the_same_place() {
+    let mut rig = Loopback::new("tcp");
+    let mut a = rig.join(NodeId(1));
+    let mut b = rig.join(NodeId(2));
+    rig.swarm = "another".to_owned();
+    let mut other = rig.join(NodeId(3));
+    let mut got = 0;
+    for _ in 0..2000 {
+        let now = rig.step();
+        a.send(now, To::All, Class::State, b"here").unwrap();
+        got += usize::from(b.receive(now).is_some());
+        assert_eq!(other.receive(now), None);
+        if got > 50 {
+            return;
+        }
+    }
+    panic!("only {got} arrived");
+}
+
+#[test]
+fn what_zenoh_does_not_know_is_said_before_anything_starts() {
+    let mut settings = ZenohSettings::default();
+    settings.extra.insert("no/such/key".to_owned(), "1".to_owned());
+    let refused = Zenoh::open("swarm", NodeId(1), &settings).unwrap_err();
+    assert!(
+        matches!(refused, OpenError::Setting { ref key, .. } if key == "no/such/key"),
+        "{refused}"
+    );
+    let refused = Zenoh::open("a/b", NodeId(1), &ZenohSettings::default()).unwrap_err();
+    assert_eq!(refused, OpenError::SwarmId("a/b".to_owned()));
+}

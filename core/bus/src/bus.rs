@@ -1,0 +1,393 @@
+//! One node's end of the swarm bus: all classes of traffic, sealed, over datagrams that promise nothing.
+//!
+//! Must never do: I/O, read a clock, wait. What arrives is given to [`Bus::take`]; what is to be sent comes from [`Bus::next`], the most urgent
+//! first and within the budget.
+
+use crate::budget::{Budget, BudgetSettings, Traffic};
+use crate::bulk::{BulkError, BulkSettings, Have, Receiving, Sending};
+use crate::courier::{CourierSettings, Crowded, Inbox, Outbox, Outcome, Receipt};
+use crate::latest::{ENTRY_BYTES, Heard, Key, StateError, StateSettings, Telling};
+use crate::query::{Answer, Asking, QuerySettings, TooManyOpen};
+use crate::seal::{Boot, Refused, SEAL_BYTES, Seal, SwarmKey};
+use crate::transport::{Class, SendError, To, Transport};
+use crate::wire::FRAME_BYTES;
+use skein_domain::{NodeId, NodeTime};
+use std::collections::{BTreeMap, VecDeque};
+use thiserror::Error;
+
+mod incoming;
+mod outgoing;
+
+/// Limits of all classes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BusSettings {
+    /// The largest datagram of the transport, in bytes.
+    pub datagram_bytes: usize,
+    /// Of state.
+    pub state: StateSettings,
+    /// Of commands.
+    pub courier: CourierSettings,
+    /// Of questions.
+    pub query: QuerySettings,
+    /// Of bulk.
+    pub bulk: BulkSettings,
+    /// Of all that is sent.
+    pub budget: BudgetSettings,
+}
+
+impl Default for BusSettings {
+    fn default() -> Self {
+        Self {
+            datagram_bytes: 1400,
+            state: StateSettings::default(),
+            courier: CourierSettings::default(),
+            query: QuerySettings::default(),
+            bulk: BulkSettings::default(),
+            budget: BudgetSettings::default(),
+        }
+    }
+}
+
+/// Something that does not fit into one datagram, though its class has no chunks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[error("{bytes} bytes are more than the {most} that fit into one datagram")]
+pub struct TooLarge {
+    /// Its size.
+    pub bytes: usize,
+    /// The largest.
+    pub most: usize,
+}
+
+/// Why a command is not posted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum PostError {
+    /// It is too large.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
+    /// Too many are under way.
+    #[error(transparent)]
+    Crowded(#[from] Crowded),
+}
+
+/// Why a question is not asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum AskError {
+    /// It is too large.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
+    /// Too many are open.
+    #[error(transparent)]
+    TooMany(#[from] TooManyOpen),
+}
+
+/// Where an answer goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Ticket {
+    /// Who asks.
+    pub from: NodeId,
+    /// The asker's number of the question.
+    pub id: u64,
+}
+
+/// What has happened on the bus.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Event {
+    /// A node is there, in a run that was not known before.
+    Joined {
+        /// Which.
+        node: NodeId,
+        /// Its run.
+        boot: Boot,
+    },
+    /// A value of another node is now so.
+    State {
+        /// Whose.
+        from: NodeId,
+        /// Which.
+        key: Key,
+        /// The value.
+        value: Vec<u8>,
+    },
+    /// A command of another node: the next of it.
+    Command {
+        /// Whose.
+        from: NodeId,
+        /// The command.
+        body: Vec<u8>,
+    },
+    /// A command of this node has ended.
+    CommandEnded {
+        /// For whom it was.
+        to: NodeId,
+        /// Its number.
+        number: u64,
+        /// How.
+        outcome: Outcome,
+    },
+    /// Another node asks something; it may do so more than once.
+    Asked {
+        /// Where the answer goes.
+        ticket: Ticket,
+        /// The question.
+        body: Vec<u8>,
+    },
+    /// The answer to a question of this node.
+    Answered {
+        /// The question's number.
+        id: u64,
+        /// Who answers.
+        from: NodeId,
+        /// The answer.
+        body: Vec<u8>,
+    },
+    /// There was no answer before the deadline.
+    Unanswered {
+        /// The question's number.
+        id: u64,
+        /// Who was asked.
+        to: NodeId,
+    },
+    /// Something large has come whole.
+    Bulk {
+        /// Of whom.
+        from: NodeId,
+        /// The thing.
+        body: Vec<u8>,
+    },
+    /// Something large of this node has ended.
+    BulkEnded {
+        /// For whom it was.
+        to: NodeId,
+        /// Its number.
+        id: u64,
+        /// Whether it is there whole.
+        whole: bool,
+    },
+}
+
+/// A datagram to be sent now.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Outgoing {
+    /// For whom.
+    pub to: To,
+    /// Its class.
+    pub class: Class,
+    /// Sealed.
+    pub bytes: Vec<u8>,
+}
+
+/// Answers and receipts that wait to be sent; of more the oldest is dropped, which its asker makes good.
+const MOST_REPLIES: usize = 1024;
+
+/// One node's end of the bus.
+#[derive(Debug)]
+pub struct Bus {
+    settings: BusSettings,
+    me: NodeId,
+    boot: Boot,
+    seal: Seal,
+    telling: Telling,
+    heard: Heard,
+    outboxes: BTreeMap<NodeId, Outbox>,
+    inboxes: BTreeMap<NodeId, Inbox>,
+    asking: Asking,
+    sending: Sending,
+    receiving: Receiving,
+    budget: Budget,
+    /// Challenges and proofs, sealed already.
+    proofs: VecDeque<(NodeId, Vec<u8>)>,
+    receipts: BTreeMap<NodeId, Receipt>,
+    answers: VecDeque<(NodeId, Answer)>,
+    haves: VecDeque<(NodeId, Have)>,
+    sent: Traffic,
+    received: BTreeMap<NodeId, Traffic>,
+    not_understood: u64,
+}
+
+impl Bus {
+    /// For a run of the node `me`; `boot` must be drawn at random.
+    #[must_use]
+    pub fn new(settings: BusSettings, key: SwarmKey, me: NodeId, boot: Boot, now: NodeTime) -> Self {
+        let mut budget = settings.budget;
+        // Bulk leaves half of the burst to the others; a datagram of it must fit into the other half.
+        budget.burst_bytes = budget.burst_bytes.max(4.0 * settings.datagram_bytes as f64);
+        Self {
+            settings,
+            me,
+            boot,
+            seal: Seal::new(key, me, boot),
+            telling: Telling::new(settings.state),
+            heard: Heard::default(),
+            outboxes: BTreeMap::new(),
+            inboxes: BTreeMap::new(),
+            asking: Asking::new(settings.query),
+            sending: Sending::new(settings.bulk),
+            receiving: Receiving::new(settings.bulk),
+            budget: Budget::new(budget, now),
+            proofs: VecDeque::new(),
+            receipts: BTreeMap::new(),
+            answers: VecDeque::new(),
+            haves: VecDeque::new(),
+            sent: Traffic::default(),
+            received: BTreeMap::new(),
+            not_understood: 0,
+        }
+    }
+
+    /// Whose end this is.
+    #[must_use]
+    pub fn node(&self) -> NodeId {
+        self.me
+    }
+
+    /// Its run.
+    #[must_use]
+    pub fn boot(&self) -> Boot {
+        self.boot
+    }
+
+    /// Sets a value that all others are to know.
+    ///
+    /// # Errors
+    ///
+    /// It does not fit into one datagram, or there are too many.
+    pub fn tell(&mut self, now: NodeTime, key: Key, value: Vec<u8>) -> Result<(), StateError> {
+        let (bytes, most) = (value.len(), self.body_bytes().saturating_sub(ENTRY_BYTES));
+        if bytes > most {
+            return Err(StateError::TooLarge { bytes, most });
+        }
+        self.telling.set(now, key, value)
+    }
+
+    /// Tells a value no more. The others keep what they were told last.
+    pub fn tell_no_more(&mut self, key: Key) {
+        self.telling.forget(key);
+    }
+
+    /// Posts a command; gives its number. It ends with [`Event::CommandEnded`].
+    ///
+    /// # Errors
+    ///
+    /// It does not fit into one datagram, or too many for this node are under way.
+    pub fn post(&mut self, now: NodeTime, to: NodeId, body: Vec<u8>) -> Result<u64, PostError> {
+        self.fits(&body)?;
+        let (settings, boot) = (self.settings.courier, self.boot);
+        let known = self.seal.run_of(to);
+        let outbox = self.outboxes.entry(to).or_insert_with(|| {
+            let mut outbox = Outbox::new(settings, boot, to);
+            if let Some(run) = known {
+                outbox.met(run);
+            }
+            outbox
+        });
+        Ok(outbox.post(now, body)?)
+    }
+
+    /// Asks something; gives the question's number. It ends with [`Event::Answered`] or [`Event::Unanswered`].
+    ///
+    /// # Errors
+    ///
+    /// It does not fit into one datagram, or too many are open.
+    pub fn ask(&mut self, now: NodeTime, to: NodeId, body: Vec<u8>, within_s: f64) -> Result<u64, AskError> {
+        self.fits(&body)?;
+        Ok(self.asking.ask(now, to, body, within_s)?)
+    }
+
+    /// Answers a question.
+    ///
+    /// # Errors
+    ///
+    /// It does not fit into one datagram.
+    pub fn answer(&mut self, ticket: Ticket, body: Vec<u8>) -> Result<(), TooLarge> {
+        self.fits(&body)?;
+        let answer = Answer { id: ticket.id, body };
+        push_bounded(&mut self.answers, (ticket.from, answer));
+        Ok(())
+    }
+
+    /// Sends something large; gives its number. It ends with [`Event::BulkEnded`].
+    ///
+    /// # Errors
+    ///
+    /// It is larger than is sent in one piece, or too many are under way.
+    pub fn send(&mut self, now: NodeTime, to: NodeId, body: Vec<u8>) -> Result<u64, BulkError> {
+        let chunk_bytes = self.body_bytes();
+        self.sending.send(now, to, body, chunk_bytes)
+    }
+
+    /// Changes what may be sent per second.
+    pub fn set_bytes_per_s(&mut self, now: NodeTime, bytes_per_s: f64) {
+        self.budget.set_bytes_per_s(now, bytes_per_s);
+    }
+
+    /// What this node has sent.
+    #[must_use]
+    pub fn sent(&self) -> &Traffic {
+        &self.sent
+    }
+
+    /// What this node has received of each other one and taken in.
+    #[must_use]
+    pub fn received(&self) -> &BTreeMap<NodeId, Traffic> {
+        &self.received
+    }
+
+    /// What was not taken in.
+    #[must_use]
+    pub fn refused(&self) -> Refused {
+        self.seal.refused()
+    }
+
+    /// What was of the swarm but not understood: of a later version of this program.
+    #[must_use]
+    pub fn not_understood(&self) -> u64 {
+        self.not_understood
+    }
+
+    /// The run of a node that has proven to be going on.
+    #[must_use]
+    pub fn run_of(&self, node: NodeId) -> Option<Boot> {
+        self.seal.run_of(node)
+    }
+
+    /// The largest body of a command, question or answer.
+    #[must_use]
+    pub fn body_bytes(&self) -> usize {
+        self.settings.datagram_bytes.saturating_sub(SEAL_BYTES + FRAME_BYTES)
+    }
+
+    fn fits(&self, body: &[u8]) -> Result<(), TooLarge> {
+        let (bytes, most) = (body.len(), self.body_bytes());
+        if bytes > most {
+            return Err(TooLarge { bytes, most });
+        }
+        Ok(())
+    }
+}
+
+/// Takes in what has arrived and sends what is due. Gives what has happened.
+///
+/// # Errors
+///
+/// The transport is down. What was to be sent is lost, as on the way.
+pub fn pump(bus: &mut Bus, transport: &mut dyn Transport, now: NodeTime) -> Result<Vec<Event>, SendError> {
+    let mut events = Vec::new();
+    while let Some(datagram) = transport.receive(now) {
+        events.extend(bus.take(now, &datagram.bytes));
+    }
+    events.extend(bus.expire(now));
+    while let Some(Outgoing { to, class, bytes }) = bus.next(now) {
+        transport.send(now, to, class, &bytes)?;
+    }
+    Ok(events)
+}
+
+fn push_bounded<T>(queue: &mut VecDeque<T>, item: T) {
+    queue.push_back(item);
+    if queue.len() > MOST_REPLIES {
+        queue.pop_front();
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,92 @@
+//! What is to be sent: the most urgent first, within the budget.
+//!
+//! Must never do: hold a class back because of a less urgent one.
+
+use super::{Bus, Outgoing};
+use crate::courier::Outbox;
+use crate::seal::SEAL_BYTES;
+use crate::transport::{CLASSES, Class, To};
+use crate::wire::Frame;
+use skein_domain::NodeTime;
+
+impl Bus {
+    /// The next datagram to send now; none if nothing is due or the budget is used up.
+    pub fn next(&mut self, now: NodeTime) -> Option<Outgoing> {
+        CLASSES.into_iter().find_map(|class| self.next_of(now, class))
+    }
+
+    /// When [`Self::next`] or [`Self::expire`] must be asked again though nothing arrives.
+    #[must_use]
+    pub fn wakes_at(&self, now: NodeTime) -> Option<NodeTime> {
+        let at_once = !(self.proofs.is_empty() && self.receipts.is_empty());
+        let later = !(self.answers.is_empty() && self.haves.is_empty());
+        let commands = self.outboxes.values().filter_map(Outbox::wakes_at).min();
+        let bytes = self.settings.datagram_bytes;
+        let waits = |class: Class, due: Option<NodeTime>| {
+            due.and_then(|due| Some(due.max(self.budget.allows_at(class, bytes)?)))
+        };
+        let moments = [
+            waits(Class::Command, if at_once { Some(now) } else { commands }),
+            waits(Class::State, self.telling.wakes_at()),
+            waits(Class::Query, if later { Some(now) } else { self.asking.wakes_at() }),
+            waits(Class::Bulk, self.sending.wakes_at(now)),
+        ];
+        moments.into_iter().flatten().min()
+    }
+
+    fn next_of(&mut self, now: NodeTime, class: Class) -> Option<Outgoing> {
+        // The budget must have room for a whole datagram before one is made: what is made is as new as it can be.
+        if !self.budget.allows(now, class, self.settings.datagram_bytes) {
+            return None;
+        }
+        let outgoing = self.made(now, class)?;
+        let bytes = outgoing.bytes.len();
+        self.budget.spend(now, bytes);
+        self.sent.count(now, class, bytes);
+        Some(outgoing)
+    }
+
+    fn made(&mut self, now: NodeTime, class: Class) -> Option<Outgoing> {
+        if class == Class::Command
+            && let Some((to, bytes)) = self.proofs.pop_front()
+        {
+            let to = To::One(to);
+            return Some(Outgoing { to, class, bytes });
+        }
+        let (to, frame) = match class {
+            Class::Command => self.command(now)?,
+            Class::State => {
+                let room_bytes = self.settings.datagram_bytes.saturating_sub(SEAL_BYTES + 8);
+                let entries = self.telling.next(now, room_bytes);
+                (!entries.is_empty()).then_some((To::All, Frame::State(entries)))?
+            }
+            Class::Query => self.query(now)?,
+            Class::Bulk => {
+                let (to, chunk) = self.sending.next(now)?;
+                (To::One(to), Frame::Chunk(chunk))
+            }
+        };
+        let bytes = self.seal.seal(to, class, &frame.to_bytes());
+        Some(Outgoing { to, class, bytes })
+    }
+
+    fn command(&mut self, now: NodeTime) -> Option<(To, Frame)> {
+        if let Some((to, receipt)) = self.receipts.pop_first() {
+            return Some((To::One(to), Frame::Receipt(receipt)));
+        }
+        let mut outboxes = self.outboxes.iter_mut();
+        let (to, parcel) = outboxes.find_map(|(to, outbox)| Some((*to, outbox.next(now)?)))?;
+        Some((To::One(to), Frame::Parcel(parcel)))
+    }
+
+    fn query(&mut self, now: NodeTime) -> Option<(To, Frame)> {
+        if let Some((to, answer)) = self.answers.pop_front() {
+            return Some((To::One(to), Frame::Answer(answer)));
+        }
+        if let Some((to, have)) = self.haves.pop_front() {
+            return Some((To::One(to), Frame::Have(have)));
+        }
+        let (to, question) = self.asking.next(now)?;
+        Some((To::One(to), Frame::Question(question)))
+    }
+}

@@ -1,0 +1,75 @@
+//! State at its sender and its receiver, step by step.
+
+use super::*;
+
+fn at(seconds: f64) -> NodeTime {
+    NodeTime::from_seconds(seconds)
+}
+
+fn entry(key: u32, version: u64) -> Entry {
+    Entry {
+        key: Key(key),
+        version,
+        value: Vec::new(),
+    }
+}
+
+#[test]
+fn only_the_newest_is_told_and_what_does_not_change_again_later() {
+    let mut telling = Telling::new(StateSettings::default());
+    for value in 0..5_u8 {
+        telling.set(at(1.0), Key(1), vec![value]).unwrap();
+    }
+    let told = telling.next(at(1.0), 1000);
+    assert_eq!(told.len(), 1);
+    assert_eq!((told[0].version, &told[0].value[..]), (5, &[4_u8][..]));
+    assert!(telling.next(at(1.5), 1000).is_empty());
+    assert_eq!(telling.wakes_at(), Some(at(2.0)));
+    assert_eq!(telling.next(at(2.0), 1000)[0].version, 5);
+    telling.set(at(2.001), Key(1), vec![9]).unwrap();
+    assert!(
+        telling.next(at(2.001), 1000).is_empty(),
+        "no sooner than the least time"
+    );
+    assert_eq!(telling.next(at(2.02), 1000)[0].value, [9]);
+}
+
+#[test]
+fn with_too_little_room_all_have_their_turn() {
+    let mut telling = Telling::new(StateSettings::default());
+    let mut told = vec![0_u32; 10];
+    for step in 0..300 {
+        let now = at(f64::from(step) * 0.02);
+        for key in 0..10 {
+            telling.set(now, Key(key), vec![0; 100]).unwrap();
+        }
+        for entry in telling.next(now, 250) {
+            told[entry.key.0 as usize] += 1;
+        }
+    }
+    assert!(told.iter().all(|times| (55..=65).contains(times)), "{told:?}");
+}
+
+#[test]
+fn nothing_old_is_handed_out_and_a_new_run_begins_anew() {
+    let mut heard = Heard::default();
+    let (from, boot) = (NodeId(1), Boot(5));
+    assert!(heard.is_new(from, boot, &entry(1, 3)));
+    assert!(!heard.is_new(from, boot, &entry(1, 2)) && !heard.is_new(from, boot, &entry(1, 3)));
+    assert!(heard.is_new(from, boot, &entry(2, 1)) && heard.is_new(NodeId(2), boot, &entry(1, 1)));
+    assert!(heard.is_new(from, Boot(6), &entry(1, 1)));
+}
+
+#[test]
+fn there_is_a_bound_of_values() {
+    let mut telling = Telling::new(StateSettings::default());
+    let mut heard = Heard::default();
+    for key in 0..MOST_KEYS as u32 {
+        telling.set(at(0.0), Key(key), Vec::new()).unwrap();
+        assert!(heard.is_new(NodeId(1), Boot(1), &entry(key, 1)));
+    }
+    assert_eq!(telling.set(at(0.0), Key(9999), Vec::new()), Err(StateError::TooMany));
+    assert!(!heard.is_new(NodeId(1), Boot(1), &entry(9999, 1)));
+    telling.forget(Key(0));
+    assert_eq!(telling.set(at(0.0), Key(9999), Vec::new()), Ok(()));
+}

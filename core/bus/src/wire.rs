@@ -1,0 +1,53 @@
+//! What is inside of a sealed datagram: one frame of one of the classes, as CBOR.
+//!
+//! Must never do: change the meaning of a number; a new kind of frame gets a new one, and what is not known is not understood.
+
+use crate::bulk::{Chunk, Have};
+use crate::courier::{Parcel, Receipt};
+use crate::latest::Entry;
+use crate::query::{Answer, Question};
+use minicbor::{Decode, Encode};
+
+/// One frame.
+#[derive(Debug, Clone, PartialEq, Eq, Encode, Decode)]
+pub enum Frame {
+    /// The newest values of some keys.
+    #[n(0)]
+    State(#[n(0)] Vec<Entry>),
+    /// A command.
+    #[n(1)]
+    Parcel(#[n(0)] Parcel),
+    /// What has been received of commands.
+    #[n(2)]
+    Receipt(#[n(0)] Receipt),
+    /// A question.
+    #[n(3)]
+    Question(#[n(0)] Question),
+    /// Its answer.
+    #[n(4)]
+    Answer(#[n(0)] Answer),
+    /// A part of something large.
+    #[n(5)]
+    Chunk(#[n(0)] Chunk),
+    /// What has been received of something large.
+    #[n(6)]
+    Have(#[n(0)] Have),
+}
+
+/// What a frame costs beside the body of a command, question, answer or chunk, at most.
+pub const FRAME_BYTES: usize = 64;
+
+impl Frame {
+    /// As bytes.
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        // Writing into memory does not fail.
+        minicbor::to_vec(self).unwrap_or_default()
+    }
+
+    /// From bytes; none if they are no frame that is known.
+    #[must_use]
+    pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
+        minicbor::decode(bytes).ok()
+    }
+}
