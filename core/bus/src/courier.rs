@@ -65,7 +65,7 @@ impl Default for CourierSettings {
     fn default() -> Self {
         Self {
             again_after_s: 0.1,
-            again_at_most_s: 0.5,
+            again_at_most_s: 0.3,
             give_up_after_s: 3.0,
             most_under_way: 64,
         }

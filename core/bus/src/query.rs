@@ -33,8 +33,10 @@ pub struct Answer {
 /// How questions are asked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct QuerySettings {
-    /// An unanswered one is asked again after so long, in seconds, then after twice as long, and so on.
+    /// An unanswered one is asked again after so long, in seconds, then after twice as long, and so on up to [`Self::again_at_most_s`].
     pub again_after_s: f64,
+    /// The longest time between two tries, in seconds.
+    pub again_at_most_s: f64,
     /// How many may be open.
     pub most_open: usize,
 }
@@ -43,6 +45,7 @@ impl Default for QuerySettings {
     fn default() -> Self {
         Self {
             again_after_s: 0.2,
+            again_at_most_s: 1.0,
             most_open: 64,
         }
     }
@@ -108,9 +111,10 @@ impl Asking {
 
     /// The next question to send now.
     pub fn next(&mut self, now: NodeTime) -> Option<(NodeId, Question)> {
+        let at_most_s = self.settings.again_at_most_s;
         let (id, open) = self.open.iter_mut().find(|(_, open)| open.next_try <= now)?;
         open.next_try = now.plus_seconds(open.pause_s);
-        open.pause_s *= 2.0;
+        open.pause_s = (open.pause_s * 2.0).min(at_most_s);
         let body = open.body.clone();
         Some((open.to, Question { id: *id, body }))
     }
