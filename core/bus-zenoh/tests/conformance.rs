@@ -1,4 +1,5 @@
 //! Zenoh over loopback passes the suite of every transport, in real time, over TCP and over UDP.
+#![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
 use skein_bus::conformance::{self, Rig};
 use skein_bus::transport::{Class, To, Transport};

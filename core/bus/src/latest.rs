@@ -2,7 +2,7 @@
 //!
 //! Must never do: queue values; hand out a value that is older than one handed out before.
 //!
-//! What did not change is told again now and then, so that a loss is made good and a node that joins comes to know it. A link too slow for all
+//! What did not change is told again, soon at first and then now and then, so that a loss is made good and a node that joins comes to know it. A link too slow for all
 //! carries each less often: the key that has waited longest goes first.
 
 use crate::seal::Boot;
@@ -22,7 +22,7 @@ pub struct Entry {
     /// Which.
     #[n(0)]
     pub key: Key,
-    /// Counts from 1 per key and run of the sender.
+    /// Counts from 1 per run of the sender, over all keys: one that is told again after it was given up is newer than before.
     #[n(1)]
     pub version: u64,
     /// The value.
@@ -35,7 +35,9 @@ pub struct Entry {
 pub struct StateSettings {
     /// Two tellings of one value are at least so far apart, in seconds.
     pub no_sooner_than_s: f64,
-    /// A value that does not change is told again after so long, in seconds.
+    /// A value that has changed is told again after so long, in seconds, for it may have been lost; then after twice as long, and so on.
+    pub again_soon_s: f64,
+    /// In the end a value that does not change is told again after so long, in seconds: who joins waits no longer for it.
     pub again_after_s: f64,
 }
 
@@ -43,6 +45,7 @@ impl Default for StateSettings {
     fn default() -> Self {
         Self {
             no_sooner_than_s: 0.02,
+            again_soon_s: 0.15,
             again_after_s: 1.0,
         }
     }
@@ -76,12 +79,15 @@ struct Told {
     /// When it was last told; none if never.
     last: Option<NodeTime>,
     due: NodeTime,
+    /// How long after that it is told again.
+    pause_s: f64,
 }
 
 /// What this node tells.
 #[derive(Debug)]
 pub struct Telling {
     settings: StateSettings,
+    last: u64,
     values: BTreeMap<Key, Told>,
 }
 
@@ -91,6 +97,7 @@ impl Telling {
     pub fn new(settings: StateSettings) -> Self {
         Self {
             settings,
+            last: 0,
             values: BTreeMap::new(),
         }
     }
@@ -109,9 +116,12 @@ impl Telling {
             value: Vec::new(),
             last: None,
             due: now,
+            pause_s: 0.0,
         });
-        told.version += 1;
+        self.last += 1;
+        told.version = self.last;
         told.value = value;
+        told.pause_s = self.settings.again_soon_s;
         let soonest = told
             .last
             .map_or(now, |last| last.plus_seconds(self.settings.no_sooner_than_s));
@@ -150,7 +160,8 @@ impl Telling {
                 break;
             }
             told.last = Some(now);
-            told.due = now.plus_seconds(self.settings.again_after_s);
+            told.due = now.plus_seconds(told.pause_s);
+            told.pause_s = (told.pause_s * 2.0).min(self.settings.again_after_s);
             entries.push(Entry {
                 key,
                 version: told.version,

@@ -374,10 +374,9 @@ impl Header {
             _ => return None,
         };
         let class = *crate::transport::CLASSES.get(usize::from(*class))?;
-        let mut numbers = numbers.chunks_exact(8).map(|chunk| {
-            let value = chunk.iter().fold(0_u64, |value, byte| value << 8 | u64::from(*byte));
-            value
-        });
+        let mut numbers = numbers
+            .chunks_exact(8)
+            .map(|chunk| chunk.iter().fold(0_u64, |value, byte| value << 8 | u64::from(*byte)));
         let header = Self {
             kind: kind_of,
             to_all: kind & 0x80 != 0,

@@ -28,7 +28,7 @@ proptest! {
     fn it_comes_whole_once_and_unchanged(length in 0_usize..9000, seed in any::<u64>(), loss in 0.0_f64..0.5) {
         let mut chance = ChaCha8Rng::seed_from_u64(seed);
         let settings = BulkSettings::default();
-        let thing: Vec<u8> = (0..length).map(|index| (index * 7 >> 2) as u8).collect();
+        let thing: Vec<u8> = (0..length).map(|index| ((index * 7) >> 2) as u8).collect();
         let (mut sending, mut receiving) = (Sending::new(settings), Receiving::new(settings));
         let id = sending.send(at(0.0), OTHER, thing.clone(), 50).unwrap();
         let (mut there, mut back) = (Vec::new(), Vec::new());

@@ -23,15 +23,15 @@ fn only_the_newest_is_told_and_what_does_not_change_again_later() {
     let told = telling.next(at(1.0), 1000);
     assert_eq!(told.len(), 1);
     assert_eq!((told[0].version, &told[0].value[..]), (5, &[4_u8][..]));
-    assert!(telling.next(at(1.5), 1000).is_empty());
-    assert_eq!(telling.wakes_at(), Some(at(2.0)));
-    assert_eq!(telling.next(at(2.0), 1000)[0].version, 5);
-    telling.set(at(2.001), Key(1), vec![9]).unwrap();
-    assert!(
-        telling.next(at(2.001), 1000).is_empty(),
-        "no sooner than the least time"
-    );
-    assert_eq!(telling.next(at(2.02), 1000)[0].value, [9]);
+    for again_s in [1.15, 1.45, 2.05, 3.05, 4.05] {
+        assert_eq!(telling.wakes_at(), Some(at(again_s)));
+        assert!(telling.next(at(again_s - 0.01), 1000).is_empty());
+        assert_eq!(telling.next(at(again_s), 1000)[0].version, 5);
+    }
+    telling.set(at(4.051), Key(1), vec![9]).unwrap();
+    let too_soon = telling.next(at(4.051), 1000);
+    assert!(too_soon.is_empty(), "no sooner than the least time");
+    assert_eq!(telling.next(at(4.07), 1000)[0].value, [9]);
 }
 
 #[test]
@@ -72,4 +72,16 @@ fn there_is_a_bound_of_values() {
     assert!(!heard.is_new(NodeId(1), Boot(1), &entry(9999, 1)));
     telling.forget(Key(0));
     assert_eq!(telling.set(at(0.0), Key(9999), Vec::new()), Ok(()));
+}
+
+#[test]
+fn a_value_told_again_after_it_was_given_up_is_new() {
+    let mut telling = Telling::new(StateSettings::default());
+    let mut heard = Heard::default();
+    for now in [at(0.0), at(1.0)] {
+        telling.set(now, Key(1), vec![1]).unwrap();
+        let told = telling.next(now, 1000).remove(0);
+        assert!(heard.is_new(NodeId(1), Boot(1), &told));
+        telling.forget(Key(1));
+    }
 }
