@@ -7,6 +7,7 @@ use crate::budget::{Budget, BudgetSettings, Traffic};
 use crate::bulk::{BulkError, BulkSettings, Have, Receiving, Sending};
 use crate::courier::{CourierSettings, Crowded, Inbox, Outbox, Outcome, Receipt};
 use crate::latest::{ENTRY_BYTES, Heard, Key, StateError, StateSettings, Telling};
+use crate::links::{Link, LinkSettings, Links, Rates};
 use crate::query::{Answer, Asking, QuerySettings, TooManyOpen};
 use crate::seal::{Boot, Refused, SEAL_BYTES, Seal, SwarmKey};
 use crate::transport::{Class, SendError, To, Transport};
@@ -31,8 +32,10 @@ pub struct BusSettings {
     pub query: QuerySettings,
     /// Of bulk.
     pub bulk: BulkSettings,
-    /// Of all that is sent.
+    /// Of all that is sent, at most.
     pub budget: BudgetSettings,
+    /// How links are measured, and the rate with them.
+    pub links: LinkSettings,
 }
 
 impl Default for BusSettings {
@@ -44,6 +47,7 @@ impl Default for BusSettings {
             query: QuerySettings::default(),
             bulk: BulkSettings::default(),
             budget: BudgetSettings::default(),
+            links: LinkSettings::default(),
         }
     }
 }
@@ -194,6 +198,9 @@ pub struct Bus {
     sending: Sending,
     receiving: Receiving,
     budget: Budget,
+    /// Of bulk alone, within the other one.
+    bulk_budget: Budget,
+    links: Links,
     /// Challenges and proofs, sealed already.
     proofs: VecDeque<(NodeId, Vec<u8>)>,
     receipts: BTreeMap<NodeId, Receipt>,
@@ -211,6 +218,11 @@ impl Bus {
         let mut budget = settings.budget;
         // Bulk leaves half of the burst to the others; a datagram of it must fit into the other half.
         budget.burst_bytes = budget.burst_bytes.max(4.0 * settings.datagram_bytes as f64);
+        // Short bursts: a datagram of bulk is long on the air, and others wait for it.
+        let bulk_budget = BudgetSettings {
+            burst_bytes: 2.0 * settings.datagram_bytes as f64,
+            ..budget
+        };
         Self {
             settings,
             me,
@@ -224,6 +236,8 @@ impl Bus {
             sending: Sending::new(settings.bulk),
             receiving: Receiving::new(settings.bulk),
             budget: Budget::new(budget, now),
+            bulk_budget: Budget::new(bulk_budget, now),
+            links: Links::new(settings.links, budget.bytes_per_s, now),
             proofs: VecDeque::new(),
             receipts: BTreeMap::new(),
             answers: VecDeque::new(),
@@ -315,8 +329,21 @@ impl Bus {
         self.sending.send(now, to, body, chunk_bytes)
     }
 
-    /// Changes what may be sent per second.
+    /// How the links to the others are.
+    pub fn links(&self) -> impl Iterator<Item = (NodeId, Link)> {
+        self.links.known()
+    }
+
+    /// What is sent per second at present, at most: as much as may be, or as the links bear.
+    #[must_use]
+    pub fn rates(&self) -> Rates {
+        self.links.rates()
+    }
+
+    /// Changes what may be sent per second at most.
     pub fn set_bytes_per_s(&mut self, now: NodeTime, bytes_per_s: f64) {
+        self.links.set_most_bytes_per_s(bytes_per_s);
+        self.bulk_budget.set_bytes_per_s(now, bytes_per_s);
         self.budget.set_bytes_per_s(now, bytes_per_s);
     }
 

@@ -5,6 +5,7 @@
 use crate::bulk::{Chunk, Have};
 use crate::courier::{Parcel, Receipt};
 use crate::latest::Entry;
+use crate::links::Report;
 use crate::query::{Answer, Question};
 use minicbor::{Decode, Encode};
 
@@ -32,6 +33,9 @@ pub enum Frame {
     /// What has been received of something large.
     #[n(6)]
     Have(#[n(0)] Have),
+    /// How its sender hears the others.
+    #[n(7)]
+    Report(#[n(0)] Report),
 }
 
 /// What a frame costs beside the body of a command, question, answer or chunk, at most.

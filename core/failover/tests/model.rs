@@ -360,6 +360,23 @@ fn two_candidates_and_a_vehicle_keep_the_properties() {
 }
 
 #[test]
+fn more_candidates_more_terms_and_more_of_both_keep_them_too() {
+    let swarms = [
+        ("three candidates", sound(vec![Some(3), Some(2), Some(1)], 2, 0)),
+        (
+            "two candidates and a vehicle over three terms",
+            sound(vec![Some(2), Some(1), None], 3, 0),
+        ),
+        ("two candidates over four terms", sound(vec![Some(2), Some(1)], 4, 1)),
+    ];
+    for (name, swarm) in swarms {
+        let checker = explored(swarm);
+        report(name, &checker);
+        checker.assert_properties();
+    }
+}
+
+#[test]
 fn broken_rules_are_found() {
     let found = [
         (Broken::ObeysTheBetter, "no vehicle obeys two holders in one term"),

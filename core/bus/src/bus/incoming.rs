@@ -99,6 +99,14 @@ impl Bus {
                 push_bounded(&mut self.haves, (from, have));
                 whole.into_iter().map(|body| Event::Bulk { from, body }).collect()
             }
+            Frame::Report(report) => {
+                self.links.take(now, (self.me, self.boot), from, boot, &report);
+                self.links.adapt(now, self.sent.rate_bytes_per_s(now));
+                let rates = self.links.rates();
+                self.budget.set_bytes_per_s(now, rates.all_bytes_per_s);
+                self.bulk_budget.set_bytes_per_s(now, rates.bulk_bytes_per_s);
+                Vec::new()
+            }
             Frame::Have(have) => {
                 let ended = self.sending.have(now, from, &have).into_iter();
                 ended

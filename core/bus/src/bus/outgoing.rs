@@ -25,23 +25,30 @@ impl Bus {
         let waits = |class: Class, due: Option<NodeTime>| {
             due.and_then(|due| Some(due.max(self.budget.allows_at(class, bytes)?)))
         };
+        let bulk = self.bulk_budget.allows_at(Class::Query, bytes);
         let moments = [
             waits(Class::Command, if at_once { Some(now) } else { commands }),
             waits(Class::State, self.telling.wakes_at()),
+            waits(Class::State, Some(self.links.wakes_at())),
             waits(Class::Query, if later { Some(now) } else { self.asking.wakes_at() }),
-            waits(Class::Bulk, self.sending.wakes_at(now)),
+            waits(Class::Bulk, self.sending.wakes_at(now)).map(|at| bulk.map_or(at, |bulk| at.max(bulk))),
         ];
         moments.into_iter().flatten().min()
     }
 
     fn next_of(&mut self, now: NodeTime, class: Class) -> Option<Outgoing> {
         // The budget must have room for a whole datagram before one is made: what is made is as new as it can be.
-        if !self.budget.allows(now, class, self.settings.datagram_bytes) {
+        let most = self.settings.datagram_bytes;
+        let bulk_waits = class == Class::Bulk && !self.bulk_budget.allows(now, Class::Query, most);
+        if bulk_waits || !self.budget.allows(now, class, most) {
             return None;
         }
         let outgoing = self.made(now, class)?;
         let bytes = outgoing.bytes.len();
         self.budget.spend(now, bytes);
+        if class == Class::Bulk {
+            self.bulk_budget.spend(now, bytes);
+        }
         self.sent.count(now, class, bytes);
         Some(outgoing)
     }
@@ -57,8 +64,12 @@ impl Bus {
             Class::Command => self.command(now)?,
             Class::State => {
                 let room_bytes = self.settings.datagram_bytes.saturating_sub(SEAL_BYTES + 8);
-                let entries = self.telling.next(now, room_bytes);
-                (!entries.is_empty()).then_some((To::All, Frame::State(entries)))?
+                let report = self.links.report(now, room_bytes);
+                let frame = report.map(Frame::Report).or_else(|| {
+                    let entries = self.telling.next(now, room_bytes);
+                    (!entries.is_empty()).then_some(Frame::State(entries))
+                });
+                (To::All, frame?)
             }
             Class::Query => self.query(now)?,
             Class::Bulk => {
