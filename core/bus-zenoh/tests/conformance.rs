@@ -1,10 +1,12 @@
-//! Zenoh over loopback passes the suite of every transport, in real time, over TCP and over UDP.
+//! Zenoh over loopback passes the suite of every transport, in real time: over TCP, UDP, and over TLS and QUIC with certificates.
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
+use rcgen::{BasicConstraints, CertificateParams, CertifiedIssuer, IsCa, KeyPair};
 use skein_bus::conformance::{self, Rig};
 use skein_bus::transport::{Class, To, Transport};
 use skein_bus_zenoh::{OpenError, Zenoh, ZenohSettings};
 use skein_domain::{NodeId, NodeTime};
+use std::collections::BTreeMap;
 use std::net::{TcpListener, UdpSocket};
 use std::time::{Duration, Instant};
 
@@ -13,6 +15,7 @@ struct Loopback {
     begun: Instant,
     swarm: String,
     protocol: &'static str,
+    extra: BTreeMap<String, String>,
     /// Of each node that was there, in its order.
     endpoints: Vec<(NodeId, String)>,
 }
@@ -23,6 +26,7 @@ impl Loopback {
             begun: Instant::now(),
             swarm: format!("test-{}", free_port()),
             protocol,
+            extra: BTreeMap::new(),
             endpoints: Vec::new(),
         }
     }
@@ -49,6 +53,7 @@ impl Rig for Loopback {
         let settings = ZenohSettings {
             listen: vec![listen.clone()],
             connect: self.endpoints.iter().map(|(_, endpoint)| endpoint.clone()).collect(),
+            extra: self.extra.clone(),
             ..ZenohSettings::default()
         };
         self.endpoints.push((node, listen));
@@ -69,6 +74,86 @@ fn the_suite_is_passed_over_tcp() {
 #[test]
 fn the_suite_is_passed_over_udp() {
     conformance::all(|| Loopback::new("udp"));
+}
+
+/// An authority and one certificate of it for this host, in files.
+struct Certificates {
+    folder: tempfile::TempDir,
+}
+
+impl Certificates {
+    fn new() -> Self {
+        let mut authority = CertificateParams::new(Vec::new()).unwrap();
+        authority.is_ca = IsCa::Ca(BasicConstraints::Unconstrained);
+        let authority = CertifiedIssuer::self_signed(authority, KeyPair::generate().unwrap()).unwrap();
+        let key = KeyPair::generate().unwrap();
+        let names = vec!["127.0.0.1".to_owned(), "localhost".to_owned()];
+        let node = CertificateParams::new(names)
+            .unwrap()
+            .signed_by(&key, &authority)
+            .unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: String| std::fs::write(folder.path().join(name), text).unwrap();
+        write("authority.pem", authority.pem());
+        write("node.pem", node.pem());
+        write("key.pem", key.serialize_pem());
+        Self { folder }
+    }
+
+    /// Both sides show certificates of this authority, and ask for them.
+    fn settings(&self) -> BTreeMap<String, String> {
+        let file = |name: &str| format!("{:?}", self.folder.path().join(name).display().to_string());
+        let pairs = [
+            ("root_ca_certificate", file("authority.pem")),
+            ("listen_certificate", file("node.pem")),
+            ("listen_private_key", file("key.pem")),
+            ("connect_certificate", file("node.pem")),
+            ("connect_private_key", file("key.pem")),
+            ("enable_mtls", "true".to_owned()),
+        ];
+        let keyed = pairs.map(|(key, value)| (format!("transport/link/tls/{key}"), value));
+        keyed.into_iter().collect()
+    }
+}
+
+#[test]
+fn the_suite_is_passed_over_tls_and_quic_with_certificates() {
+    let certificates = Certificates::new();
+    for protocol in ["tls", "quic"] {
+        println!("{protocol}");
+        conformance::all(|| Loopback {
+            extra: certificates.settings(),
+            ..Loopback::new(protocol)
+        });
+    }
+}
+
+#[test]
+fn who_has_a_certificate_of_another_authority_is_not_let_in() {
+    let (ours, theirs) = (Certificates::new(), Certificates::new());
+    let mut rig = Loopback {
+        extra: ours.settings(),
+        ..Loopback::new("tls")
+    };
+    let mut a = rig.join(NodeId(1));
+    let mut b = rig.join(NodeId(2));
+    rig.extra = theirs.settings();
+    let mut stranger = rig.join(NodeId(3));
+    let mut got = 0;
+    for _ in 0..2000 {
+        let now = rig.step();
+        for node in [&mut a, &mut stranger] {
+            node.send(now, To::All, Class::State, b"here").unwrap();
+        }
+        let at_b = b.receive(now);
+        assert!(at_b.as_ref().is_none_or(|datagram| datagram.from == NodeId(1)));
+        got += usize::from(at_b.is_some());
+        assert_eq!(stranger.receive(now), None);
+        if got > 200 {
+            return;
+        }
+    }
+    panic!("only {got} arrived");
 }
 
 #[test]
