@@ -37,11 +37,12 @@ type OneScene<R> = fn(&mut R);
 
 /// Runs all scenes, each over a rig of its own.
 pub fn all<R: Rig>(rig: impl Fn() -> R) {
-    let scenes: [(&str, OneScene<R>); 9] = [
+    let scenes: [(&str, OneScene<R>); 10] = [
         (
             "datagrams go where they are meant to",
             scenes::datagrams_go_where_they_are_meant_to,
         ),
+        ("who waits is woken", scenes::who_waits_is_woken),
         ("the newest state is known", scenes::the_newest_state_is_known),
         (
             "who joins late learns what is so",

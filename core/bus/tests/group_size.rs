@@ -52,10 +52,10 @@ fn cost(size: u64) -> Cost {
         let now = NodeTime(step * STEP_US);
         for (index, (bus, radio)) in nodes.iter_mut().enumerate() {
             let turn = step + index as u64;
-            if turn % 5 == 0 {
+            if turn.is_multiple_of(5) {
                 bus.tell(now, Key(1), BEACON.to_vec()).unwrap();
             }
-            if turn % 10 == 0 {
+            if turn.is_multiple_of(10) {
                 bus.tell(now, Key(2), PLACE.to_vec()).unwrap();
             }
             if index == 0 && step == 1 {

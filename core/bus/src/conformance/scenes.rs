@@ -8,6 +8,8 @@ use crate::courier::Outcome;
 use crate::latest::Key;
 use crate::transport::{CLASSES, Class, Datagram, SendError, To, Transport};
 use skein_domain::NodeId;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Sends over and over, for a transport may lose; gives what each of the others got.
 fn sent_until_there<R: Rig>(
@@ -68,6 +70,22 @@ pub(super) fn datagrams_go_where_they_are_meant_to<R: Rig>(rig: &mut R) {
     assert!(matches!(too_large, Err(SendError::TooLarge { .. })), "{too_large:?}");
     let nobody = nodes[0].send(now, To::One(NodeId(0xdead)), Class::State, b"?");
     assert_eq!(nobody, Ok(()), "that nobody is there is no error");
+}
+
+/// Whoever sleeps until something arrives is woken when it does.
+pub(super) fn who_waits_is_woken<R: Rig>(rig: &mut R) {
+    let (mut a, mut b) = (rig.join(A), rig.join(B));
+    let woken = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&woken);
+    b.wake_on_arrival(Arc::new(move || flag.store(true, Ordering::Release)));
+    let begun = rig.step();
+    while !woken.load(Ordering::Acquire) {
+        let now = rig.step();
+        assert!(now.seconds_since(begun) < PATIENCE_S, "nobody is woken");
+        assert_eq!(a.send(now, To::One(B), Class::Command, b"wake up"), Ok(()));
+    }
+    let now = rig.step();
+    assert!(b.receive(now).is_some(), "woken for nothing");
 }
 
 /// Values arrive in the order of their versions, some may be passed over, and the last one arrives.

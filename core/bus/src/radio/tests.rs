@@ -212,3 +212,21 @@ fn all_share_the_airtime_and_what_would_wait_too_long_is_dropped() {
     let took_s = last.seconds_since(now);
     assert!((took_s - 0.52).abs() < 0.03, "{took_s}");
 }
+
+#[test]
+fn it_says_when_something_in_the_air_arrives() {
+    let settings = AirSettings {
+        delay_s: 0.2,
+        ..AirSettings::default()
+    };
+    let mut rig = Behind::new(settings, 2);
+    let (mut a, mut b) = (rig.join(A), rig.join(B));
+    assert_eq!(a.due(), None);
+    a.send(NodeTime::from_seconds(1.0), To::One(B), Class::State, b"x")
+        .unwrap();
+    let due = a.due().unwrap();
+    assert_eq!(due, NodeTime::from_seconds(1.2));
+    let early = NodeTime(due.0 - 1);
+    assert!(a.receive(early).is_none() && b.receive(early).is_none());
+    assert!(a.receive(due).is_none() && b.receive(due).is_some());
+}
