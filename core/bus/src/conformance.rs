@@ -240,3 +240,6 @@ fn number(body: &[u8]) -> u32 {
 fn body(number: u32) -> Vec<u8> {
     number.to_be_bytes().to_vec()
 }
+
+#[cfg(test)]
+mod tests;
