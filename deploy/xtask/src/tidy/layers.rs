@@ -5,13 +5,12 @@ use crate::workspace::{Package, Workspace};
 
 /// The crates of `core` from the binary to the words; each may depend on what stands below it.
 /// Names of crates that are not built yet keep their place.
-const ORDER: [&str; 17] = [
+const ORDER: [&str; 16] = [
     "skein",
     "skein-api",
     "skein-runtime",
     "skein-link-px4",
     "skein-link-dds",
-    "skein-bus-zenoh",
     "skein-bus",
     "skein-recorder",
     "skein-plugin-host",
