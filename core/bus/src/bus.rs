@@ -13,7 +13,7 @@ use crate::seal::{Boot, Refused, SEAL_BYTES, Seal, SwarmKey};
 use crate::transport::{Class, SendError, To, Transport};
 use crate::wire::FRAME_BYTES;
 use skein_domain::{NodeId, NodeTime};
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use thiserror::Error;
 
 mod incoming;
@@ -34,6 +34,8 @@ pub struct BusSettings {
     pub bulk: BulkSettings,
     /// Of all that is sent, at most.
     pub budget: BudgetSettings,
+    /// The transport sends what is for all to each by itself: it counts as often.
+    pub sends_to_each: bool,
     /// How links are measured, and the rate with them.
     pub links: LinkSettings,
 }
@@ -47,6 +49,7 @@ impl Default for BusSettings {
             query: QuerySettings::default(),
             bulk: BulkSettings::default(),
             budget: BudgetSettings::default(),
+            sends_to_each: false,
             links: LinkSettings::default(),
         }
     }
@@ -183,6 +186,11 @@ pub struct Outgoing {
 /// Answers and receipts that wait to be sent; of more the oldest is dropped, which its asker makes good.
 const MOST_REPLIES: usize = 1024;
 
+/// The share of what may be sent that goes to values which have not changed of late: who joins learns them from that, gradually.
+const RESTING_SHARE: f64 = 0.25;
+/// No burst is longer than what may be sent in this time, in seconds, but for a few datagrams.
+const LONGEST_BURST_S: f64 = 0.5;
+
 /// One node's end of the bus.
 #[derive(Debug)]
 pub struct Bus {
@@ -200,12 +208,16 @@ pub struct Bus {
     budget: Budget,
     /// Of bulk alone, within the other one.
     bulk_budget: Budget,
+    /// Of values that have not changed of late, within the other one.
+    resting_budget: Budget,
     links: Links,
     /// Challenges and proofs, sealed already.
     proofs: VecDeque<(NodeId, Vec<u8>)>,
     receipts: BTreeMap<NodeId, Receipt>,
     answers: VecDeque<(NodeId, Answer)>,
     haves: VecDeque<(NodeId, Have)>,
+    /// Of whom this node lacks bases, and of which keys.
+    lacking: BTreeMap<NodeId, BTreeSet<Key>>,
     sent: Traffic,
     received: BTreeMap<NodeId, Traffic>,
     not_understood: u64,
@@ -217,11 +229,20 @@ impl Bus {
     pub fn new(settings: BusSettings, key: SwarmKey, me: NodeId, boot: Boot, now: NodeTime) -> Self {
         let mut budget = settings.budget;
         // Bulk leaves half of the burst to the others; a datagram of it must fit into the other half.
-        budget.burst_bytes = budget.burst_bytes.max(4.0 * settings.datagram_bytes as f64);
+        // On a slow link a long burst is a long wait for everybody else.
+        let long_bytes = budget.bytes_per_s * LONGEST_BURST_S;
+        budget.burst_bytes = budget
+            .burst_bytes
+            .min(long_bytes)
+            .max(4.0 * settings.datagram_bytes as f64);
         // Short bursts: a datagram of bulk is long on the air, and others wait for it.
         let bulk_budget = BudgetSettings {
             burst_bytes: 2.0 * settings.datagram_bytes as f64,
             ..budget
+        };
+        let resting_budget = BudgetSettings {
+            bytes_per_s: budget.bytes_per_s * RESTING_SHARE,
+            ..bulk_budget
         };
         Self {
             settings,
@@ -237,11 +258,13 @@ impl Bus {
             receiving: Receiving::new(settings.bulk),
             budget: Budget::new(budget, now),
             bulk_budget: Budget::new(bulk_budget, now),
+            resting_budget: Budget::new(resting_budget, now),
             links: Links::new(settings.links, budget.bytes_per_s, now),
             proofs: VecDeque::new(),
             receipts: BTreeMap::new(),
             answers: VecDeque::new(),
             haves: VecDeque::new(),
+            lacking: BTreeMap::new(),
             sent: Traffic::default(),
             received: BTreeMap::new(),
             not_understood: 0,
@@ -344,6 +367,7 @@ impl Bus {
     pub fn set_bytes_per_s(&mut self, now: NodeTime, bytes_per_s: f64) {
         self.links.set_most_bytes_per_s(bytes_per_s);
         self.bulk_budget.set_bytes_per_s(now, bytes_per_s);
+        self.resting_budget.set_bytes_per_s(now, bytes_per_s * RESTING_SHARE);
         self.budget.set_bytes_per_s(now, bytes_per_s);
     }
 

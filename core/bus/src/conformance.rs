@@ -35,9 +35,9 @@ const C: NodeId = NodeId(0xc3);
 /// One scene over a rig of its own.
 type OneScene<R> = fn(&mut R);
 
-/// Runs all scenes, each over a rig of its own.
-pub fn all<R: Rig>(rig: impl Fn() -> R) {
-    let scenes: [(&str, OneScene<R>); 10] = [
+/// All scenes, by name.
+fn scenes<R: Rig>() -> [(&'static str, OneScene<R>); 10] {
+    [
         (
             "datagrams go where they are meant to",
             scenes::datagrams_go_where_they_are_meant_to,
@@ -63,11 +63,27 @@ pub fn all<R: Rig>(rig: impl Fn() -> R) {
         ),
         ("strangers are not heard", scenes::strangers_are_not_heard),
         ("what was recorded is of no use", scenes::what_was_recorded_is_of_no_use),
-    ];
-    for (name, scene) in scenes {
+    ]
+}
+
+/// Runs all scenes, each over a rig of its own.
+pub fn all<R: Rig>(rig: impl Fn() -> R) {
+    for (name, scene) in scenes() {
         println!("  {name}");
         scene(&mut rig());
     }
+}
+
+/// Runs all scenes at once, each on a thread of its own: for rigs of real time, of which most is waiting.
+pub fn all_at_once<R: Rig>(rig: impl Fn() -> R + Sync) {
+    std::thread::scope(|threads| {
+        for (name, scene) in scenes() {
+            let rig = &rig;
+            let thread = std::thread::Builder::new().name(name.to_owned());
+            let begun = thread.spawn_scoped(threads, move || scene(&mut rig()));
+            assert!(begun.is_ok(), "{begun:?}");
+        }
+    });
 }
 
 /// One node on the bus, with what has happened to it.

@@ -13,11 +13,13 @@ pub mod bus;
 #[cfg(any(test, feature = "conformance"))]
 pub mod conformance;
 pub mod courier;
+pub mod delta;
 pub mod latest;
 pub mod links;
 pub mod local;
 pub mod query;
 pub mod radio;
+pub mod redundant;
 pub mod seal;
 pub mod transport;
 pub mod wire;

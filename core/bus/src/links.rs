@@ -4,7 +4,7 @@
 //!
 //! Every node tells now and then when it did so by its own clock, and for each of those it hears their latest such moment, how long ago it
 //! came, and how much later than the quickest of late. So each learns of every other the round trip and the clock's offset (as NTP does), and
-//! how full the way to it is (as LEDBAT does).
+//! how full the way to it is (as LEDBAT does). A way that has become longer looks like one that is full, until the quicker one is forgotten.
 
 use crate::seal::Boot;
 use minicbor::{Decode, Encode};
@@ -51,7 +51,8 @@ pub struct LinkSettings {
     pub full_after_s: f64,
     /// Those that wait longer than this mean that it is overfull, in seconds: everything is slowed down.
     pub overfull_after_s: f64,
-    /// Nothing is ever slowed down below this, in bytes per second.
+    /// Nothing is ever slowed down below this, in bytes per second of what is for all, as often as it is sent; with more than [`MANY`] nodes
+    /// this is what that many have together.
     pub least_bytes_per_s: f64,
 }
 
@@ -60,7 +61,7 @@ impl Default for LinkSettings {
         Self {
             every_s: 0.5,
             full_after_s: 0.08,
-            overfull_after_s: 0.3,
+            overfull_after_s: 0.2,
             least_bytes_per_s: 1000.0,
         }
     }
@@ -70,8 +71,9 @@ impl Default for LinkSettings {
 pub const MANY: usize = 10;
 /// What one echo takes at most, in bytes.
 pub const ECHO_BYTES: usize = 48;
-/// For so long the quickest way is remembered, in seconds: twice over, so that there is always a full span.
-const QUICKEST_OVER_S: f64 = 30.0;
+/// For so long the quickest way is remembered, in seconds: twice over, so that there is always a full span. A full way is empty again before, because everybody
+/// sends less; one that is still as long then has become longer.
+const QUICKEST_OVER_S: f64 = 10.0;
 /// Of so many round trips the shortest one's offset counts: it is the least disturbed (NTP's clock filter).
 const FILTERED: usize = 8;
 /// A word about a full link counts for so long, in seconds.
@@ -80,8 +82,10 @@ const FULL_FOR_S: f64 = 2.0;
 const SLOWER: f64 = 0.7;
 const FASTER: f64 = 1.05;
 /// What an overfull link leaves of what was used, and how the limit grows again when it is not.
-const LESS: f64 = 0.9;
+const LESS: f64 = 0.85;
 const MORE: f64 = 1.1;
+/// How much more may at least be sent on each of several ways than on one for all: what the places of a vehicle and signs of life take. Whose radio bears less must be told so.
+const OWN_WAY: f64 = 5.0;
 
 /// How the link to one node is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -180,13 +184,17 @@ impl Links {
         self.due
     }
 
+    /// How many times as many nodes there are as are many; one if they are fewer.
+    fn crowd(&self) -> f64 {
+        (self.peers.len() as f64 / MANY as f64).max(1.0)
+    }
+
     /// The report to tell now, if it is due, with as many echoes as fit into so many bytes.
     pub fn report(&mut self, now: NodeTime, room_bytes: usize) -> Option<Report> {
         if now < self.due {
             return None;
         }
-        let crowd = (self.peers.len() as f64 / MANY as f64).max(1.0);
-        self.due = now.plus_seconds(self.settings.every_s * crowd);
+        self.due = now.plus_seconds(self.settings.every_s * self.crowd());
         let most = (room_bytes / ECHO_BYTES).max(1);
         let from_turn = self.peers.range(self.turn..).chain(self.peers.range(..self.turn));
         let mut echoes = from_turn.map(|(node, peer)| Echo {
@@ -218,38 +226,43 @@ impl Links {
         }
     }
 
-    /// Slower while the ways are full, bulk first, faster again when they are not. `used_bytes_per_s` is what is sent at present.
-    pub fn adapt(&mut self, now: NodeTime, used_bytes_per_s: f64) {
+    /// Slower while the ways are full, bulk first, faster again when they are not. `used_bytes_per_s` is what is sent at present, and what is
+    /// for all is sent `copies` times.
+    pub fn adapt(&mut self, now: NodeTime, used_bytes_per_s: f64, copies: usize) {
         if now.seconds_since(self.adapted) < self.settings.every_s {
             return;
         }
         self.adapted = now;
-        let links = self.peers.values().filter_map(|peer| peer.link);
-        let recent = links.filter(|link| now.seconds_since(link.at) <= FULL_FOR_S);
-        let mut queued: Vec<f64> = recent.map(|link| link.queued_s).collect();
-        queued.sort_by(f64::total_cmp);
-        // The middle one: a single bad link must not slow the others down.
-        let Some(middle_s) = queued.get(queued.len() / 2) else {
-            return;
-        };
+        let queue_s = self.middle_wait_s(now);
         let most = self.most_bytes_per_s;
-        let least = self.settings.least_bytes_per_s.min(most);
+        // Who is sent to by itself has a way of its own, on which there is more room than on one that all share.
+        let ways = if copies > 1 { OWN_WAY * copies as f64 } else { 1.0 };
+        let least = (self.settings.least_bytes_per_s * ways / self.crowd()).min(most);
         let Rates {
             all_bytes_per_s: all,
             bulk_bytes_per_s: bulk,
         } = self.rates;
-        let full = *middle_s > self.settings.full_after_s;
-        let overfull = *middle_s > self.settings.overfull_after_s;
-        let all = if overfull {
+        let all = if queue_s > self.settings.overfull_after_s {
             all.min(used_bytes_per_s) * LESS
         } else {
             all * MORE
         };
+        let full = queue_s > self.settings.full_after_s;
         let bulk = bulk * if full { SLOWER } else { FASTER };
         self.rates = Rates {
             all_bytes_per_s: all.max(least).min(most),
             bulk_bytes_per_s: bulk.max(least).min(most),
         };
+    }
+
+    /// How long datagrams wait on the middle one of the ways, in seconds: a single bad link must not slow the others down. Whom nobody echoes has no sign that
+    /// its ways are full; were it kept as slow as it was then, it might never be heard again.
+    fn middle_wait_s(&self, now: NodeTime) -> f64 {
+        let links = self.peers.values().filter_map(|peer| peer.link);
+        let recent = links.filter(|link| now.seconds_since(link.at) <= FULL_FOR_S);
+        let mut queued: Vec<f64> = recent.map(|link| link.queued_s).collect();
+        queued.sort_by(f64::total_cmp);
+        queued.get(queued.len() / 2).copied().unwrap_or(0.0)
     }
 }
 

@@ -105,6 +105,10 @@ impl<T: Transport> Transport for Radio<T> {
         self.inner.largest_bytes()
     }
 
+    fn sends_to_each(&self) -> bool {
+        self.inner.sends_to_each()
+    }
+
     fn send(&mut self, now: NodeTime, to: To, class: Class, bytes: &[u8]) -> Result<(), SendError> {
         let most = self.largest_bytes();
         if bytes.len() > most {

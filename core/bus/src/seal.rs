@@ -48,8 +48,10 @@ const VERSION: u8 = 1;
 const HEADER_BYTES: usize = 27;
 /// More runs of nodes than any swarm has; strangers make no entries.
 const MOST_PEERS: usize = 512;
-/// A proof is asked for, and given, so often at most, in seconds.
+/// A proof is asked for, and given, so often at most, in seconds; asked for again after twice as long each time.
 const PROOF_PAUSE_S: f64 = 0.15;
+/// So often that time is doubled: many who ask at once on a slow link must not keep it full.
+const PROOF_PAUSE_DOUBLES: u8 = 4;
 
 /// The secret is too short to protect anything.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
@@ -151,8 +153,8 @@ pub enum Opened {
 #[derive(Debug)]
 struct Peer {
     proven: Option<(Boot, Window)>,
-    /// The number that the next proof must answer, and when it was last asked for.
-    asked: Option<(u64, NodeTime)>,
+    /// The number that the next proof must answer, when it was last asked for, and how often before.
+    asked: Option<(u64, NodeTime, u8)>,
     answered: Option<NodeTime>,
 }
 
@@ -295,12 +297,13 @@ impl Seal {
     fn ask(&mut self, now: NodeTime, node: NodeId) {
         let next = self.asked + 1;
         let peer = self.peer(node);
-        let number = match peer.asked {
-            Some((_, at)) if now.seconds_since(at) < PROOF_PAUSE_S => return,
-            Some((number, _)) => number,
-            None => next,
+        let pause_s = |before: u8| PROOF_PAUSE_S * f64::from(1_u8 << before.min(PROOF_PAUSE_DOUBLES));
+        let (number, before) = match peer.asked {
+            Some((_, at, before)) if now.seconds_since(at) < pause_s(before) => return,
+            Some((number, _, before)) => (number, before.saturating_add(1)),
+            None => (next, 0),
         };
-        peer.asked = Some((number, now));
+        peer.asked = Some((number, now, before));
         self.asked = self.asked.max(number);
         let content = [self.boot.0.to_be_bytes(), number.to_be_bytes()].concat();
         let challenge = self.sealed(Kind::Challenge, To::One(node), Class::Command, &content);
@@ -330,7 +333,7 @@ impl Seal {
         let peer = self.peer(header.from);
         let answers = peer
             .asked
-            .is_some_and(|(number, _)| content == [me, number.to_be_bytes()].concat());
+            .is_some_and(|(number, ..)| content == [me, number.to_be_bytes()].concat());
         if !answers {
             self.refused.replayed += 1;
             return Opened::Nothing;

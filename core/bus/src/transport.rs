@@ -76,6 +76,11 @@ pub trait Transport: Send {
     /// The largest datagram it carries.
     fn largest_bytes(&self) -> usize;
 
+    /// Whether what is for all is sent to each of them by itself, and uses the air as often.
+    fn sends_to_each(&self) -> bool {
+        false
+    }
+
     /// Sends a datagram; that nobody is there is no error.
     ///
     /// # Errors
@@ -105,6 +110,10 @@ impl<T: Transport + ?Sized> Transport for Box<T> {
 
     fn largest_bytes(&self) -> usize {
         (**self).largest_bytes()
+    }
+
+    fn sends_to_each(&self) -> bool {
+        (**self).sends_to_each()
     }
 
     fn send(&mut self, now: NodeTime, to: To, class: Class, bytes: &[u8]) -> Result<(), SendError> {

@@ -4,7 +4,7 @@
 
 use crate::bulk::{Chunk, Have};
 use crate::courier::{Parcel, Receipt};
-use crate::latest::Entry;
+use crate::latest::{Entry, Key, News};
 use crate::links::Report;
 use crate::query::{Answer, Question};
 use minicbor::{Decode, Encode};
@@ -36,6 +36,12 @@ pub enum Frame {
     /// How its sender hears the others.
     #[n(7)]
     Report(#[n(0)] Report),
+    /// The newest values of some keys, of which some are told as differences.
+    #[n(8)]
+    News(#[n(0)] News),
+    /// Keys of the receiver whose bases its sender lacks.
+    #[n(9)]
+    Lacks(#[n(0)] Vec<Key>),
 }
 
 /// What a frame costs beside the body of a command, question, answer or chunk, at most.

@@ -325,3 +325,23 @@ fn a_node_started_again_with_its_old_state_takes_nothing_back() {
         assert_eq!(swarm.agreed(), successor, "seed {seed}");
     }
 }
+
+#[test]
+fn in_bad_air_the_office_seldom_changes_hands() {
+    let mut changes = 0;
+    for seed in 1..=10 {
+        let mut swarm = Swarm::new(&[Some(9), Some(5), Some(4), Some(3), Some(2), Some(1)], BAD, seed);
+        let took_s = swarm.until("a first coordinator", |swarm| swarm.agreed().is_some());
+        let first = swarm.agreed().unwrap();
+        swarm.run(60.0);
+        let obeyed = swarm.nodes.iter().filter_map(|node| node.office.obeyed());
+        let last = obeyed.map(|term| term.number).max().unwrap();
+        changes += last - first.number;
+        println!(
+            "seed {seed}: agreed after {took_s:.1} s on term {}, after a minute {last}",
+            first.number
+        );
+    }
+    println!("{changes} changes in ten minutes");
+    assert!(changes <= 3);
+}

@@ -2,9 +2,12 @@
 //!
 //! Must never do: act on a byte that the seal did not let through.
 
-use super::{Bus, Event, Ticket, push_bounded};
+use super::{Bus, Event, RESTING_SHARE, Ticket, push_bounded};
 use crate::courier::Inbox;
+use crate::latest::{Learned, News};
+use crate::links::Report;
 use crate::seal::{Boot, Opened};
+use crate::transport::To;
 use crate::wire::Frame;
 use skein_domain::{NodeId, NodeTime};
 
@@ -47,8 +50,31 @@ impl Bus {
         events
     }
 
+    fn news(&mut self, from: NodeId, boot: Boot, news: News) -> Vec<Event> {
+        let Learned { values, lacking } = self.heard.take(from, boot, news);
+        if !lacking.is_empty() {
+            let known = self.lacking.entry(from).or_default();
+            let room = crate::delta::MOST_KEYS.saturating_sub(known.len());
+            known.extend(lacking.into_iter().take(room));
+        }
+        let values = values.into_iter();
+        values.map(|(key, value)| Event::State { from, key, value }).collect()
+    }
+
+    fn report(&mut self, now: NodeTime, from: NodeId, boot: Boot, report: &Report) {
+        self.links.take(now, (self.me, self.boot), from, boot, report);
+        let copies = self.copies(now, To::All);
+        self.links.adapt(now, self.sent.rate_bytes_per_s(now), copies);
+        let rates = self.links.rates();
+        self.budget.set_bytes_per_s(now, rates.all_bytes_per_s);
+        self.bulk_budget.set_bytes_per_s(now, rates.bulk_bytes_per_s);
+        let resting_bytes_per_s = rates.all_bytes_per_s * RESTING_SHARE;
+        self.resting_budget.set_bytes_per_s(now, resting_bytes_per_s);
+    }
+
     fn joined(&mut self, node: NodeId, boot: Boot) -> Vec<Event> {
         let mut events = vec![Event::Joined { node, boot }];
+        self.telling.owe_all();
         if let Some(outbox) = self.outboxes.get_mut(&node) {
             events.extend(ended(node, outbox.met(boot)));
         }
@@ -58,14 +84,19 @@ impl Bus {
 
     fn frame(&mut self, now: NodeTime, from: NodeId, boot: Boot, frame: Frame) -> Vec<Event> {
         match frame {
-            Frame::State(entries) => {
-                let new = entries.into_iter().filter(|entry| self.heard.is_new(from, boot, entry));
-                let told = new.map(|entry| Event::State {
-                    from,
-                    key: entry.key,
-                    value: entry.value,
-                });
-                told.collect()
+            Frame::State(wholes) => {
+                let news = News {
+                    wholes,
+                    ..News::default()
+                };
+                self.news(from, boot, news)
+            }
+            Frame::News(news) => self.news(from, boot, news),
+            Frame::Lacks(keys) => {
+                for key in keys {
+                    self.telling.owe(key);
+                }
+                Vec::new()
             }
             // The seal knows the run; a parcel that names another one was put together wrongly.
             Frame::Parcel(parcel) if parcel.boot == boot => {
@@ -100,11 +131,7 @@ impl Bus {
                 whole.into_iter().map(|body| Event::Bulk { from, body }).collect()
             }
             Frame::Report(report) => {
-                self.links.take(now, (self.me, self.boot), from, boot, &report);
-                self.links.adapt(now, self.sent.rate_bytes_per_s(now));
-                let rates = self.links.rates();
-                self.budget.set_bytes_per_s(now, rates.all_bytes_per_s);
-                self.bulk_budget.set_bytes_per_s(now, rates.bulk_bytes_per_s);
+                self.report(now, from, boot, &report);
                 Vec::new()
             }
             Frame::Have(have) => {

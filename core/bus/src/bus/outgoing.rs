@@ -4,10 +4,14 @@
 
 use super::{Bus, Outgoing};
 use crate::courier::Outbox;
+use crate::links::Link;
 use crate::seal::SEAL_BYTES;
 use crate::transport::{CLASSES, Class, To};
 use crate::wire::Frame;
 use skein_domain::NodeTime;
+
+/// A node of which nothing was learned for longer is not sent to any more, in seconds.
+const THERE_S: f64 = 5.0;
 
 impl Bus {
     /// The next datagram to send now; none if nothing is due or the budget is used up.
@@ -19,16 +23,20 @@ impl Bus {
     #[must_use]
     pub fn wakes_at(&self, now: NodeTime) -> Option<NodeTime> {
         let at_once = !(self.proofs.is_empty() && self.receipts.is_empty());
-        let later = !(self.answers.is_empty() && self.haves.is_empty());
+        let later = !(self.answers.is_empty() && self.haves.is_empty() && self.lacking.is_empty());
         let commands = self.outboxes.values().filter_map(Outbox::wakes_at).min();
         let bytes = self.settings.datagram_bytes;
         let waits = |class: Class, due: Option<NodeTime>| {
             due.and_then(|due| Some(due.max(self.budget.allows_at(class, bytes)?)))
         };
         let bulk = self.bulk_budget.allows_at(Class::Query, bytes);
+        let [changed, resting] = self.telling.wakes_at();
+        let may_rest = self.resting_budget.allows_at(Class::Query, bytes);
         let moments = [
             waits(Class::Command, if at_once { Some(now) } else { commands }),
-            waits(Class::State, self.telling.wakes_at()),
+            waits(Class::State, changed),
+            waits(Class::Command, self.telling.small_wakes_at()),
+            waits(Class::State, resting).map(|at| may_rest.map_or(at, |may| at.max(may))),
             waits(Class::State, Some(self.links.wakes_at())),
             waits(Class::Query, if later { Some(now) } else { self.asking.wakes_at() }),
             waits(Class::Bulk, self.sending.wakes_at(now)).map(|at| bulk.map_or(at, |bulk| at.max(bulk))),
@@ -40,17 +48,33 @@ impl Bus {
         // The budget must have room for a whole datagram before one is made: what is made is as new as it can be.
         let most = self.settings.datagram_bytes;
         let bulk_waits = class == Class::Bulk && !self.bulk_budget.allows(now, Class::Query, most);
-        if bulk_waits || !self.budget.allows(now, class, most) {
+        let allowed = !bulk_waits && self.budget.allows(now, class, most);
+        // What is small, signs of life above all, may overdraw the budget as commands may, and is not held up by what was sent before.
+        let only_small = !allowed && class == Class::State && self.budget.allows(now, Class::Command, most);
+        if !allowed && !only_small {
             return None;
         }
-        let outgoing = self.made(now, class)?;
-        let bytes = outgoing.bytes.len();
+        let outgoing = if only_small {
+            self.small(now)?
+        } else {
+            self.made(now, class)?
+        };
+        let bytes = outgoing.bytes.len() * self.copies(now, outgoing.to);
         self.budget.spend(now, bytes);
         if class == Class::Bulk {
             self.bulk_budget.spend(now, bytes);
         }
         self.sent.count(now, class, bytes);
         Some(outgoing)
+    }
+
+    /// How often the transport sends a datagram.
+    pub(super) fn copies(&self, now: NodeTime, to: To) -> usize {
+        if to != To::All || !self.settings.sends_to_each {
+            return 1;
+        }
+        let there = |(_, link): &(_, Link)| now.seconds_since(link.at) <= THERE_S;
+        self.links.known().filter(there).count().max(1)
     }
 
     fn made(&mut self, now: NodeTime, class: Class) -> Option<Outgoing> {
@@ -66,8 +90,18 @@ impl Bus {
                 let room_bytes = self.settings.datagram_bytes.saturating_sub(SEAL_BYTES + 8);
                 let report = self.links.report(now, room_bytes);
                 let frame = report.map(Frame::Report).or_else(|| {
-                    let entries = self.telling.next(now, room_bytes);
-                    (!entries.is_empty()).then_some(Frame::State(entries))
+                    let most = self.settings.datagram_bytes;
+                    let resting = self.resting_budget.allows(now, Class::Query, most);
+                    let news = self.telling.next(now, room_bytes, resting);
+                    let copies = self.copies(now, To::All);
+                    self.resting_budget.spend(now, news.resting_bytes * copies);
+                    let whole = news.bases.is_empty() && news.changes.is_empty();
+                    let frame = if whole {
+                        Frame::State(news.wholes)
+                    } else {
+                        Frame::News(news)
+                    };
+                    (frame != Frame::State(Vec::new())).then_some(frame)
                 });
                 (To::All, frame?)
             }
@@ -78,6 +112,18 @@ impl Bus {
             }
         };
         let bytes = self.seal.seal(to, class, &frame.to_bytes());
+        Some(Outgoing { to, class, bytes })
+    }
+
+    /// Small values that have changed, if some are due.
+    fn small(&mut self, now: NodeTime) -> Option<Outgoing> {
+        let room_bytes = self.settings.datagram_bytes.saturating_sub(SEAL_BYTES + 8);
+        let news = self.telling.next_small(now, room_bytes);
+        if news.wholes.is_empty() {
+            return None;
+        }
+        let (to, class) = (To::All, Class::State);
+        let bytes = self.seal.seal(to, class, &Frame::State(news.wholes).to_bytes());
         Some(Outgoing { to, class, bytes })
     }
 
@@ -96,6 +142,9 @@ impl Bus {
         }
         if let Some((to, have)) = self.haves.pop_front() {
             return Some((To::One(to), Frame::Have(have)));
+        }
+        if let Some((to, keys)) = self.lacking.pop_first() {
+            return Some((To::One(to), Frame::Lacks(keys.into_iter().collect())));
         }
         let (to, question) = self.asking.next(now)?;
         Some((To::One(to), Frame::Question(question)))

@@ -186,3 +186,31 @@ fn a_frame_of_a_later_version_is_counted_and_passed_over() {
     assert!(b.take(at(1.0), &unknown).is_empty());
     assert_eq!(b.not_understood(), 1);
 }
+
+#[test]
+fn signs_of_life_are_not_held_up_by_what_was_sent_before() {
+    let (mut a, mut b) = (bus(A, 4000.0), bus(B, 4000.0));
+    let (mut pulses, mut longest_s, mut last_s) = (0_u32, 0.0_f64, 0.0);
+    for step in 0..1000_u32 {
+        let now_s = f64::from(step) * 0.01;
+        if step % 10 == 0 {
+            a.tell(at(now_s), Key(0), step.to_be_bytes().to_vec()).unwrap();
+        }
+        // Far more than there is room for.
+        for one in 1..40 {
+            let mut value = vec![0; 200];
+            value[..4].copy_from_slice(&step.to_be_bytes());
+            a.tell(at(now_s), Key(one), value).unwrap();
+        }
+        for event in carry(at(now_s), &mut a, &mut b) {
+            if matches!(event, Event::State { key: Key(0), .. }) {
+                pulses += 1;
+                longest_s = longest_s.max(now_s - last_s);
+                last_s = now_s;
+            }
+        }
+    }
+    assert!(pulses >= 95 && longest_s < 0.15, "{pulses}, {longest_s} s without one");
+    let sent = a.sent().total_bytes();
+    assert!(sent < 55_000, "{sent}: what is small is paid for");
+}

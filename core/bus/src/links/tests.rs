@@ -49,6 +49,53 @@ fn round_trip_and_offset_are_found_whatever_the_clocks_say() {
 }
 
 #[test]
+fn who_was_slowed_down_and_is_heard_by_nobody_is_not_slow_for_ever() {
+    let mut a = links();
+    let echo = |held_us: u64, told: NodeTime, queued_us: u64| Echo {
+        node: A.0,
+        boot: A.1,
+        told,
+        held_us,
+        queued_us,
+    };
+    let at = |step: u32| NodeTime::from_seconds(10.0 + f64::from(step) * 0.5);
+    let mut rates = Vec::new();
+    for step in 0..80 {
+        let told = at(step).plus_seconds(-0.1);
+        // at first B says that what A sends waits for a second, then it does not hear A any more
+        let echoes = if step < 10 {
+            vec![echo(0, told, 1_000_000)]
+        } else {
+            Vec::new()
+        };
+        a.take(at(step), A, B.0, B.1, &Report { told, echoes });
+        a.adapt(at(step), 2000.0, 1);
+        rates.push(a.rates().all_bytes_per_s);
+    }
+    assert!(rates[9] <= 1000.0, "slowed down: {}", rates[9]);
+    assert!(rates[79] > 10_000.0, "and up again: {}", rates[79]);
+}
+
+#[test]
+fn a_way_that_has_become_longer_is_not_taken_for_a_full_one_for_long() {
+    let (mut a, mut b) = (links(), links());
+    let way_s = |now_s: f64| if now_s < 20.0 { 0.02 } else { 0.25 };
+    let mut overfull_s = 0.0;
+    for step in 0..120_u32 {
+        let now_s = f64::from(step) * 0.5;
+        let at = |seconds: f64| NodeTime::from_seconds(seconds);
+        let report = a.report(at(now_s), 1000).unwrap();
+        b.take(at(now_s + way_s(now_s)), B, A.0, A.1, &report);
+        let report = b.report(at(now_s + 0.25), 1000).unwrap();
+        a.take(at(now_s + 0.25 + way_s(now_s)), A, B.0, B.1, &report);
+        let queued_s = a.known().next().map_or(0.0, |(_, link)| link.queued_s);
+        overfull_s += if queued_s > 0.2 { 0.5 } else { 0.0 };
+        assert!(now_s < 42.0 || queued_s < 0.05, "{queued_s} s at {now_s} s");
+    }
+    assert!((1.0..21.0).contains(&overfull_s), "{overfull_s}");
+}
+
+#[test]
 fn of_an_earlier_run_nothing_counts() {
     let (mut a, mut b) = (links(), links());
     let report = a.report(NodeTime::from_seconds(1.0), 1000).unwrap();

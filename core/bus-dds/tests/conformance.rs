@@ -1,0 +1,121 @@
+//! DDS over loopback passes the suite of every transport, in real time.
+#![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+
+use skein_bus::conformance::{self, Rig};
+use skein_bus::transport::{Class, SendError, To, Transport};
+use skein_bus_dds::{Dds, DdsSettings, OpenError};
+use skein_domain::{NodeId, NodeTime};
+use std::sync::atomic::{AtomicU16, Ordering};
+use std::time::{Duration, Instant};
+
+/// A domain of this host, and a swarm of its own in it.
+struct Loopback {
+    begun: Instant,
+    swarm: String,
+    settings: DdsSettings,
+}
+
+impl Loopback {
+    fn new() -> Self {
+        static GIVEN: AtomicU16 = AtomicU16::new(0);
+        // The domains of one process are its own, as far as there are enough of them; swarms are in any case.
+        let number = GIVEN.fetch_add(1, Ordering::Relaxed);
+        let process = std::process::id();
+        let domain_id = u16::try_from((process * 17 + u32::from(number)) % 100).unwrap() + 1;
+        Self {
+            begun: Instant::now(),
+            swarm: format!("test-{process}-{number}"),
+            settings: DdsSettings {
+                domain_id,
+                ..DdsSettings::default()
+            },
+        }
+    }
+}
+
+impl Rig for Loopback {
+    type Transport = Dds;
+
+    fn join(&mut self, node: NodeId) -> Dds {
+        Dds::open(&self.swarm, node, &self.settings).unwrap()
+    }
+
+    fn step(&mut self) -> NodeTime {
+        // DDS lives in real time: a step is a short wait in it. Scenes wait for what they want to see, not for a time.
+        std::thread::sleep(Duration::from_millis(5));
+        NodeTime::from_seconds(self.begun.elapsed().as_secs_f64())
+    }
+}
+
+#[test]
+fn the_suite_is_passed_on_loopback() {
+    conformance::all_at_once(Loopback::new);
+}
+
+#[test]
+fn a_swarm_does_not_hear_another_one_at_the_same_place() {
+    let mut rig = Loopback::new();
+    let mut a = rig.join(NodeId(1));
+    let mut b = rig.join(NodeId(2));
+    rig.swarm = format!("{}-another", rig.swarm);
+    let mut other = rig.join(NodeId(3));
+    let mut got = 0;
+    for _ in 0..2000 {
+        let now = rig.step();
+        a.send(now, To::All, Class::State, b"here").unwrap();
+        got += usize::from(b.receive(now).is_some());
+        assert_eq!(other.receive(now), None);
+        if got > 50 {
+            return;
+        }
+    }
+    panic!("only {got} arrived");
+}
+
+#[test]
+fn a_burst_does_not_wait_and_comes_whole() {
+    const BURST: usize = 400;
+    let mut rig = Loopback::new();
+    let mut a = rig.join(NodeId(1));
+    let mut b = rig.join(NodeId(2));
+    let mut begun = rig.step();
+    while b.receive(begun).is_none() {
+        a.send(begun, To::All, Class::Query, b"there?").unwrap();
+        begun = rig.step();
+    }
+    for number in 0..BURST {
+        a.send(begun, To::All, Class::Bulk, &[number as u8; 1300]).unwrap();
+    }
+    let mut got = 0;
+    for _ in 0..1000 {
+        let now = rig.step();
+        while let Some(datagram) = b.receive(now) {
+            got += usize::from(datagram.class == Class::Bulk);
+        }
+        if got == BURST {
+            return;
+        }
+    }
+    panic!("only {got} arrived");
+}
+
+#[test]
+fn what_can_not_be_is_said_before_anything_starts() {
+    let with = |domain_id, interfaces| DdsSettings { domain_id, interfaces };
+    let here = DdsSettings::default().interfaces;
+    let refused = |swarm, settings: &DdsSettings| Dds::open(swarm, NodeId(1), settings).map(|_| ()).unwrap_err();
+    let id = refused("a/b", &DdsSettings::default());
+    assert_eq!(id, OpenError::SwarmId("a/b".to_owned()));
+    assert_eq!(refused("a", &with(102, here)), OpenError::Domain(102));
+    assert_eq!(refused("a", &with(1, Vec::new())), OpenError::NoInterface);
+}
+
+#[test]
+fn what_is_too_large_is_refused() {
+    let mut rig = Loopback::new();
+    let mut a = rig.join(NodeId(1));
+    let now = rig.step();
+    let most = a.largest_bytes();
+    let sent = a.send(now, To::All, Class::Bulk, &vec![0; most + 1]);
+    assert_eq!(sent, Err(SendError::TooLarge { bytes: most + 1, most }));
+}
