@@ -40,10 +40,12 @@ impl NodeConfig {
         if self.plugins.runner_threads == 0 || self.plugins.runner_threads > 64 {
             problems.push(problem("plugins.runner_threads", "choose 1 to 64"));
         }
-        if let Some(origin) = &self.swarm.origin
-            && !origin.is_valid()
-        {
-            problems.push(problem("swarm.origin", "not a place on Earth"));
+        self.swarm.problems(&mut problems);
+        if !self.web.enabled && self.swarm.id.is_none() {
+            problems.push(problem(
+                "web.enabled",
+                "a node without a swarm can only be reached through its API",
+            ));
         }
         if self.link.setpoint_valid_s * self.node.control_rate_hz < 2.0 {
             problems.push(problem(

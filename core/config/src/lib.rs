@@ -12,6 +12,7 @@ mod ladder_settings;
 mod operators;
 mod preflight_settings;
 pub mod settings;
+mod swarm;
 
 pub use check::Problem;
 pub use fences::{FenceFault, FenceFileError, ImportedFences, parse_fences, read_fence_file, to_geojson};
@@ -19,8 +20,9 @@ pub use ids::SystemIdSet;
 pub use operators::OperatorSettings;
 pub use settings::{
     AdoptionRule, CoordinatorSettings, EndpointSettings, Escalation, FaultSettings, FenceSettings, Isolation,
-    LinkSettings, NodeConfig, NodeSettings, PayloadRule, PluginSettings, SafetySettings, SwarmSettings, WebSettings,
+    LinkSettings, NodeConfig, NodeSettings, PayloadRule, PluginSettings, SafetySettings, WebSettings,
 };
+pub use swarm::{Apart, DdsSettings, SwarmSettings, SwarmTransport, ZenohSettings};
 
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -83,10 +85,15 @@ impl NodeConfig {
                     *directory = folder.join(&*directory);
                 }
             }
-            for file in &mut config.safety.fence_files {
+            let swarm = &mut config.swarm;
+            let files = swarm.secret_file.iter_mut().chain(&mut swarm.state_file);
+            for file in config.safety.fence_files.iter_mut().chain(files) {
                 if file.is_relative() {
                     *file = folder.join(&*file);
                 }
+            }
+            if let (Some(id), Some(node), None) = (&swarm.id, swarm.node, &swarm.state_file) {
+                swarm.state_file = Some(folder.join(format!("{id}-{node}.term.json")));
             }
         }
         config.fences().map_err(|source| ConfigError::Fences {

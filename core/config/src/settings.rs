@@ -1,8 +1,8 @@
 //! The settings themselves, one struct per table of the file. `default.toml` says what each key is for.
 
-use crate::{OperatorSettings, SystemIdSet};
+use crate::{OperatorSettings, SwarmSettings, SystemIdSet};
 use serde::{Deserialize, Serialize};
-use skein_domain::{EnergySettings, FenceZone, Geodetic, LadderSettings, PreflightSettings};
+use skein_domain::{EnergySettings, FenceZone, LadderSettings, PreflightSettings};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ use std::path::PathBuf;
 pub struct NodeConfig {
     /// The node itself.
     pub node: NodeSettings,
-    /// The swarm's common frame.
+    /// The swarm it is part of, and its common frame.
     pub swarm: SwarmSettings,
     /// Where vehicles are heard.
     pub endpoints: Vec<EndpointSettings>,
@@ -54,14 +54,6 @@ impl Default for NodeSettings {
             snapshot_rate_hz: 20.0,
         }
     }
-}
-
-/// `[swarm]`
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct SwarmSettings {
-    /// Origin of the common frame; unset: the first vehicle's place.
-    pub origin: Option<Geodetic>,
 }
 
 /// `[[endpoints]]`
@@ -405,6 +397,8 @@ impl Default for CoordinatorSettings {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct WebSettings {
+    /// Whether dashboard and API are served. A node of a swarm may leave that to others.
+    pub enabled: bool,
     /// Address the dashboard and API listen on; loopback unless changed here.
     pub listen: SocketAddr,
     /// Host names, beside addresses and `localhost`, under which browsers may reach it.
@@ -414,6 +408,7 @@ pub struct WebSettings {
 impl Default for WebSettings {
     fn default() -> Self {
         Self {
+            enabled: true,
             listen: SocketAddr::from(([127, 0, 0, 1], 8080)),
             allowed_hosts: Vec::new(),
         }

@@ -51,7 +51,7 @@ fn the_commented_examples_parse_too() {
     let config = NodeConfig::parse(&uncommented).expect("parses");
     assert_eq!(config.endpoints.len(), 1);
     assert_eq!(config.adopt.len(), 1);
-    assert!(config.safety.fence.is_some() && config.swarm.origin.is_some());
+    assert!(config.safety.fence.is_some() && config.swarm.origin.is_some() && config.swarm.id.is_some());
     assert_eq!(config.safety.zones.len(), 1);
 }
 

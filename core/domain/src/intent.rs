@@ -1,6 +1,8 @@
 //! Intent: what the coordinator wants, small and versioned. Each vehicle makes its own setpoints from it and its peers' states,
 //! so that nothing stops flying when the coordinator does.
 
+mod clocks;
+
 use crate::{AccelerationNed, NodeTime, OffsetFrd, PositionNed, VehicleId, VelocityNed};
 use minicbor::{Decode, Encode};
 use serde::{Deserialize, Serialize};

@@ -3,7 +3,8 @@
 use minicbor::{Decode, Encode};
 use serde::{Deserialize, Serialize};
 
-/// A moment on the node's monotonic clock, in microseconds since the node started.
+/// A moment on the node's monotonic clock, in microseconds since the node started; of a node in a swarm, since long before, so that it can
+/// tell of what others did before it was there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 #[derive(Serialize, Deserialize, Encode, Decode, ts_rs::TS, schemars::JsonSchema)]
 #[serde(transparent)]
@@ -27,6 +28,12 @@ impl NodeTime {
     #[must_use]
     pub fn seconds_since(self, earlier: Self) -> f64 {
         (self.0 as i128 - i128::from(earlier.0)) as f64 * 1e-6
+    }
+
+    /// The same moment on a clock that is ahead of this one by so many microseconds, not below zero.
+    #[must_use]
+    pub fn on_clock_ahead_by(self, ahead_us: i64) -> Self {
+        Self(self.0.saturating_add_signed(ahead_us))
     }
 
     /// This moment moved by `seconds`, not below zero.

@@ -37,6 +37,12 @@ pub trait ReferenceSink: Send + Sync + 'static {
     fn sighted(&self, sighting: Sighting);
 }
 
+/// The name under which a MAVLink system is sighted.
+#[must_use]
+pub fn source_of(system_id: u8) -> String {
+    format!("mavlink:{system_id}")
+}
+
 /// The latest sighting of each source, for whoever looks. The one unheard for longest goes when there are too many.
 #[derive(Debug, Default)]
 pub struct Sightings {
@@ -54,6 +60,11 @@ impl Sightings {
     #[must_use]
     pub fn of(&self, source: &str) -> Option<Sighting> {
         self.latest.lock().get(source).cloned()
+    }
+
+    /// Forgets a source: it was sighted before it was known to be one of ours.
+    pub fn forget(&self, source: &str) {
+        self.latest.lock().remove(source);
     }
 
     /// The latest of all sources that were there at `since` or later, by source.
@@ -119,7 +130,7 @@ fn follow_target(now: NodeTime, system_id: u8, frame: &Frame<'_>) -> Option<Sigh
     let yaw = (2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z));
     let is_attitude = has(ATTITUDE) && (w * w + x * x + y * y + z * z - 1.0).abs() < 0.1;
     Some(Sighting {
-        source: format!("mavlink:{system_id}"),
+        source: source_of(system_id),
         place: Geodetic {
             latitude_deg: f64::from(m.lat) / 1e7,
             longitude_deg: f64::from(m.lon) / 1e7,
@@ -135,7 +146,7 @@ fn position(now: NodeTime, system_id: u8, frame: &Frame<'_>) -> Option<Sighting>
     let m = GLOBAL_POSITION_INT_DATA::deser(frame.header.version, frame.payload).ok()?;
     let [vn, ve, vd] = [m.vx, m.vy, m.vz].map(|cm_s| f64::from(cm_s) * 0.01);
     Some(Sighting {
-        source: format!("mavlink:{system_id}"),
+        source: source_of(system_id),
         place: place(m.lat, m.lon, m.alt),
         velocity: Some(VelocityNed::new(vn, ve, vd)),
         heading_rad: heading(m.hdg),

@@ -26,7 +26,7 @@ use crate::outbox::Outbox;
 use crate::settings::LinkSettings;
 use boot::BootWatch;
 use clock_sync::ClockSync;
-use commands::{Around, Commands, Ended, Origin};
+use commands::{Around, Commands, Ended, FramesTo, Origin};
 use emergency::EmergencyStop;
 use events::EventQueue;
 use local_origin::LocalOrigin;
@@ -496,12 +496,11 @@ impl VehicleCore {
         let mut around = Around {
             now,
             settings: &self.settings,
-            target: (self.system_id, AUTOPILOT_COMPONENT),
             situation: self.situation(now),
             stream_has_run: self.stream.has_run(now, self.settings.offboard_lead_s),
             texts: &self.texts,
             modes: &mut self.modes,
-            outbox: &mut self.outbox,
+            outlet: &mut FramesTo(&mut self.outbox, (self.system_id, AUTOPILOT_COMPONENT)),
             ended: &mut self.ended,
         };
         act(&mut self.commands, &mut around);

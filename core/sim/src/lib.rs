@@ -7,6 +7,7 @@
 //! * [`Fault`]: what can go wrong with a vehicle while it flies. [`Mover`]: others that tell of themselves, or are told of.
 //! * [`Airframe`]: kinds of vehicles, so that swarms can be mixed.
 //! * [`TruthFrame`]: where every vehicle really is, and what its autopilot really did; for referees only, never for the swarm.
+//!   [`truth_lines`]: the same as lines of JSON, for a referee over several simulations.
 //!
 //! Limits, where a real PX4 does more or otherwise:
 //! * The estimator is the truth plus errors, not a filter: after the loss of satellites it drifts along one line, and a receiver that
@@ -28,6 +29,7 @@ pub mod scene;
 pub mod settings;
 pub mod simulation;
 pub mod truth;
+pub mod truth_lines;
 pub mod vehicle;
 mod wind;
 mod wire;

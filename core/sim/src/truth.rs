@@ -87,6 +87,8 @@ pub struct VehicleTruth {
     pub offboard_gap_max_s: f64,
     /// The same without the time in which the simulation itself did not run: what the sender is answerable for.
     pub offboard_gap_sender_max_s: f64,
+    /// The same since the frame before.
+    pub offboard_gap_recent_s: f64,
     /// Setpoints accepted since the start.
     pub setpoints: u64,
     /// Setpoints dropped as malformed or in an unsupported frame.

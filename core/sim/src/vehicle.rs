@@ -259,6 +259,11 @@ impl Vehicle {
         self.stalled_s = stalled_s;
     }
 
+    /// From now on [`VehicleTruth::offboard_gap_recent_s`] counts anew.
+    pub fn forget_recent_gap(&mut self) {
+        self.offboard.forget_recent_gap();
+    }
+
     /// Lets `dt_s` pass in the given wind (metres per second along north, east, down); frames to be sent are added to `out`.
     pub fn step(&mut self, dt_s: f64, wind_m_s: &Vector3<f64>, out: &mut Outbox) {
         self.time_s += dt_s;
@@ -566,6 +571,7 @@ impl Vehicle {
             offboard_gap_s: in_offboard.then(|| self.offboard.age_s(self.time_s)),
             offboard_gap_max_s: self.offboard.gap_max_s,
             offboard_gap_sender_max_s: self.offboard.gap_sender_max_s,
+            offboard_gap_recent_s: self.offboard.gap_recent_s,
             setpoints: self.offboard.accepted,
             setpoints_refused: self.offboard.refused,
             touch_down_max_m_s: self.body.touch_down_max_m_s,

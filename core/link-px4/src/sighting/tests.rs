@@ -118,4 +118,7 @@ fn the_latest_of_each_wins_and_there_are_never_too_many() {
     assert_eq!(sightings.since(at(0.0)).len(), SIGHTINGS_MAX);
     assert_eq!(sightings.of("a"), None, "unheard for longest");
     assert_eq!(sightings.since(at(10.0 + (SIGHTINGS_MAX - 3) as f64)).len(), 3);
+    sightings.forget("x7");
+    assert_eq!(sightings.of("x7"), None);
+    assert_eq!(sightings.since(at(0.0)).len(), SIGHTINGS_MAX - 1, "and nobody else");
 }

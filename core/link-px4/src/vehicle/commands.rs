@@ -10,7 +10,7 @@ use crate::decode::Acknowledgement;
 use crate::outbox::Outbox;
 use crate::settings::LinkSettings;
 use crate::vehicle::mode_watch::ModeWatch;
-use crate::vehicle::plan::{Class, Condition, Plan, Situation};
+use crate::vehicle::plan::{Class, Command, Condition, Plan, Situation};
 use crate::vehicle::status_text::StatusTexts;
 use skein_domain::{NodeTime, Refusal, RequestId};
 use task::{LATE_MODE_S, Next, Phase, Task};
@@ -46,14 +46,31 @@ pub struct Ended {
     pub outcome: Result<(), Refusal>,
 }
 
+/// What carries commands to the vehicle. MAVLink is one way; the rules of this module are the same on any.
+pub trait CommandOutlet {
+    /// Sends one; `confirmation` counts how often it was sent before.
+    fn command(&mut self, command: &Command, confirmation: u8);
+}
+
+/// The way out over MAVLink, to a system and component.
+pub struct FramesTo<'a>(pub &'a mut Outbox, pub (u8, u8));
+
+impl CommandOutlet for FramesTo<'_> {
+    fn command(&mut self, command: &Command, confirmation: u8) {
+        let Self(outbox, target) = self;
+        match command.int_message(*target) {
+            Some(message) => outbox.push(&message),
+            None => outbox.push(&command.long_message(confirmation, *target)),
+        }
+    }
+}
+
 /// What commands need around them.
 pub struct Around<'a> {
     /// Now.
     pub now: NodeTime,
     /// Times and counts.
     pub settings: &'a LinkSettings,
-    /// System and component the commands go to.
-    pub target: (u8, u8),
     /// What is known of the vehicle.
     pub situation: Situation,
     /// Whether the setpoint stream has run long enough for OFFBOARD.
@@ -62,8 +79,8 @@ pub struct Around<'a> {
     pub texts: &'a StatusTexts,
     /// Told which modes are asked for.
     pub modes: &'a mut ModeWatch,
-    /// Frames out.
-    pub outbox: &'a mut Outbox,
+    /// The way out.
+    pub outlet: &'a mut dyn CommandOutlet,
     /// Commands that ended.
     pub ended: &'a mut Vec<Ended>,
 }

@@ -5,8 +5,10 @@
 //! there: a vehicle that is not heard may hear. Of two vehicles with one system id neither is stopped: nobody can tell which would be.
 
 use super::VehicleCore;
+use super::commands::{CommandOutlet, FramesTo};
 use super::plan::Command;
-use mavlink::dialects::common::{COMMAND_LONG_DATA, MavCmd};
+use super::status_text::StatusTexts;
+use mavlink::dialects::common::MavCmd;
 use skein_domain::link::LinkEvent;
 use skein_domain::{NodeTime, Refusal, RequestId};
 
@@ -26,7 +28,7 @@ const TRY_FOR_S: f64 = 10.0;
 /// Late answers must not be taken for those of a later command of this number, in seconds.
 const REST_S: f64 = 0.5;
 
-/// One emergency stop under way.
+/// One emergency stop under way: what is to be sent when, and when it has ended. The same on any link.
 #[derive(Debug)]
 pub struct EmergencyStop {
     request: RequestId,
@@ -38,8 +40,21 @@ pub struct EmergencyStop {
     refused: Option<String>,
 }
 
+/// What an emergency stop wants now.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Urgent {
+    /// Nothing yet.
+    Wait,
+    /// This is to be sent, which was sent so often before.
+    Send(Command, u8),
+    /// It has been tried for long enough.
+    Over(Refusal),
+}
+
 impl EmergencyStop {
-    fn new(request: RequestId, now: NodeTime) -> Self {
+    /// One that begins now.
+    #[must_use]
+    pub fn new(request: RequestId, now: NodeTime) -> Self {
         Self {
             request,
             first: now,
@@ -50,24 +65,74 @@ impl EmergencyStop {
         }
     }
 
+    /// Who asked.
+    #[must_use]
+    pub fn request(&self) -> RequestId {
+        self.request
+    }
+
     /// When there is something to do next.
+    #[must_use]
     pub fn due(&self) -> NodeTime {
         self.next
     }
 
-    fn message(&mut self, now: NodeTime, target: (u8, u8)) -> COMMAND_LONG_DATA {
+    /// What it wants now.
+    pub fn poll(&mut self, now: NodeTime, texts: &StatusTexts) -> Urgent {
+        let after_s = now.seconds_since(self.first);
+        if after_s >= TRY_FOR_S {
+            return Urgent::Over(match self.refused.take().filter(|_| !self.acknowledged) {
+                Some(result) => Refusal::Autopilot {
+                    result,
+                    text: texts.between(self.first, now),
+                },
+                None => Refusal::TimedOut {
+                    what: "motors that have stopped".to_owned(),
+                    after_s,
+                },
+            });
+        }
+        if now < self.next {
+            return Urgent::Wait;
+        }
         let command = Command::long(
             MavCmd::MAV_CMD_COMPONENT_ARM_DISARM,
             [0.0, FORCE, 0.0, 0.0, 0.0, 0.0, 0.0],
         );
-        let message = command.long_message(self.sent, target);
+        let before = self.sent;
         self.sent = self.sent.saturating_add(1);
         self.next = now.plus_seconds(if self.acknowledged {
             PERIOD_ACKNOWLEDGED_S
         } else {
             PERIOD_S
         });
-        message
+        Urgent::Send(command, before)
+    }
+
+    /// An acknowledgement; true if it is this one's. An accepted one may still be that of a command of the same number which was
+    /// under way before, so that the motors have to be seen stopped as well.
+    pub fn acknowledge(&mut self, ack: &Acknowledgement) -> bool {
+        if ack.command != ARM_DISARM {
+            return false;
+        }
+        match ack.result {
+            Acknowledgement::ACCEPTED => self.acknowledged = true,
+            Acknowledgement::IN_PROGRESS => {}
+            _ => self.refused = Some(ack.result_word()),
+        }
+        true
+    }
+
+    /// Whether disarmed motors that are seen now are its doing: what was on the way when it was first sent tells nothing.
+    #[must_use]
+    pub fn is_settled(&self, now: NodeTime, round_trip_s: f64) -> bool {
+        now.seconds_since(self.first) >= SETTLE_S.max(2.0 * round_trip_s)
+    }
+
+    /// Until when late answers may come, which must not be taken for those of a later command of its number.
+    #[must_use]
+    pub fn rests_until(now: NodeTime) -> NodeTime {
+        now.plus_seconds(REST_S)
     }
 }
 
@@ -99,52 +164,34 @@ impl VehicleCore {
     pub(super) fn poll_emergency(&mut self, now: NodeTime) {
         let target = self.target();
         let Some(emergency) = &mut self.emergency else { return };
-        let after_s = now.seconds_since(emergency.first);
-        if after_s >= TRY_FOR_S {
-            let refusal = match emergency.refused.take().filter(|_| !emergency.acknowledged) {
-                Some(result) => Refusal::Autopilot {
-                    result,
-                    text: self.texts.between(emergency.first, now),
-                },
-                None => Refusal::TimedOut {
-                    what: "motors that have stopped".to_owned(),
-                    after_s,
-                },
-            };
-            self.end_emergency(now, Err(refusal));
-        } else if now >= emergency.next {
-            let message = emergency.message(now, target);
-            self.outbox.push(&message);
+        match emergency.poll(now, &self.texts) {
+            Urgent::Wait => {}
+            Urgent::Send(command, before) => FramesTo(&mut self.outbox, target).command(&command, before),
+            Urgent::Over(refusal) => self.end_emergency(now, Err(refusal)),
         }
     }
 
-    /// An acknowledgement that is the emergency stop's. An accepted one may still be that of a command of the same number which was
-    /// under way before, so that the motors have to be seen stopped as well.
+    /// Whether an acknowledgement is the emergency stop's.
     pub(super) fn acknowledge_emergency(&mut self, ack: &Acknowledgement) -> bool {
-        let Some(emergency) = self.emergency.as_mut().filter(|_| ack.command == ARM_DISARM) else {
-            return false;
-        };
-        match ack.result {
-            Acknowledgement::ACCEPTED => emergency.acknowledged = true,
-            Acknowledgement::IN_PROGRESS => {}
-            _ => emergency.refused = Some(ack.result_word()),
-        }
-        true
+        self.emergency.as_mut().is_some_and(|stop| stop.acknowledge(ack))
     }
 
     /// A heartbeat shows whether the motors are armed.
     pub(super) fn see_emergency(&mut self, now: NodeTime, armed: bool) {
         let round_trip_s = self.clock.round_trip_s().unwrap_or(0.0);
-        let settled = |stop: &EmergencyStop| now.seconds_since(stop.first) >= SETTLE_S.max(2.0 * round_trip_s);
+        let settled = |stop: &EmergencyStop| stop.is_settled(now, round_trip_s);
         if !armed && self.emergency.as_ref().is_some_and(settled) {
             self.end_emergency(now, Ok(()));
         }
     }
 
     fn end_emergency(&mut self, now: NodeTime, outcome: Result<(), Refusal>) {
-        if let Some(EmergencyStop { request, .. }) = self.emergency.take() {
-            self.commands.rest(ARM_DISARM, now.plus_seconds(REST_S));
-            self.events.push(LinkEvent::Result { request, outcome });
+        if let Some(stop) = self.emergency.take() {
+            self.commands.rest(ARM_DISARM, EmergencyStop::rests_until(now));
+            self.events.push(LinkEvent::Result {
+                request: stop.request(),
+                outcome,
+            });
         }
     }
 }

@@ -249,13 +249,21 @@ impl SetpointStream {
     }
 }
 
+/// Autopilots read single precision: a number beyond it would reach them as infinite.
 fn is_well_formed(setpoint: &LocalSetpoint) -> bool {
+    let fits = |value: f64| (value as f32).is_finite();
     (setpoint.position.is_some() || setpoint.velocity.is_some())
-        && setpoint.position.is_none_or(|p| p.is_finite())
-        && setpoint.velocity.is_none_or(|v| v.is_finite())
-        && setpoint.acceleration.is_none_or(|a| a.is_finite())
-        && setpoint.yaw_rad.is_none_or(f64::is_finite)
-        && setpoint.yaw_rate_rad_s.is_none_or(f64::is_finite)
+        && setpoint
+            .position
+            .is_none_or(|p| p.vector().iter().all(|part| fits(*part)))
+        && setpoint
+            .velocity
+            .is_none_or(|v| v.vector().iter().all(|part| fits(*part)))
+        && setpoint
+            .acceleration
+            .is_none_or(|a| a.vector().iter().all(|part| fits(*part)))
+        && setpoint.yaw_rad.is_none_or(fits)
+        && setpoint.yaw_rate_rad_s.is_none_or(fits)
 }
 
 /// The setpoint as PX4 reads it: the vehicle's own frame (`MAV_FRAME_LOCAL_NED`, the one that keeps OFFBOARD alive), and every

@@ -230,6 +230,9 @@ impl Runner {
             movers: self.movers.iter().map(|(mover, _)| mover.truth(self.time_s)).collect(),
             longest_stall_s: self.longest_stall_s,
         });
+        for slot in &mut self.slots {
+            slot.vehicle.forget_recent_gap();
+        }
         *self.truth.lock() = frame.clone();
         for observer in &mut self.observers {
             observer(&frame);

@@ -40,6 +40,8 @@ pub(crate) struct OffboardInput {
     pub gap_max_s: f64,
     /// The same without the simulation's own stalls.
     pub gap_sender_max_s: f64,
+    /// The same since [`Self::forget_recent_gap`].
+    pub gap_recent_s: f64,
     stalled_at_last_s: f64,
 }
 
@@ -52,6 +54,7 @@ impl OffboardInput {
             refused: 0,
             gap_max_s: 0.0,
             gap_sender_max_s: 0.0,
+            gap_recent_s: 0.0,
             stalled_at_last_s: 0.0,
         }
     }
@@ -66,8 +69,15 @@ impl OffboardInput {
         if let Some(last) = self.last_s {
             let gap = now_s - last;
             self.gap_max_s = self.gap_max_s.max(gap);
-            self.gap_sender_max_s = self.gap_sender_max_s.max(gap - (stalled_s - self.stalled_at_last_s));
+            let of_sender = gap - (stalled_s - self.stalled_at_last_s);
+            self.gap_sender_max_s = self.gap_sender_max_s.max(of_sender);
+            self.gap_recent_s = self.gap_recent_s.max(of_sender);
         }
+    }
+
+    /// Gaps are recent from now on.
+    pub(crate) fn forget_recent_gap(&mut self) {
+        self.gap_recent_s = 0.0;
     }
 
     /// A setpoint in the vehicle's own frame.

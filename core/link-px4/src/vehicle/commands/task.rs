@@ -92,12 +92,7 @@ impl Task {
             let within_s = settings.ack_timeout_s + settings.confirm_timeout_s + LATE_MODE_S;
             around.modes.expect(mode, around.now.plus_seconds(within_s));
         }
-        match step.command.int_message(around.target) {
-            Some(message) => around.outbox.push(&message),
-            None => around
-                .outbox
-                .push(&step.command.long_message(confirmation, around.target)),
-        }
+        around.outlet.command(&step.command, confirmation);
     }
 
     /// Does what has become due or possible, sending its first step apart.

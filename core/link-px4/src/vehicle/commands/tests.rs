@@ -52,12 +52,11 @@ impl Bench {
         let mut around = Around {
             now: self.now,
             settings: &self.settings,
-            target: (1, 1),
             situation: self.situation,
             stream_has_run: self.stream_has_run,
             texts: &self.texts,
             modes: &mut self.modes,
-            outbox: &mut self.outbox,
+            outlet: &mut FramesTo(&mut self.outbox, (1, 1)),
             ended: &mut self.ended,
         };
         act(&mut self.commands, &mut around);

@@ -193,6 +193,11 @@ fn without_a_position_it_is_told_to_stop_and_nonsense_is_never_sent() {
             velocity: Some(VelocityNed::new(f64::INFINITY, 0.0, 0.0)),
             ..going(1.0)
         },
+        // Finite here, infinite in the single precision that autopilots read.
+        LocalSetpoint {
+            velocity: Some(VelocityNed::new(1e308, 0.0, 0.0)),
+            ..going(1.0)
+        },
     ] {
         assert_eq!(
             stream.offer(at(1.0), wrong, at(2.0), &settings),

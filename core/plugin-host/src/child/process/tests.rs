@@ -1,13 +1,18 @@
 //! Ends of real processes in words. Programs that take the argument `plugin-host` for what they like stand in for a host.
 
 use super::*;
-use std::os::unix::fs::PermissionsExt;
 
 fn started(script: &str) -> (tempfile::TempDir, Started) {
     let directory = tempfile::tempdir().expect("a directory");
     let path = directory.path().join("host");
-    std::fs::write(&path, format!("#!/bin/sh\n{script}\n")).expect("written");
-    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o700)).expect("mode is set");
+    // Written by another process: a file that this one had open to write could not be started ("text file busy") while a child of
+    // another test, forked at that moment, still holds it open.
+    let written = std::process::Command::new("sh")
+        .args(["-c", r#"printf '%s\n' "$2" >"$1" && chmod 700 "$1""#, "sh"])
+        .arg(&path)
+        .arg(format!("#!/bin/sh\n{script}"))
+        .status();
+    assert!(written.expect("sh runs").success());
     let started = ChildProcess::start(&path).expect("is started");
     (directory, started)
 }
