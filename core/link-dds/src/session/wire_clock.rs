@@ -1,0 +1,232 @@
+//! The clock that a vehicle's stamps are on, seen from the node's.
+//!
+//! Must never do: take samples that were held up on the way for a clock that was set back.
+//!
+//! PX4 stamps with the time since it started, and, once it is synchronised with its agent, with the agent's time since 1970. Either way what
+//! comes back to it is stamped on the same clock, so that only the difference to the node's clock matters: the largest that was seen lately,
+//! which is that of the sample that took the shortest time.
+
+use skein_domain::NodeTime;
+
+/// The largest difference is that of one or two windows of this length, in seconds: clocks drift.
+const WINDOW_S: f64 = 5.0;
+/// A sample this far off the difference is late, or of a clock that was set, in microseconds.
+const OFF_US: i64 = 250_000;
+/// Samples of a clock that was set agree this well, in microseconds; those that were held up do not, for they come all at once.
+const AGREE_US: i64 = 100_000;
+/// For how long and how often they have to agree.
+const SETTLED_S: f64 = 0.4;
+const SETTLED_SAMPLES: u32 = 5;
+/// Stamps from here on count from 1970.
+const SINCE_1970_US: i64 = 1_000_000_000_000_000;
+/// A clock that counts from the start and goes back by more than this was started anew, in seconds.
+const RESTART_S: f64 = 2.0;
+/// What PX4 adds to its clock changes by more than this only when it started anew, in microseconds.
+const RESTART_US: i64 = 2_000_000;
+
+/// What stamps tell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Tick {
+    /// Nothing new.
+    Steady,
+    /// The clock was set by this many seconds.
+    Jumped {
+        /// Forward positive.
+        by_s: f64,
+    },
+    /// The autopilot started anew.
+    Restarted,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Candidate {
+    ahead_us: i64,
+    since: NodeTime,
+    samples: u32,
+}
+
+/// One vehicle's clock.
+#[derive(Debug, Default)]
+pub struct WireClock {
+    /// Largest difference in the present window and the one before.
+    now_us: Option<i64>,
+    before_us: Option<i64>,
+    window: NodeTime,
+    candidate: Option<Candidate>,
+    sync_us: Option<i64>,
+    round_trip_s: Option<f64>,
+}
+
+impl WireClock {
+    /// The stamp of a sample that was just heard.
+    pub fn on_stamp(&mut self, now: NodeTime, stamp_us: u64) -> Tick {
+        let ahead_us = difference_us(stamp_us, now);
+        let Some(known) = self.ahead_us() else {
+            self.begin(now, ahead_us);
+            return Tick::Steady;
+        };
+        if (ahead_us - known).abs() <= OFF_US {
+            self.candidate = None;
+            if now.seconds_since(self.window) >= WINDOW_S {
+                (self.before_us, self.now_us, self.window) = (self.now_us, Some(ahead_us), now);
+            } else {
+                self.now_us = self.now_us.max(Some(ahead_us));
+            }
+            return Tick::Steady;
+        }
+        let candidate = match &mut self.candidate {
+            Some(candidate) if (ahead_us - candidate.ahead_us).abs() <= AGREE_US => candidate,
+            other => other.insert(Candidate {
+                ahead_us,
+                since: now,
+                samples: 0,
+            }),
+        };
+        candidate.samples += 1;
+        candidate.ahead_us = candidate.ahead_us.max(ahead_us);
+        if candidate.samples < SETTLED_SAMPLES || now.seconds_since(candidate.since) < SETTLED_S {
+            return Tick::Steady;
+        }
+        let settled = candidate.ahead_us;
+        let was = known.saturating_add_unsigned(now.0);
+        let (counted_from_1970, counts_from_1970) = (was >= SINCE_1970_US, stamp_us as i64 >= SINCE_1970_US);
+        self.begin(now, settled);
+        let by_s = (settled - known) as f64 * 1e-6;
+        match (counted_from_1970, counts_from_1970) {
+            // It was synchronised with its agent.
+            (false, true) => Tick::Steady,
+            (true, false) => Tick::Restarted,
+            (false, false) if by_s < -RESTART_S => Tick::Restarted,
+            _ => Tick::Jumped { by_s },
+        }
+    }
+
+    /// What PX4 says of its clock and its agent's. True if it must have started anew.
+    pub fn on_sync(&mut self, offset_us: i64, round_trip_us: u32) -> bool {
+        self.round_trip_s = Some(f64::from(round_trip_us) * 1e-6);
+        let before = self.sync_us.replace(offset_us);
+        before.is_some_and(|before| before.abs_diff(offset_us) > RESTART_US.unsigned_abs())
+    }
+
+    fn begin(&mut self, now: NodeTime, ahead_us: i64) {
+        *self = Self {
+            now_us: Some(ahead_us),
+            window: now,
+            sync_us: self.sync_us,
+            round_trip_s: self.round_trip_s,
+            ..Self::default()
+        };
+    }
+
+    fn ahead_us(&self) -> Option<i64> {
+        self.now_us.max(self.before_us)
+    }
+
+    /// The vehicle's clock minus the node's in seconds.
+    #[must_use]
+    pub fn offset_s(&self) -> Option<f64> {
+        self.ahead_us().map(|ahead| ahead as f64 * 1e-6)
+    }
+
+    /// Round trip between PX4 and its agent in seconds.
+    #[must_use]
+    pub fn round_trip_s(&self) -> Option<f64> {
+        self.round_trip_s
+    }
+
+    /// When something was measured that has this stamp and was heard at `heard`; never later than that.
+    #[must_use]
+    pub fn measured(&self, heard: NodeTime, stamp_us: u64) -> NodeTime {
+        let Some(ahead) = self.ahead_us() else { return heard };
+        let at = i64::try_from(stamp_us).unwrap_or(i64::MAX).saturating_sub(ahead);
+        let at = NodeTime(u64::try_from(at).unwrap_or(0));
+        // By more than that it is another clock's stamp, not one of long ago.
+        if heard.seconds_since(at) > 1.0 {
+            heard
+        } else {
+            at.min(heard)
+        }
+    }
+
+    /// The stamp for a message that is sent now; 0, which PX4 takes for the time of receipt, as long as its clock is not known.
+    #[must_use]
+    pub fn stamp_us(&self, now: NodeTime) -> u64 {
+        let Some(ahead) = self.ahead_us() else { return 0 };
+        now.0.saturating_add_signed(ahead)
+    }
+}
+
+fn difference_us(stamp_us: u64, now: NodeTime) -> i64 {
+    let signed = |us: u64| i64::try_from(us).unwrap_or(i64::MAX);
+    signed(stamp_us).saturating_sub(signed(now.0))
+}
+
+#[cfg(test)]
+mod tests {
+    //! Drift, delay, steps and restarts.
+
+    use super::*;
+
+    fn at(seconds: f64) -> NodeTime {
+        NodeTime::from_seconds(seconds)
+    }
+
+    /// 50 Hz from one moment to another, stamped `ahead_s` before or after; what was told.
+    fn hear(clock: &mut WireClock, from_s: f64, to_s: f64, ahead_s: f64) -> Vec<Tick> {
+        let steps = ((to_s - from_s) * 50.0) as u32;
+        let mut told: Vec<_> = (0..steps)
+            .map(|i| {
+                let now = from_s + f64::from(i) * 0.02;
+                let delay = 0.001 + f64::from(i % 7) * 0.002;
+                clock.on_stamp(at(now), at(now + ahead_s - delay).0)
+            })
+            .collect();
+        told.retain(|tick| *tick != Tick::Steady);
+        told
+    }
+
+    #[test]
+    fn the_shortest_way_gives_the_difference() {
+        let mut clock = WireClock::default();
+        assert_eq!(clock.stamp_us(at(10.0)), 0, "not known yet");
+        assert_eq!(hear(&mut clock, 10.0, 30.0, 3.0), []);
+        assert!(
+            (clock.offset_s().unwrap() - 2.999).abs() < 1e-3,
+            "{:?}",
+            clock.offset_s()
+        );
+        let measured = clock.measured(at(30.0), at(32.9).0);
+        assert!((measured.as_seconds() - 29.901).abs() < 2e-3, "{measured:?}");
+        assert_eq!(clock.measured(at(30.0), at(40.0).0), at(30.0), "never in the future");
+    }
+
+    #[test]
+    fn samples_that_were_held_up_are_no_step() {
+        let mut clock = WireClock::default();
+        assert_eq!(hear(&mut clock, 10.0, 12.0, 3.0), []);
+        for i in 0..100 {
+            // Two seconds of samples at once.
+            assert_eq!(clock.on_stamp(at(14.0), at(15.0 + f64::from(i) * 0.02).0), Tick::Steady);
+        }
+        assert_eq!(hear(&mut clock, 14.0, 16.0, 3.0), []);
+        assert!((clock.offset_s().unwrap() - 2.999).abs() < 1e-3);
+    }
+
+    #[test]
+    fn steps_restarts_and_the_agents_clock_are_told_apart() {
+        let mut clock = WireClock::default();
+        assert_eq!(hear(&mut clock, 10.0, 12.0, 3.0), []);
+        let told = hear(&mut clock, 12.0, 14.0, 4.0);
+        assert!(
+            matches!(told[..], [Tick::Jumped { by_s }] if (by_s - 1.0).abs() < 0.02),
+            "{told:?}"
+        );
+        assert_eq!(hear(&mut clock, 14.0, 16.0, -10.0), [Tick::Restarted]);
+        assert_eq!(hear(&mut clock, 16.0, 18.0, 1.7e9), [], "synchronised with its agent");
+        assert!((clock.offset_s().unwrap() - 1.7e9).abs() < 0.1);
+        assert_eq!(hear(&mut clock, 18.0, 20.0, -17.0), [Tick::Restarted]);
+        assert!(!clock.on_sync(5_000_000, 900));
+        assert!(!clock.on_sync(5_400_000, 900));
+        assert!(clock.on_sync(90_000_000, 900));
+    }
+}
