@@ -12,6 +12,7 @@ use crate::payload::PayloadCell;
 use crate::plugin_life::LifeRecord;
 use crate::references::References;
 use crate::snapshot::{ActorHealth, Avoidance, FleetSnapshot, RestartRecord, UnadoptedVehicle};
+use crate::swarm::SwarmShare;
 use crate::vehicle::{HeldRoute, Itinerary, VehicleMessage, Watch};
 use arc_swap::{ArcSwap, ArcSwapOption};
 use parking_lot::{Mutex, RwLock};
@@ -24,7 +25,7 @@ use skein_domain::preflight::{PreflightItem, PreflightOverride};
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{
     AnchorReference, Clock, EnergyState, FlightLimits, FlightState, Geodetic, Intent, LadderState, LandedState,
-    LinkHealth, NodeTime, PositionNed, Setpoint, SwarmFrame, SystemId, Telemetry, VehicleId,
+    LinkHealth, NodeId, NodeTime, PositionNed, Setpoint, SwarmFrame, SystemId, Telemetry, VehicleId,
 };
 use skein_link_px4::Sightings;
 use skein_plugin_host::{Catalog, Runners};
@@ -32,7 +33,7 @@ use skein_safety::avoidance::Surroundings;
 use skein_safety::{FencePlanError, Fences, Gate};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::time::Duration;
 
 /// Everything the actors of one node share.
@@ -86,6 +87,12 @@ pub struct Board {
     coordinator_seen_us: AtomicU64,
     /// When an operator last gave a sign of life, in microseconds of node time; 0 if none ever did.
     operator_heard_us: AtomicU64,
+    /// The same at another node of the swarm.
+    operator_elsewhere_us: AtomicU64,
+    /// What is tracked was told at this node last.
+    tracks_are_ours: AtomicBool,
+    /// Red items that somebody took upon himself at this node.
+    pub overrides_here: Mutex<Vec<PreflightOverride>>,
     /// Red items of preflight reports that somebody takes upon himself.
     pub overrides: Mutex<Vec<PreflightOverride>>,
     /// The emergency stop, while it is unlocked.
@@ -96,6 +103,8 @@ pub struct Board {
     pub tracks: ArcSwap<Vec<Track>>,
     /// The picture for screens.
     pub picture: ArcSwap<FleetSnapshot>,
+    /// The swarm this node is part of, if any.
+    pub swarm: Option<SwarmShare>,
     next_command: AtomicU64,
 }
 
@@ -110,7 +119,10 @@ impl Board {
         let frame = config.swarm.origin.map(|origin| Arc::new(SwarmFrame::new(origin)));
         let (runners, payload_runners) = (runners(), runners());
         let max_speed_m_s = config.safety.max_speed_m_s;
+        let node = config.swarm.id.as_ref().and(config.swarm.node).map(NodeId);
+        let swarm = node.map(|node| SwarmShare::new(node, config.swarm.observer));
         Self {
+            swarm,
             config,
             clock,
             gate: ArcSwap::from_pointee(gate),
@@ -135,12 +147,16 @@ impl Board {
             own_tracks: Mutex::default(),
             coordinator_seen_us: AtomicU64::new(0),
             operator_heard_us: AtomicU64::new(0),
+            operator_elsewhere_us: AtomicU64::new(0),
+            tracks_are_ours: AtomicBool::new(false),
+            overrides_here: Mutex::default(),
             overrides: Mutex::default(),
             emergency: Mutex::default(),
             coordinator_away: AtomicBool::new(false),
             tracks: ArcSwap::default(),
             picture: ArcSwap::default(),
-            next_command: AtomicU64::new(1),
+            // Each node of a swarm counts from elsewhere, so that a command can be told from another node's.
+            next_command: AtomicU64::new(node.map_or(0, |node| node.0 & 0x1FFF) << 40 | 1),
         }
     }
 
@@ -158,7 +174,41 @@ impl Board {
     /// When the coordinator last gave a sign of life.
     #[must_use]
     pub fn coordinator_seen(&self) -> NodeTime {
+        if let Some(seen) = self.swarm.as_ref().and_then(|swarm| swarm.role.load().coordinator_seen) {
+            return seen;
+        }
         NodeTime(self.coordinator_seen_us.load(Ordering::Relaxed))
+    }
+
+    /// An operator gave a sign of life at another node.
+    pub fn hear_operator_elsewhere(&self, at: NodeTime) {
+        self.operator_elsewhere_us.fetch_max(at.0, Ordering::Relaxed);
+    }
+
+    /// When an operator last gave a sign of life at this node, if ever.
+    #[must_use]
+    pub fn operator_heard_here(&self) -> Option<NodeTime> {
+        let heard_us = self.operator_heard_us.load(Ordering::Relaxed);
+        (heard_us > 0).then_some(NodeTime(heard_us))
+    }
+
+    /// What is tracked, as it was told here.
+    pub fn tell_tracks(&self, tracks: Vec<Track>) {
+        self.tracks_are_ours.store(true, Ordering::Release);
+        self.tracks.store(Arc::new(tracks));
+    }
+
+    /// What is tracked, as it was told at another node.
+    pub fn hear_tracks(&self, tracks: Vec<Track>) {
+        self.tracks_are_ours.store(false, Ordering::Release);
+        self.tracks.store(Arc::new(tracks));
+    }
+
+    /// What is tracked, if it was told here last.
+    #[must_use]
+    pub fn tracks_here(&self) -> Option<Vec<Track>> {
+        let ours = self.tracks_are_ours.load(Ordering::Acquire);
+        ours.then(|| self.tracks.load().as_ref().clone())
     }
 
     /// An operator gives a sign of life.
@@ -169,7 +219,8 @@ impl Board {
     /// When an operator last gave a sign of life, if ever.
     #[must_use]
     pub fn operator_heard(&self) -> Option<NodeTime> {
-        let heard_us = self.operator_heard_us.load(Ordering::Relaxed);
+        let elsewhere_us = self.operator_elsewhere_us.load(Ordering::Relaxed);
+        let heard_us = self.operator_heard_us.load(Ordering::Relaxed).max(elsewhere_us);
         (heard_us > 0).then_some(NodeTime(heard_us))
     }
 
@@ -209,6 +260,39 @@ impl Board {
     /// A new command id.
     pub fn next_command_id(&self) -> skein_domain::CommandId {
         skein_domain::CommandId(self.next_command.fetch_add(1, Ordering::Relaxed))
+    }
+
+    /// Whether this node's coordinator decides: alone, or because it holds the office in its swarm.
+    #[must_use]
+    pub fn coordinates(&self) -> bool {
+        self.swarm
+            .as_ref()
+            .is_none_or(|swarm| swarm.role.load().acting.is_some())
+    }
+
+    /// Takes one of this node's vehicles out of the formation; tells whether it was in it.
+    pub fn withdraw(&self, cell: &VehicleCell) -> bool {
+        cell.withdrawals.fetch_add(1, Ordering::Relaxed);
+        self.withdrawn.lock().insert(cell.id)
+    }
+
+    /// Which other node flies a vehicle; none if this one does, or nobody.
+    #[must_use]
+    pub fn host(&self, vehicle: VehicleId) -> Option<NodeId> {
+        if self.cells.read().contains_key(&vehicle) {
+            return None;
+        }
+        self.swarm.as_ref()?.host(vehicle)
+    }
+
+    /// All vehicles of the swarm, this node's and others', by ascending id.
+    #[must_use]
+    pub fn vehicle_ids(&self) -> Vec<VehicleId> {
+        let mut ids: BTreeSet<VehicleId> = self.cells.read().keys().copied().collect();
+        if let Some(swarm) = &self.swarm {
+            ids.extend(swarm.vehicles.read().keys());
+        }
+        ids.into_iter().collect()
     }
 
     /// The vehicle's cell.
@@ -257,6 +341,8 @@ pub struct VehicleCell {
     pub route: Mutex<HeldRoute>,
     /// Its motors were stopped in an emergency: nothing flies it until an operator arms it again.
     stopped: AtomicBool,
+    /// How often it was taken out of the formation: so that calling it back means one of these, and no later one.
+    withdrawals: AtomicU32,
 }
 
 impl VehicleCell {
@@ -283,7 +369,14 @@ impl VehicleCell {
             itinerary: Mutex::default(),
             route: Mutex::default(),
             stopped: AtomicBool::new(false),
+            withdrawals: AtomicU32::new(0),
         }
+    }
+
+    /// How often it was taken out of the formation.
+    #[must_use]
+    pub fn withdrawals(&self) -> u32 {
+        self.withdrawals.load(Ordering::Relaxed)
     }
 
     /// Whether its motors were stopped in an emergency.

@@ -7,20 +7,29 @@ use tokio::time::Instant;
 #[derive(Debug, Clone, Copy)]
 pub struct TokioClock {
     started: Instant,
+    began_us: u64,
 }
 
 impl TokioClock {
     /// A clock that starts now.
     #[must_use]
     pub fn start() -> Self {
+        Self::start_at(NodeTime::default())
+    }
+
+    /// A clock that starts now and calls this moment so.
+    #[must_use]
+    pub fn start_at(now: NodeTime) -> Self {
         Self {
             started: Instant::now(),
+            began_us: now.0,
         }
     }
 }
 
 impl Clock for TokioClock {
     fn now(&self) -> NodeTime {
-        NodeTime(u64::try_from(self.started.elapsed().as_micros()).unwrap_or(u64::MAX))
+        let since_us = u64::try_from(self.started.elapsed().as_micros()).unwrap_or(u64::MAX);
+        NodeTime(self.began_us.saturating_add(since_us))
     }
 }

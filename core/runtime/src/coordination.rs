@@ -3,6 +3,7 @@
 //!
 //! Must never do: read a clock or the board by itself, or send anything.
 
+mod clocks;
 mod membership;
 mod plan;
 mod route;
@@ -18,14 +19,15 @@ pub use tasks::intent;
 pub use trajectories::{Flight, PlannedFlights, TrajectoryInput, plan_trajectories};
 
 use crate::board::PeerSnapshot;
+use serde::{Deserialize, Serialize};
 use skein_domain::{
     AnchorPlan, FormationAnchor, FormationControl, FormationHeading, FormationRequest, Keeping, NodeTime, Route,
     SlotMove, VehicleId,
 };
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Everything the coordinator must find again after a restart.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Coordination {
     /// The formation being flown.
     pub formation: Option<Formation>,
@@ -35,10 +37,27 @@ pub struct Coordination {
     pub taking_off: Vec<VehicleId>,
     /// Trajectories of single vehicles, also those that are over: what is told of them lasts until the vehicle is given another.
     pub flights: BTreeMap<VehicleId, Flight>,
+    /// A formation that ended because the swarm came apart.
+    #[serde(default)]
+    pub interrupted: Option<Interrupted>,
+    /// Members of the present formation that left it because they were not heard.
+    #[serde(default)]
+    pub unheard: BTreeSet<VehicleId>,
+}
+
+/// A formation that ended because the swarm came apart, to be flown again when those who were missing are back.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Interrupted {
+    /// As it was asked for.
+    pub request: FormationRequest,
+    /// What was left of the leader's route.
+    pub route: Option<Route>,
+    /// Who was missing.
+    pub missing: Vec<VehicleId>,
 }
 
 /// A formation being flown.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Formation {
     /// As it was asked for, with the leader filled in.
     pub request: FormationRequest,

@@ -4,6 +4,7 @@
 //! Bound: one plan to regroup is made at a time; reviews that come meanwhile do not ask for another. Must never do: wait for a vehicle,
 //! or for a plan.
 
+mod office;
 mod planning;
 mod relief;
 mod trajectories;
@@ -19,6 +20,7 @@ use planning::Purpose;
 use ractor::{Actor, ActorProcessingErr, ActorRef, RpcReplyPort};
 use skein_domain::exchange::Severity;
 use skein_domain::{FormationAnchor, FormationRequest, NodeTime, Refusal, Route, VehicleId};
+use skein_failover::Term;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
@@ -73,6 +75,12 @@ pub struct CoordinatorState {
     not_before: NodeTime,
     /// Why it could not, as last told, and when.
     told_cannot: Option<(String, NodeTime)>,
+    /// The term in which it decides, in a swarm of several nodes.
+    term: Option<Term>,
+    /// Its node heard no other one when it was last looked.
+    cut_off: bool,
+    /// Whom its node succeeded, until it has looked who else is missed.
+    bereaved: Option<office::Bereaved>,
 }
 
 impl Actor for Coordinator {
@@ -99,6 +107,9 @@ impl Actor for Coordinator {
             joins: Vec::new(),
             not_before: NodeTime::default(),
             told_cannot: None,
+            term: None,
+            cut_off: false,
+            bereaved: None,
         })
     }
 
@@ -115,6 +126,7 @@ impl Actor for Coordinator {
                 Err(refusal) => drop(reply.send(Err(refusal))),
             },
             CoordinatorMessage::Dissolve(reply) => {
+                state.board.coordination.lock().interrupted = None;
                 state.dissolve();
                 let _ = reply.send(Ok(()));
             }
@@ -181,6 +193,13 @@ impl CoordinatorState {
                 cell.state.lock().anchor = None;
             }
         }
+        if let Some(swarm) = &self.board.swarm {
+            for (id, remote) in swarm.vehicles.write().iter_mut() {
+                if Some(*id) != leader {
+                    remote.anchor = None;
+                }
+            }
+        }
     }
 
     fn publish(&mut self) {
@@ -190,7 +209,9 @@ impl CoordinatorState {
         let before = self.board.intent.load();
         let withdrawn = self.board.withdrawn.lock().clone();
         let intent = coordination::intent(&before, &coordination, &withdrawn, now);
-        self.board.intent.store(Arc::new(intent));
+        drop(coordination);
+        let intent = self.with_holds(intent, &before, &withdrawn);
+        self.board.intent.store(Arc::new(self.outranking(intent)));
     }
 
     fn dissolve(&mut self) {
@@ -198,6 +219,7 @@ impl CoordinatorState {
             let mut coordination = self.board.coordination.lock();
             coordination.formation = None;
             coordination.route = None;
+            coordination.unheard.clear();
         }
         self.generation += 1;
         self.reshape = false;
@@ -238,6 +260,9 @@ impl CoordinatorState {
     /// members where they keep it by themselves.
     fn watch(&mut self) {
         let now = self.board.now();
+        if !self.is_in_office() {
+            return;
+        }
         self.board.see_coordinator();
         let Some(formation) = self.board.coordination.lock().formation.clone() else {
             return;
@@ -270,6 +295,9 @@ impl CoordinatorState {
         // A lost leader is succeeded, with everyone where they are, before anything is planned without it.
         let generation = self.generation;
         self.watch();
+        if !self.board.coordinates() {
+            return;
+        }
         if self.generation != generation {
             // Who has just lost the lead still shows the state it had: the next review sees who is left.
             return;
@@ -277,10 +305,7 @@ impl CoordinatorState {
         let peers = self.board.peers.load_full();
         self.review_trajectories(&peers);
         let now = self.board.now();
-        let finished = |leader| {
-            let cell = self.board.cell(leader);
-            cell.is_some_and(|cell| cell.state.lock().route_finished.is_some())
-        };
+        let finished = |leader| self.has_finished_route(leader);
         let (newcomers, formation) = {
             let mut coordination = self.board.coordination.lock();
             coordination.follow_route(&peers, finished);
@@ -288,11 +313,13 @@ impl CoordinatorState {
         };
         let Some(formation) = formation else {
             self.joins.clear();
+            self.resume(myself, &peers);
             return;
         };
         if formation.request.members.is_none() {
             self.joins.extend(newcomers);
             self.take_back(&peers);
+            self.take_back_heard(&peers);
         }
         self.relieve(&formation, &peers);
         if self.regrouping || now < self.not_before {
@@ -301,7 +328,12 @@ impl CoordinatorState {
         let withdrawn = self.board.withdrawn.lock().clone();
         let judging = self.judging(&peers, &withdrawn, now);
         if let Some(changed) = judging.changed(&formation, &self.joins, self.reshape) {
-            self.regroup(myself, &formation, changed);
+            self.note_unheard(&peers, &changed.gone);
+            if self.is_apart(&formation) {
+                self.thin_out(&formation, &changed.gone);
+            } else {
+                self.regroup(myself, &formation, changed);
+            }
         }
     }
 
@@ -320,7 +352,7 @@ impl CoordinatorState {
     }
 }
 
-fn list(ids: &[VehicleId]) -> String {
+fn list<Id: ToString>(ids: &[Id]) -> String {
     if ids.is_empty() {
         return "nobody".into();
     }

@@ -5,12 +5,17 @@
 
 use crate::handle::{CommandReceipt, NodeHandle, Targets};
 use crate::snapshot::EventKind;
+use crate::swarm::asks::{Answer, Ask};
 use serde::{Deserialize, Serialize};
 use skein_domain::exchange::Severity;
-use skein_domain::{AutopilotCommand, NodeTime, Refusal, RequestId, VehicleId};
+use skein_domain::{AutopilotCommand, NodeId, NodeTime, Refusal, RequestId, VehicleId};
+use std::collections::BTreeMap;
+use std::time::Duration;
 
 /// How long the stop stays unlocked, in seconds.
 const UNLOCKED_S: f64 = 10.0;
+/// Longest wait for another node's receipts.
+const ELSEWHERE_WITHIN: Duration = Duration::from_secs(3);
 /// Request id of the stop itself, beyond what models and actors use.
 pub const EMERGENCY_REQUEST: RequestId = RequestId(u32::MAX - 1);
 
@@ -61,7 +66,7 @@ impl NodeHandle {
     ///
     /// # Errors
     /// Without the key of a first step that is not too long ago. Each vehicle answers for itself otherwise.
-    pub fn emergency_stop(&self, key: &str, targets: &Targets) -> Result<Vec<CommandReceipt>, Refusal> {
+    pub async fn emergency_stop(&self, key: &str, targets: &Targets) -> Result<Vec<CommandReceipt>, Refusal> {
         let now = self.now();
         let unlocked = self.board().emergency.lock().clone();
         if !unlocked.is_some_and(|u| u.key == key && now <= u.until) {
@@ -70,10 +75,50 @@ impl NodeHandle {
             });
         }
         let ids = match targets {
-            Targets::All => self.board().cells().iter().map(|cell| cell.id).collect(),
+            Targets::All => self.board().vehicle_ids(),
             Targets::Vehicles(ids) => ids.clone(),
         };
-        Ok(ids.into_iter().map(|id| self.stop_motors(id, now)).collect())
+        let mut elsewhere: BTreeMap<NodeId, Vec<VehicleId>> = BTreeMap::new();
+        for id in &ids {
+            if let Some(node) = self.board().host(*id) {
+                elsewhere.entry(node).or_default().push(*id);
+            }
+        }
+        let here: Vec<VehicleId> = ids.into_iter().filter(|id| self.board().host(*id).is_none()).collect();
+        // Those that can be reached without asking first.
+        let mut receipts = self.stop_motors_here(&here);
+        let asked: Vec<_> = elsewhere
+            .into_iter()
+            .map(|(node, ids)| {
+                let handle = self.clone();
+                tokio::spawn(async move { handle.stop_motors_elsewhere(node, ids).await })
+            })
+            .collect();
+        for answer in asked {
+            receipts.extend(answer.await.unwrap_or_default());
+        }
+        Ok(receipts)
+    }
+
+    /// Stops the motors of this node's own vehicles.
+    pub(crate) fn stop_motors_here(&self, ids: &[VehicleId]) -> Vec<CommandReceipt> {
+        let now = self.now();
+        ids.iter().map(|id| self.stop_motors(*id, now)).collect()
+    }
+
+    async fn stop_motors_elsewhere(&self, node: NodeId, ids: Vec<VehicleId>) -> Vec<CommandReceipt> {
+        match self.ask(node, Ask::EmergencyStop(ids.clone()), ELSEWHERE_WITHIN).await {
+            Ok(Answer::Receipts(receipts)) => receipts,
+            Ok(_) => Vec::new(),
+            Err(refusal) => {
+                let refused = |vehicle| CommandReceipt {
+                    vehicle,
+                    id: self.board().next_command_id(),
+                    refusal: Some(refusal.clone()),
+                };
+                ids.into_iter().map(refused).collect()
+            }
+        }
     }
 
     fn stop_motors(&self, vehicle: VehicleId, now: NodeTime) -> CommandReceipt {
@@ -88,7 +133,7 @@ impl NodeHandle {
             .load()
             .0
             .request(now, EMERGENCY_REQUEST, AutopilotCommand::EmergencyStop);
-        self.board().withdrawn.lock().insert(vehicle);
+        self.board().withdraw(&cell);
         let text = format!("{}: EMERGENCY STOP, motors off", cell.name);
         self.board()
             .events

@@ -3,7 +3,7 @@
 use crate::snapshot::{EventKind, EventRecord};
 use parking_lot::Mutex;
 use skein_domain::exchange::Severity;
-use skein_domain::{NodeTime, VehicleId};
+use skein_domain::{NodeId, NodeTime, VehicleId};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use tokio::sync::broadcast;
@@ -60,14 +60,30 @@ impl EventLog {
                 tracing::error!(target: "skein::event", vehicle = id, at_s = time.as_seconds(), "{text}");
             }
         }
-        let mut ring = self.ring.lock();
-        let record = Arc::new(EventRecord {
-            seq: ring.next_seq,
+        self.keep(EventRecord {
+            seq: 0,
             time,
+            node: None,
             vehicle,
             severity,
             kind,
             text,
+        });
+    }
+
+    /// Records what another node of the swarm told, by this node's clock. That node has logged it.
+    pub fn relay(&self, node: NodeId, record: EventRecord) {
+        self.keep(EventRecord {
+            node: Some(node),
+            ..record
+        });
+    }
+
+    fn keep(&self, record: EventRecord) {
+        let mut ring = self.ring.lock();
+        let record = Arc::new(EventRecord {
+            seq: ring.next_seq,
+            ..record
         });
         ring.next_seq += 1;
         if ring.events.len() == KEPT {

@@ -4,6 +4,8 @@
 
 use crate::handle::NodeHandle;
 use crate::snapshot::EventKind;
+use crate::swarm::asks::Ask;
+use crate::swarm::first_version;
 use serde::Serialize;
 use skein_domain::exchange::Severity;
 use skein_domain::fence::FencePlan;
@@ -39,15 +41,33 @@ impl NodeHandle {
     ///
     /// # Errors
     /// When a zone cannot be one, or cannot be placed because the swarm's origin is not known yet. The former ones stay.
-    pub fn set_fences(&self, plan: FencePlan) -> Result<FenceAnswer, Refusal> {
+    pub async fn set_fences(&self, plan: FencePlan) -> Result<FenceAnswer, Refusal> {
+        match self.coordinator_elsewhere()? {
+            None => self.set_fences_here(plan)?,
+            Some(node) => {
+                self.done(node, Ask::Fences(Box::new(plan.clone()))).await?;
+                // They come over the swarm as well, when they come.
+                let _ = self.board().set_fences(plan);
+            }
+        }
+        Ok(self.fences())
+    }
+
+    /// Puts fences in force as the coordinator's node does it: for the whole swarm.
+    pub(crate) fn set_fences_here(&self, plan: FencePlan) -> Result<(), Refusal> {
         let count = plan.zones.len();
         self.board()
             .set_fences(plan)
             .map_err(|e| Refusal::InvalidValue { detail: e.to_string() })?;
+        if let Some(swarm) = &self.board().swarm {
+            let term = swarm.role.load().acting;
+            let mut revision = swarm.fence_revision.lock();
+            *revision = (*revision + 1).max(term.map_or(0, first_version) + 1);
+        }
         let text = format!("{count} fence zones are in force");
         self.board()
             .events
             .record(self.now(), None, Severity::Advisory, EventKind::Fences, text);
-        Ok(self.fences())
+        Ok(())
     }
 }

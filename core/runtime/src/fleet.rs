@@ -223,6 +223,10 @@ impl FleetState {
             .events
             .record(now, Some(id), Severity::Info, EventKind::Adopted, text);
         self.board.insert_cell(cell.clone());
+        // Heard before it was ours, it would be kept away from as a stranger in its own place.
+        self.board
+            .sightings
+            .forget(&skein_link_px4::sighting::source_of(system_id.0));
         self.records.insert(id, Record::default());
         self.start(myself, cell.clone()).await;
         self.start_payloads(myself, &cell).await;

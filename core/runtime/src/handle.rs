@@ -1,26 +1,20 @@
 //! The typed handle to a running node: the only way in for the API, the demo and the tests. The actors' messages stay private.
 
+mod commands;
+mod coordination;
 mod trajectories;
 
 use crate::board::Board;
-use crate::coordinator::CoordinatorMessage;
 use crate::node::Parts;
 use crate::plugins::PluginOrder;
 use crate::references::{ReferenceReport, ReferenceSnapshot};
-use crate::returns;
 use crate::snapshot::{EventKind, EventRecord, FleetSnapshot};
-use crate::vehicle::VehicleMessage;
-use crate::ways;
-use ractor::RpcReplyPort;
-use ractor::rpc::CallResult;
 use serde::{Deserialize, Serialize};
 use skein_config::NodeConfig;
 use skein_domain::exchange::{FaultDrill, Severity};
-use skein_domain::{
-    AnchorReference, CommandId, FormationRequest, NodeTime, Refusal, Route, SlotMove, VehicleCommand, VehicleId,
-};
+use skein_domain::{AnchorReference, CommandId, NodeTime, Refusal, SlotMove, VehicleId};
 use skein_link_px4::EndpointMetrics;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -38,7 +32,7 @@ pub enum Targets {
 }
 
 /// What became of a command at one vehicle: taken up (how it goes on comes as events), or refused.
-#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct CommandReceipt {
     /// The vehicle.
     pub vehicle: VehicleId,
@@ -49,7 +43,7 @@ pub struct CommandReceipt {
 }
 
 /// What a change of formation will look like.
-#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct FormationReceipt {
     /// Who leads; nobody if it is anchored to something else than a vehicle.
     pub leader: Option<VehicleId>,
@@ -199,143 +193,6 @@ impl NodeHandle {
         })
     }
 
-    /// Gives a command to vehicles; each answers for itself. A take-off of several is staggered.
-    pub async fn command(&self, targets: &Targets, command: VehicleCommand) -> Vec<CommandReceipt> {
-        let ids: Vec<VehicleId> = match targets {
-            Targets::All => self.board.cells().iter().map(|cell| cell.id).collect(),
-            Targets::Vehicles(ids) => ids.clone(),
-        };
-        let stagger_s = match command {
-            VehicleCommand::TakeOff { .. } => self.board.config.coordinator.take_off_stagger_s,
-            _ => 0.0,
-        };
-        self.withdraw(&ids, &command);
-        let now = self.board.now();
-        let mut legs = match command {
-            VehicleCommand::Return if ids.len() > 1 => returns::legs(&self.board, &ids),
-            _ => BTreeMap::new(),
-        };
-        let asked: Vec<_> = ids
-            .iter()
-            .enumerate()
-            .map(|(i, id)| {
-                let (handle, id) = (self.clone(), *id);
-                let not_before = now.plus_seconds(stagger_s * i as f64);
-                let legs = legs.remove(&id).unwrap_or_default();
-                // All at once: a slow answer of one must not delay the stop of another.
-                tokio::spawn(async move { handle.command_one(id, command, legs, not_before).await })
-            })
-            .collect();
-        let mut receipts = Vec::with_capacity(asked.len());
-        for (vehicle, answer) in ids.into_iter().zip(asked) {
-            receipts.push(answer.await.unwrap_or_else(|_| CommandReceipt {
-                vehicle,
-                id: CommandId(0),
-                refusal: Some(Refusal::NotRunning {
-                    what: format!("actor of vehicle {vehicle}"),
-                }),
-            }));
-        }
-        // Who did not take the command up goes on as before; the coordinator takes it back in.
-        let mut withdrawn = self.board.withdrawn.lock();
-        for receipt in receipts.iter().filter(|r| r.refusal.is_some()) {
-            withdrawn.remove(&receipt.vehicle);
-        }
-        drop(withdrawn);
-        receipts
-    }
-
-    /// A command that moves or stops a vehicle by itself takes it out of the formation, and all its targets at once: a regrouping of
-    /// the rest must call none of them back. A take-off makes it a newcomer again.
-    fn withdraw(&self, ids: &[VehicleId], command: &VehicleCommand) {
-        let mut withdrawn = self.board.withdrawn.lock();
-        match command {
-            VehicleCommand::Arm
-            | VehicleCommand::Disarm
-            | VehicleCommand::LookAt { .. }
-            | VehicleCommand::StopObserving => {}
-            VehicleCommand::TakeOff { .. } => withdrawn.retain(|id| !ids.contains(id)),
-            VehicleCommand::Land
-            | VehicleCommand::LandAt { .. }
-            | VehicleCommand::Hold
-            | VehicleCommand::Return
-            | VehicleCommand::Observe { .. }
-            | VehicleCommand::GoTo { .. } => withdrawn.extend(ids),
-        }
-    }
-
-    async fn command_one(
-        &self,
-        vehicle: VehicleId,
-        command: VehicleCommand,
-        legs: VecDeque<VehicleCommand>,
-        not_before: NodeTime,
-    ) -> CommandReceipt {
-        let id = self.board.next_command_id();
-        let refused = |refusal| CommandReceipt {
-            vehicle,
-            id,
-            refusal: Some(refusal),
-        };
-        let Some(cell) = self.board.cell(vehicle) else {
-            return refused(Refusal::UnknownVehicle { vehicle });
-        };
-        let legs = match ways::legs(&self.board, vehicle, &command) {
-            Ok(around) if legs.is_empty() => around,
-            Ok(_) => legs,
-            // A return that finds no way is better begun than not; the gate stops it where it must.
-            Err(_) if command == VehicleCommand::Return => legs,
-            Err(refusal) => return refused(refusal),
-        };
-        let not_running = Refusal::NotRunning {
-            what: format!("actor of vehicle {vehicle}"),
-        };
-        let Some(actor) = cell.actor.load_full() else {
-            return refused(not_running);
-        };
-        let message = |reply| VehicleMessage::Command {
-            id,
-            command,
-            legs,
-            not_before,
-            reply: Some(reply),
-        };
-        match actor.call(message, Some(ANSWER_WITHIN)).await {
-            Ok(CallResult::Success(receipt)) => receipt,
-            Ok(CallResult::Timeout) => refused(Refusal::TimedOut {
-                what: format!("the actor of vehicle {vehicle}"),
-                after_s: ANSWER_WITHIN.as_secs_f64(),
-            }),
-            _ => refused(not_running),
-        }
-    }
-
-    /// Flies a formation.
-    ///
-    /// # Errors
-    /// When too few vehicles are available or no safe way into the slots is found.
-    pub async fn set_formation(&self, request: FormationRequest) -> Result<FormationReceipt, Refusal> {
-        self.coordinate(|reply| CoordinatorMessage::SetFormation(Box::new(request), reply))
-            .await
-    }
-
-    /// Ends the formation; its members hold.
-    ///
-    /// # Errors
-    /// When the coordinator is not running.
-    pub async fn dissolve_formation(&self) -> Result<(), Refusal> {
-        self.coordinate(CoordinatorMessage::Dissolve).await
-    }
-
-    /// Has the leader fly a route, as fast and as wide as the formation can; gives it as it is flown.
-    ///
-    /// # Errors
-    /// When no formation is flown behind a leader, or the route is refused by the safety gate.
-    pub async fn set_route(&self, route: Route) -> Result<Route, Refusal> {
-        self.coordinate(|reply| CoordinatorMessage::SetRoute(route, reply))
-            .await
-    }
-
     /// An operator gives a sign of life: the dead man's switch, where the configuration has it on, counts from the last one.
     pub fn hear_operator(&self) {
         self.board.hear_operator();
@@ -370,24 +227,6 @@ impl NodeHandle {
     #[must_use]
     pub fn references(&self) -> Vec<ReferenceSnapshot> {
         self.board.references.list(self.now())
-    }
-
-    async fn coordinate<T: Send + 'static>(
-        &self,
-        message: impl FnOnce(RpcReplyPort<Result<T, Refusal>>) -> CoordinatorMessage,
-    ) -> Result<T, Refusal> {
-        let not_running = || Refusal::NotRunning {
-            what: "the coordinator".into(),
-        };
-        let coordinator = self.parts.coordinator.load_full().ok_or_else(not_running)?;
-        match coordinator.call(message, Some(PLAN_WITHIN)).await {
-            Ok(CallResult::Success(answer)) => answer,
-            Ok(CallResult::Timeout) => Err(Refusal::TimedOut {
-                what: "the coordinator".into(),
-                after_s: PLAN_WITHIN.as_secs_f64(),
-            }),
-            _ => Err(not_running()),
-        }
     }
 
     /// Injects a fault.

@@ -29,6 +29,7 @@ pub mod restart;
 mod returns;
 pub mod snapshot;
 pub mod steering;
+mod swarm;
 mod vehicle;
 mod ways;
 mod wiring;
@@ -46,5 +47,10 @@ pub use references::{ReferenceReport, ReferenceSnapshot, References};
 pub use skein_plugin_host::Frame;
 pub use snapshot::{
     EventKind, EventRecord, FleetSnapshot, PayloadSnapshot, PluginHealth, RestartRecord, Restored, VehicleSnapshot,
+};
+pub use swarm::asks::{ApiAnswer, ApiRequest, ApiServer};
+pub use swarm::{
+    AllegianceKind, NodeRole, NodeSnapshot, OpenTransport, OpenedTransport, SwarmSetup, SwarmSnapshot, TermSnapshot,
+    WaySnapshot,
 };
 pub use wiring::{WiringError, catalog};

@@ -12,12 +12,13 @@ use crate::observer::Observer;
 use crate::pulse::Pulse;
 use crate::restart::{Decision, NODE_LIMITS, RestartHistory};
 use crate::snapshot::{ActorHealth, ActorStatus, EventKind};
+use crate::swarm::{Swarm, SwarmArguments, SwarmSetup};
 use crate::wiring::{self, WiringError};
 use arc_swap::ArcSwapOption;
 use ractor::{Actor, ActorCell, ActorId, ActorProcessingErr, ActorRef, RpcReplyPort, SpawnErr, SupervisionEvent};
 use skein_config::NodeConfig;
 use skein_domain::exchange::Severity;
-use skein_domain::{Clock, Incarnation};
+use skein_domain::{Clock, Incarnation, NodeTime};
 use skein_link_px4::{Endpoint, EndpointArguments, EndpointSettings, LinkTable};
 use std::collections::{BTreeMap, HashMap};
 use std::net::SocketAddr;
@@ -69,8 +70,18 @@ impl Node {
     ///
     /// # Errors
     /// When the configuration does not make sense, a plugin is missing, or a port is in use.
-    pub async fn start(config: NodeConfig, adapters: Vec<Adapter>) -> Result<Self, NodeError> {
-        let clock: Arc<dyn Clock> = Arc::new(TokioClock::start());
+    pub async fn start(
+        config: NodeConfig,
+        adapters: Vec<Adapter>,
+        swarm: Option<SwarmSetup>,
+    ) -> Result<Self, NodeError> {
+        // In a swarm others tell of what was before this node started.
+        let began = if swarm.is_some() {
+            LONG_BEFORE
+        } else {
+            NodeTime::default()
+        };
+        let clock: Arc<dyn Clock> = Arc::new(TokioClock::start_at(began));
         let endpoints = wiring::endpoints(&config)?;
         let board = Arc::new(wiring::board(config, clock)?);
         let parts = Arc::new(Parts::default());
@@ -79,6 +90,7 @@ impl Node {
             handle: handle.clone(),
             endpoints,
             adapters,
+            swarm,
         };
         let failed = |reason: String| NodeError::Part {
             part: "node".into(),
@@ -143,6 +155,7 @@ enum Part {
     Pulse,
     Coordinator,
     Observer,
+    Swarm,
     Endpoint(usize),
     Adapter(usize),
 }
@@ -151,7 +164,11 @@ struct NodeArguments {
     handle: NodeHandle,
     endpoints: Vec<EndpointSettings>,
     adapters: Vec<Adapter>,
+    swarm: Option<SwarmSetup>,
 }
+
+/// What the clock of a node in a swarm says when it starts: thirty days.
+const LONG_BEFORE: NodeTime = NodeTime(30 * 86_400 * 1_000_000);
 
 /// How often it is looked whether a coordinator that a drill keeps away may come back.
 const AWAY_LOOK: Duration = Duration::from_millis(100);
@@ -225,7 +242,8 @@ impl NodeState {
         let endpoints = (0..self.arguments.endpoints.len()).map(Part::Endpoint);
         let adapters = (0..self.arguments.adapters.len()).map(Part::Adapter);
         let first = [Part::Fleet, Part::Coordinator, Part::Pulse, Part::Observer];
-        for part in first.into_iter().chain(endpoints).chain(adapters) {
+        let swarm = self.arguments.swarm.as_ref().map(|_| Part::Swarm);
+        for part in first.into_iter().chain(swarm).chain(endpoints).chain(adapters) {
             self.start(myself, part).await?;
         }
         Ok(())
@@ -237,6 +255,7 @@ impl NodeState {
             Part::Pulse => "pulse".into(),
             Part::Coordinator => "coordinator".into(),
             Part::Observer => "observer".into(),
+            Part::Swarm => "swarm".into(),
             Part::Endpoint(i) => self
                 .arguments
                 .endpoints
@@ -295,6 +314,13 @@ impl NodeState {
             }
             Part::Pulse => Ok(spawned(Pulse::spawn_linked(None, Pulse, board, parent).await)?.get_id()),
             Part::Observer => Ok(spawned(Observer::spawn_linked(None, Observer, board, parent).await)?.get_id()),
+            Part::Swarm => {
+                let arguments = SwarmArguments {
+                    handle: self.arguments.handle.clone(),
+                    setup: self.arguments.swarm.clone().ok_or("not configured")?,
+                };
+                Ok(spawned(Swarm::spawn_linked(None, Swarm, arguments, parent).await)?.get_id())
+            }
             Part::Endpoint(i) => {
                 let settings = self.arguments.endpoints.get(i).cloned().ok_or("not configured")?;
                 let arguments = EndpointArguments {
@@ -327,6 +353,12 @@ impl NodeState {
         match part {
             Part::Fleet => self.arguments.handle.parts().fleet.store(None),
             Part::Coordinator => self.arguments.handle.parts().coordinator.store(None),
+            Part::Swarm => {
+                if let Some(swarm) = &self.arguments.handle.board().swarm {
+                    swarm.actor.store(None);
+                    swarm.silence();
+                }
+            }
             _ => {}
         }
         let now = self.arguments.handle.now();

@@ -77,19 +77,34 @@ fn picture(board: &Board, sequence: u64) -> FleetSnapshot {
         time: now,
         sequence,
         frame: board.frame(),
-        vehicles: board
-            .cells()
-            .iter()
-            .filter_map(|cell| vehicle(cell, &peers, leader, now))
-            .collect(),
+        vehicles: vehicles(board, &peers, leader, now),
         unadopted: board.unadopted.lock().clone(),
         formation: formation(&coordination, &peers, intent_version, now),
         actors,
         tracks: board.tracks.load().as_ref().clone(),
+        swarm: board.swarm.as_ref().map(|swarm| swarm.picture.load().as_ref().clone()),
     }
 }
 
-fn vehicle(
+/// This node's and those of the swarm's other nodes, by ascending id.
+fn vehicles(board: &Board, peers: &PeerSnapshot, leader: Option<VehicleId>, now: NodeTime) -> Vec<VehicleSnapshot> {
+    let node = board.swarm.as_ref().map(|swarm| swarm.role.load().node);
+    let cells = board.cells();
+    let mut all: Vec<VehicleSnapshot> = cells
+        .iter()
+        .filter_map(|cell| vehicle(cell, peers, leader, now))
+        .map(|vehicle| VehicleSnapshot { node, ..vehicle })
+        .collect();
+    if let Some(swarm) = &board.swarm {
+        let remote = swarm.vehicles.read();
+        let others = remote.iter().filter(|(id, _)| board.cell(**id).is_none());
+        all.extend(others.filter_map(|(id, remote)| remote.snapshot(peers.entry(*id)?, leader, now)));
+        all.sort_by_key(|vehicle| vehicle.id);
+    }
+    all
+}
+
+pub(crate) fn vehicle(
     cell: &VehicleCell,
     peers: &PeerSnapshot,
     leader: Option<VehicleId>,
@@ -106,6 +121,7 @@ fn vehicle(
         .and_then(|s| s.position);
     Some(VehicleSnapshot {
         id: cell.id,
+        node: None,
         name: cell.name.clone(),
         system_id: cell.system_id,
         plugin: model.plugin.clone(),

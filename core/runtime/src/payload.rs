@@ -367,7 +367,7 @@ pub fn escalate(board: &Board, vehicle: &VehicleCell, cell: &PayloadCell, why: &
     let Some(command) = command.filter(|_| flying) else {
         return;
     };
-    board.withdrawn.lock().insert(vehicle.id);
+    board.withdraw(vehicle);
     if let Some(actor) = vehicle.actor.load_full() {
         let message = VehicleMessage::Command {
             id: board.next_command_id(),

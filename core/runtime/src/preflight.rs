@@ -5,12 +5,17 @@
 use crate::board::{Board, PeerEntry, VehicleCell};
 use crate::handle::NodeHandle;
 use crate::snapshot::{ActorStatus, EventKind};
+use crate::swarm::asks::{Answer, Ask};
 use serde::Serialize;
 use skein_domain::exchange::Severity;
 use skein_domain::preflight::{PreflightItem, PreflightOverride, PreflightReport};
-use skein_domain::{LandedState, NodeTime, PositionNed, Refusal};
+use skein_domain::{LandedState, NodeId, NodeTime, PositionNed, Refusal};
 use skein_safety::preflight::{self, NamedRunning, SwarmChecks, VehicleChecks};
+use std::collections::BTreeSet;
+use std::time::Duration;
 
+/// Longest wait for another node's reports.
+const ELSEWHERE_WITHIN: Duration = Duration::from_secs(2);
 /// Most items that one plugin may add.
 const MOST_ITEMS: usize = 64;
 
@@ -182,6 +187,35 @@ impl NodeHandle {
         }
     }
 
+    /// The same with the vehicles of the swarm's other nodes, as those nodes see them. One that does not answer is left out: its vehicles are
+    /// not heard either.
+    pub async fn preflight_everywhere(&self) -> PreflightAnswer {
+        let mut answer = self.preflight();
+        let Some(swarm) = &self.board().swarm else {
+            return answer;
+        };
+        let nodes: BTreeSet<NodeId> = swarm.vehicles.read().values().map(|v| v.node).collect();
+        let asked: Vec<_> = nodes
+            .into_iter()
+            .map(|node| {
+                let handle = self.clone();
+                tokio::spawn(async move { handle.ask(node, Ask::Preflight, ELSEWHERE_WITHIN).await })
+            })
+            .collect();
+        for reports in asked {
+            if let Ok(Ok(Answer::Preflight(reports))) = reports.await {
+                let now = self.now();
+                answer.vehicles.extend(
+                    reports
+                        .into_iter()
+                        .map(|report| PreflightReport { made_at: now, ..report }),
+                );
+            }
+        }
+        answer.vehicles.sort_by_key(|report| report.vehicle);
+        answer
+    }
+
     /// Takes red items upon an operator who may do so. Recorded, and again when a vehicle is armed by it. Who may is the caller's to know.
     ///
     /// # Errors
@@ -190,12 +224,15 @@ impl NodeHandle {
         let (board, now) = (self.board(), self.now());
         let given = PreflightOverride { given_at: now, ..given };
         given.check()?;
-        if let Some(vehicle) = given.vehicle.filter(|id| board.cell(*id).is_none()) {
+        if let Some(vehicle) = given.vehicle.filter(|id| !board.vehicle_ids().contains(id)) {
             return Err(Refusal::UnknownVehicle { vehicle });
         }
         let mut holding = holding(board, now);
         holding.push(given.clone());
         *board.overrides.lock() = holding;
+        if board.swarm.is_some() {
+            board.overrides_here.lock().push(given.clone());
+        }
         let text = format!(
             "preflight items overridden by {} for {:.0} s: {} ({})",
             given.operator,

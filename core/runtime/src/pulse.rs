@@ -10,8 +10,9 @@ use crate::payload::{PayloadCell, PayloadMessage};
 use crate::snapshot::EventKind;
 use crate::vehicle::VehicleMessage;
 use ractor::{Actor, ActorProcessingErr, ActorRef};
-use skein_domain::NodeTime;
 use skein_domain::exchange::Severity;
+use skein_domain::{NodeTime, VehicleId};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -70,6 +71,7 @@ fn beat(board: &Board) {
     for cell in &cells {
         let (telemetry, link) = cell.link.load().0.read(now);
         if board.frame().is_none()
+            && board.coordinates()
             && let Some(place) = telemetry.home.or(telemetry.global)
             && telemetry.local_frame.is_some()
             && board.fix_frame(place)
@@ -106,6 +108,7 @@ fn beat(board: &Board) {
             energy,
         });
     }
+    add_others(board, &mut entries, now);
     publish(board, entries, now);
     for cell in &cells {
         let Some(actor) = cell.actor.load_full() else { continue };
@@ -119,6 +122,20 @@ fn beat(board: &Board) {
             wake(payload, now);
         }
     }
+}
+
+/// Adds the vehicles of the swarm's other nodes. Where two nodes claim one id, this node's own is what it knows best.
+fn add_others(board: &Board, entries: &mut Vec<PeerEntry>, now: NodeTime) {
+    let Some(swarm) = &board.swarm else { return };
+    let others = swarm.peers(board.config.link.lost_after_s, board.frame(), now);
+    if let (None, true) = (board.frame(), board.coordinates())
+        && let Some(place) = others.iter().find_map(|e| e.telemetry.home.or(e.telemetry.global))
+    {
+        board.fix_frame(place);
+    }
+    let own: BTreeSet<VehicleId> = entries.iter().map(|e| e.id).collect();
+    entries.extend(others.into_iter().filter(|e| !own.contains(&e.id)));
+    entries.sort_by_key(|e| e.id);
 }
 
 /// Wakes a payload whose tick is due.

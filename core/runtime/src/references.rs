@@ -57,6 +57,8 @@ pub struct ReferenceSnapshot {
 struct Known {
     report: ReferenceReport,
     heard: NodeTime,
+    /// It was told at another node of the swarm.
+    elsewhere: bool,
     tracker: ReferenceTracker,
 }
 
@@ -81,11 +83,36 @@ impl References {
         }
     }
 
+    /// Takes a report that was told at another node of the swarm.
+    ///
+    /// # Errors
+    /// For a name or a number that is of no use.
+    pub fn hear(&self, name: &str, report: ReferenceReport, at: NodeTime) -> Result<(), Refusal> {
+        let known = |k: &Known| !k.elsewhere && at.seconds_since(k.heard) < STALE_AFTER_S || k.heard >= at;
+        if self.known.lock().get(name).is_some_and(known) {
+            return Ok(());
+        }
+        self.take(name, report, at, true)
+    }
+
+    /// Those told at this node of late, with when.
+    pub fn told_here(&self) -> Vec<(String, ReferenceReport, NodeTime)> {
+        let all = self.known.lock();
+        all.iter()
+            .filter(|(_, known)| !known.elsewhere)
+            .map(|(name, known)| (name.clone(), known.report, known.heard))
+            .collect()
+    }
+
     /// Takes a report.
     ///
     /// # Errors
     /// For a name or a number that is of no use.
     pub fn tell(&self, name: &str, report: ReferenceReport, now: NodeTime) -> Result<(), Refusal> {
+        self.take(name, report, now, false)
+    }
+
+    fn take(&self, name: &str, report: ReferenceReport, now: NodeTime, elsewhere: bool) -> Result<(), Refusal> {
         let finite = report.position.is_finite()
             && report.velocity.is_none_or(|v| v.is_finite())
             && report.heading_rad.is_none_or(f64::is_finite);
@@ -110,6 +137,7 @@ impl References {
             None => Known {
                 report,
                 heard: now,
+                elsewhere,
                 tracker: ReferenceTracker::new(self.limits).map_err(invalid)?,
             },
         };
@@ -119,6 +147,7 @@ impl References {
         if taken.is_ok() {
             known.report = report;
             known.heard = now;
+            known.elsewhere = elsewhere;
         }
         all.insert(name.to_owned(), known);
         taken.map_err(invalid)

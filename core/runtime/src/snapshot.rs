@@ -1,14 +1,15 @@
 //! What everyone outside the control path reads: an immutable picture of the fleet, made a few times a second, and the stream of
 //! events. Reading it never waits for an actor.
 
-use serde::Serialize;
+use crate::swarm::SwarmSnapshot;
+use serde::{Deserialize, Serialize};
 use skein_config::Isolation;
 use skein_domain::exchange::{CommandProgress, Severity};
 use skein_domain::payload::{CoordinatorCapability, FrameHeader, PayloadKind, Track};
 use skein_domain::{
     Battery, CommandId, EnergyState, FlightLimits, FlightMode, FlightState, FormationRequest, Geodetic, Gnss,
-    Incarnation, LadderEvent, LadderState, LandedState, LinkHealth, NodeTime, PositionNed, Refusal, Route, SwarmFrame,
-    SystemId, VehicleId, telemetry::VehicleKinematics,
+    Incarnation, LadderEvent, LadderState, LandedState, LinkHealth, NodeId, NodeTime, PositionNed, Refusal, Route,
+    SwarmFrame, SystemId, VehicleId, telemetry::VehicleKinematics,
 };
 
 /// The fleet at one moment.
@@ -30,13 +31,18 @@ pub struct FleetSnapshot {
     pub actors: Vec<ActorHealth>,
     /// What is tracked.
     pub tracks: Vec<Track>,
+    /// The swarm this node is part of, if it is part of one.
+    pub swarm: Option<SwarmSnapshot>,
 }
 
 /// One vehicle at one moment.
-#[derive(Debug, Clone, Serialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(Debug, Clone, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct VehicleSnapshot {
     /// The swarm's id for it.
     pub id: VehicleId,
+    /// The node of the swarm that flies it; absent for this node's own without a swarm.
+    #[serde(default)]
+    pub node: Option<NodeId>,
     /// Its name from the adoption rule.
     pub name: String,
     /// MAVLink system id on its link.
@@ -107,7 +113,7 @@ pub struct VehicleSnapshot {
 }
 
 /// One payload at one moment.
-#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct PayloadSnapshot {
     /// Its name on the vehicle.
     pub name: String,
@@ -127,7 +133,16 @@ pub struct PayloadSnapshot {
 }
 
 /// A plugin instance under supervision.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(
+    Debug,
+    Clone,
+    PartialEq,
+    Default,
+    Serialize,
+    Deserialize,
+    ts_rs::TS,
+    schemars::JsonSchema
+)]
 pub struct PluginHealth {
     /// Name in the supervision tree, for example `model-3` or `payload-3-gimbal`.
     pub name: String,
@@ -201,7 +216,16 @@ pub struct RestartRecord {
 }
 
 /// A supervised actor or plugin instance.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(
+    Debug,
+    Clone,
+    PartialEq,
+    Default,
+    Serialize,
+    Deserialize,
+    ts_rs::TS,
+    schemars::JsonSchema
+)]
 pub struct ActorHealth {
     /// Name in the supervision tree, for example `vehicle-3`.
     pub name: String,
@@ -224,6 +248,7 @@ pub struct ActorHealth {
     Eq,
     Default,
     Serialize,
+    Deserialize,
     ts_rs::TS,
     schemars::JsonSchema
 )]
@@ -250,7 +275,7 @@ pub struct UnadoptedVehicle {
 }
 
 /// What is changed of a vehicle's setpoints at a moment, to keep it off others or inside of a fence.
-#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct Avoidance {
     /// How far the flown velocity is from the wanted one, in metres per second.
     pub by_m_s: f64,
@@ -294,12 +319,15 @@ pub struct FormationSnapshot {
 }
 
 /// One thing that happened.
-#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct EventRecord {
     /// Grows by one with every event of this node.
     pub seq: u64,
     /// When.
     pub time: NodeTime,
+    /// On which other node of the swarm; absent if on this one.
+    #[serde(default)]
+    pub node: Option<NodeId>,
     /// About which vehicle, if about one.
     pub vehicle: Option<VehicleId>,
     /// How urgent.
@@ -311,7 +339,7 @@ pub struct EventRecord {
 }
 
 /// What kind of thing happened.
-#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum EventKind {
     /// A vehicle was found and taken into the swarm.
@@ -389,6 +417,8 @@ pub enum EventKind {
         /// Its name.
         plugin: String,
     },
+    /// A node came into the swarm or left it, or another one coordinates.
+    Swarm,
     /// Anything else a plugin or actor wants known.
     Notice,
 }

@@ -48,7 +48,7 @@ impl Coordination {
 }
 
 /// A route being flown.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ActiveRoute {
     /// The whole route.
     pub route: Route,

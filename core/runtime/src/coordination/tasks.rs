@@ -8,7 +8,8 @@ use std::collections::{BTreeMap, BTreeSet};
 /// withdrawn by an operator gets no task at all: a task of a newer version would outrank the operator's command.
 #[must_use]
 pub fn intent(before: &Intent, coordination: &Coordination, withdrawn: &BTreeSet<VehicleId>, now: NodeTime) -> Intent {
-    let version = before.version + 1;
+    // Even ones: a node that is cut off from its swarm puts an odd one in between.
+    let version = (before.version | 1) + 1;
     let mut wanted = coordination
         .formation
         .as_ref()

@@ -36,7 +36,7 @@ const MISSION_POINTS: usize = 180;
 const MISSION_WITHIN_M: [f64; 4] = [LEGS_WITHIN_M, 1.0, 2.0, 4.0];
 
 /// One vehicle's trajectory, and how far it has got.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Flight {
     /// What it flies.
     pub trajectory: Trajectory,

@@ -120,6 +120,13 @@ impl CoordinatorState {
         if matches!(purpose, Purpose::Regroup { .. }) {
             self.regrouping = false;
         }
+        if !self.board.coordinates() {
+            // The office has passed on meanwhile.
+            if let Purpose::Asked(reply) = purpose {
+                drop(reply.send(Err(Refusal::Superseded)));
+            }
+            return;
+        }
         if generation != self.generation {
             match purpose {
                 Purpose::Asked(_) if attempts < ATTEMPTS => self.begin_plan(myself, request, purpose, attempts + 1),
@@ -140,6 +147,7 @@ impl CoordinatorState {
     fn fly_asked(&mut self, formation: Formation) -> FormationReceipt {
         // The operator calls them back.
         self.board.withdrawn.lock().retain(|id| !formation.members.contains(id));
+        self.board.coordination.lock().interrupted = None;
         let receipt = FormationReceipt {
             leader: formation.leader,
             members: formation.members.clone(),
@@ -169,6 +177,7 @@ impl CoordinatorState {
                     formation.request.members = None;
                 }
                 self.reshape = false;
+                self.take_route_back();
                 self.joins.retain(|id| !formation.members.contains(id));
                 self.fly(formation, Severity::Advisory, text.to_owned());
             }

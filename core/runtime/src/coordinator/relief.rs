@@ -6,6 +6,7 @@ use super::CoordinatorState;
 use crate::board::PeerSnapshot;
 use crate::coordination::Formation;
 use crate::snapshot::EventKind;
+use crate::swarm::asks::{Ask, Order};
 use crate::vehicle::VehicleMessage;
 use crate::ways;
 use skein_domain::exchange::Severity;
@@ -32,10 +33,8 @@ impl CoordinatorState {
             if !self.board.withdrawn.lock().insert(*id) {
                 continue;
             }
-            let Some(cell) = self.board.cell(*id) else { continue };
             let text = format!(
-                "{}: relieved, it must return within {:.0} s for its charge of {:.0} %",
-                cell.name,
+                "vehicle {id}: relieved, it must return within {:.0} s for its charge of {:.0} %",
                 energy.return_in_s,
                 energy.remaining * 100.0
             );
@@ -43,15 +42,27 @@ impl CoordinatorState {
                 .events
                 .record(now, Some(*id), Severity::Advisory, EventKind::Formation, text);
             let command = VehicleCommand::Return;
+            let legs = ways::legs(&self.board, *id, &command).unwrap_or_default();
+            if let Some(node) = self.board.host(*id) {
+                let order = Order {
+                    vehicle: *id,
+                    command,
+                    legs,
+                    delay_s: 0.0,
+                    by_operator: false,
+                };
+                self.ask_elsewhere(node, Ask::Orders(vec![order]));
+                continue;
+            }
             let message = VehicleMessage::Command {
                 id: self.board.next_command_id(),
                 command,
-                legs: ways::legs(&self.board, *id, &command).unwrap_or_default(),
+                legs,
                 not_before: now,
                 reply: None,
             };
             // Without its actor it goes on as it is; its ladder is looked at by the next incarnation.
-            if let Some(actor) = cell.actor.load_full() {
+            if let Some(actor) = self.board.cell(*id).and_then(|cell| cell.actor.load_full()) {
                 let _ = actor.cast(message);
             }
         }

@@ -6,6 +6,7 @@ use super::{CoordinatorMessage, CoordinatorState, LEAD_TIME_S, list};
 use crate::board::PeerSnapshot;
 use crate::coordination::{self, Flight, PlannedFlights, TrajectoryInput};
 use crate::snapshot::EventKind;
+use crate::swarm::asks::Ask;
 use crate::vehicle::VehicleMessage;
 use ractor::{ActorRef, RpcReplyPort};
 use skein_domain::exchange::Severity;
@@ -122,6 +123,7 @@ impl CoordinatorState {
                 clock_faults.insert(cell.id);
             }
         }
+        self.others_flights(&mut held, &mut clock_faults);
         Ok(TrajectoryInput {
             request: ask.request.clone(),
             flights: coordination.flights,
@@ -150,6 +152,9 @@ impl CoordinatorState {
             answer => return drop(ask.reply.send(answer.map(|flown| flown.plan))),
         };
         let now = self.board.now();
+        if !self.board.coordinates() {
+            return drop(ask.reply.send(Err(of_all(Refusal::Superseded))));
+        }
         let changed = made_for != (self.generation, self.flights_version);
         let late = flown.plan.start.seconds_since(now) < LEAD_TIME_S;
         let soon = ask.request.start == TrajectoryStart::Soon;
@@ -192,7 +197,9 @@ impl CoordinatorState {
         self.publish();
         for (id, points) in routes {
             let actor = self.board.cell(id).and_then(|cell| cell.actor.load_full());
-            if let Some(actor) = actor {
+            if let Some(node) = self.board.host(id) {
+                self.ask_elsewhere(node, Ask::Upload(vec![(id, points)]));
+            } else if let Some(actor) = actor {
                 let _ = actor.cast(VehicleMessage::UploadRoute(points));
             }
         }
@@ -255,7 +262,7 @@ impl CoordinatorState {
             if !flight.is_on() {
                 continue;
             }
-            let told = self.board.cell(*id).and_then(|cell| cell.state.lock().route_finished);
+            let told = self.route_finished(*id);
             let task = intent.tasks.get(id).filter(|t| matches!(t.task, Task::Fly(_)));
             flight.finished |= told.is_some() && told == task.map(|t| t.version);
             let why = if withdrawn.contains(id) {

@@ -3,7 +3,10 @@
 use super::{NodeHandle, PLAN_WITHIN};
 use crate::coordination::Flight;
 use crate::coordinator::{CoordinatorMessage, TrajectoryAnswer, TrajectoryAsk};
+use crate::swarm::asks::{Answer, Ask};
+use crate::vehicle::VehicleMessage;
 use ractor::rpc::CallResult;
+use skein_domain::link::RoutePoint;
 use skein_domain::{
     NodeTime, Refusal, RouteUpload, TrajectoryObjection, TrajectoryPlan, TrajectoryProgress, TrajectoryRequest,
     TrajectoryStatus, VehicleId,
@@ -33,6 +36,19 @@ impl NodeHandle {
     }
 
     async fn ask_trajectories(&self, request: TrajectoryRequest, fly: bool) -> TrajectoryAnswer {
+        let against = |refusal| vec![TrajectoryObjection { vehicle: None, refusal }];
+        let Some(node) = self.coordinator_elsewhere().map_err(against)? else {
+            return self.ask_trajectories_here(request, fly).await;
+        };
+        let request = Box::new(request);
+        match self.ask(node, Ask::Trajectories { request, fly }, PLAN_WITHIN).await {
+            Ok(Answer::Trajectories(outcome)) => outcome,
+            Ok(_) => Err(Vec::new()),
+            Err(refusal) => Err(against(refusal)),
+        }
+    }
+
+    pub(crate) async fn ask_trajectories_here(&self, request: TrajectoryRequest, fly: bool) -> TrajectoryAnswer {
         let against = |refusal| Err(vec![TrajectoryObjection { vehicle: None, refusal }]);
         let not_running = Refusal::NotRunning {
             what: "the coordinator".into(),
@@ -64,7 +80,29 @@ impl NodeHandle {
     /// # Errors
     /// When the coordinator is not running.
     pub async fn end_trajectories(&self) -> Result<Vec<VehicleId>, Refusal> {
+        let Some(node) = self.coordinator_elsewhere()? else {
+            return self.end_trajectories_here().await;
+        };
+        match self.ask(node, Ask::EndTrajectories, PLAN_WITHIN).await? {
+            Answer::Ended(outcome) => outcome,
+            _ => Ok(Vec::new()),
+        }
+    }
+
+    pub(crate) async fn end_trajectories_here(&self) -> Result<Vec<VehicleId>, Refusal> {
         self.coordinate(CoordinatorMessage::EndTrajectories).await
+    }
+
+    /// Puts routes on the autopilots of this node's own vehicles.
+    pub(crate) fn upload_here(&self, routes: Vec<(VehicleId, Vec<RoutePoint>)>) -> Result<(), Refusal> {
+        for (vehicle, points) in routes {
+            let cell = self.board.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+            if let Some(actor) = cell.actor.load_full() {
+                // What becomes of it is told as an event.
+                let _ = actor.cast(VehicleMessage::UploadRoute(points));
+            }
+        }
+        Ok(())
     }
 
     /// How each is getting on, by ascending id. One that has ended is told of until the vehicle is given another.

@@ -116,7 +116,7 @@ impl NodeHandle {
                 });
             }
         }
-        self.board.tracks.store(Arc::new(tracks));
+        self.board.tell_tracks(tracks);
         Ok(())
     }
 }

@@ -194,7 +194,8 @@ impl VehicleState {
             Reaction::Land => (VehicleCommand::Land, AutopilotCommand::Land),
             Reaction::Release => return self.release(now),
         };
-        self.cell.watch.lock().withdrew = self.board.withdrawn.lock().insert(self.cell.id);
+        let withdrew = self.board.withdraw(&self.cell);
+        self.cell.watch.lock().withdrew = withdrew;
         let id = self.board.next_command_id();
         let legs = ways::legs(&self.board, self.cell.id, &command).unwrap_or_default();
         let taken_up = self.model.life.is_running() && self.command(id, command, legs, now).await.is_ok();
@@ -205,7 +206,7 @@ impl VehicleState {
 
     /// Stops the stream on purpose, so that the autopilot's own failsafe acts. It is out of our hands until an operator commands it.
     fn release(&mut self, now: NodeTime) {
-        self.board.withdrawn.lock().insert(self.cell.id);
+        self.board.withdraw(&self.cell);
         self.pilot = true;
         self.released = true;
         self.cell.link.load().0.stop_stream(now);

@@ -1,0 +1,226 @@
+//! Commands to vehicles, whichever node of the swarm flies them: what is to be flown is worked out here, where it is asked; each node
+//! carries out what is for its own.
+//!
+//! Must never do: let the answer of one vehicle delay the stop of another.
+
+use super::{ANSWER_WITHIN, CommandReceipt, NodeHandle, Targets};
+use crate::board::Board;
+use crate::returns;
+use crate::swarm::asks::{Answer, Ask, Order};
+use crate::vehicle::VehicleMessage;
+use crate::ways;
+use ractor::rpc::CallResult;
+use skein_domain::{CommandId, NodeId, Refusal, VehicleCommand, VehicleId};
+use std::collections::{BTreeMap, VecDeque};
+use std::time::Duration;
+
+/// Longest wait for another node's receipts: as long as its own actors may take, and the way there and back.
+const NODE_ANSWERS_WITHIN: Duration = Duration::from_secs(5);
+
+impl NodeHandle {
+    /// Gives a command to vehicles; each answers for itself. A take-off of several is staggered.
+    pub async fn command(&self, targets: &Targets, command: VehicleCommand) -> Vec<CommandReceipt> {
+        let ids: Vec<VehicleId> = match targets {
+            Targets::All => self.board.vehicle_ids(),
+            Targets::Vehicles(ids) => ids.clone(),
+        };
+        let (orders, mut receipts) = self.orders(&ids, command);
+        let (mut own, mut others): (Vec<Order>, BTreeMap<NodeId, Vec<Order>>) = (Vec::new(), BTreeMap::new());
+        for order in orders {
+            match self.board.host(order.vehicle) {
+                Some(node) => others.entry(node).or_default().push(order),
+                None => own.push(order),
+            }
+        }
+        let asked: Vec<_> = others
+            .into_iter()
+            .map(|(node, orders)| {
+                let handle = self.clone();
+                tokio::spawn(async move { handle.command_elsewhere(node, orders).await })
+            })
+            .collect();
+        receipts.extend(self.carry_out(own).await);
+        for answer in asked {
+            receipts.extend(answer.await.unwrap_or_default());
+        }
+        // In the order in which they were named.
+        let place = |receipt: &CommandReceipt| ids.iter().position(|id| *id == receipt.vehicle);
+        receipts.sort_by_key(place);
+        receipts
+    }
+
+    /// What is to be flown for a command, or why it cannot be.
+    fn orders(&self, ids: &[VehicleId], command: VehicleCommand) -> (Vec<Order>, Vec<CommandReceipt>) {
+        let stagger_s = match command {
+            VehicleCommand::TakeOff { .. } => self.board.config.coordinator.take_off_stagger_s,
+            _ => 0.0,
+        };
+        let mut legs = match command {
+            VehicleCommand::Return if ids.len() > 1 => returns::legs(&self.board, ids),
+            _ => BTreeMap::new(),
+        };
+        let (mut orders, mut receipts) = (Vec::new(), Vec::new());
+        for (i, id) in ids.iter().enumerate() {
+            match legs_of(&self.board, *id, &command, legs.remove(id).unwrap_or_default()) {
+                Ok(legs) => orders.push(Order {
+                    vehicle: *id,
+                    command,
+                    legs,
+                    delay_s: stagger_s * i as f64,
+                    by_operator: true,
+                }),
+                Err(refusal) => receipts.push(self.refused(*id, refusal)),
+            }
+        }
+        (orders, receipts)
+    }
+
+    fn refused(&self, vehicle: VehicleId, refusal: Refusal) -> CommandReceipt {
+        CommandReceipt {
+            vehicle,
+            id: self.board.next_command_id(),
+            refusal: Some(refusal),
+        }
+    }
+
+    /// Has another node carry out what is for its vehicles.
+    async fn command_elsewhere(&self, node: NodeId, orders: Vec<Order>) -> Vec<CommandReceipt> {
+        let ids: Vec<VehicleId> = orders.iter().map(|order| order.vehicle).collect();
+        if self.board.coordinates()
+            && let Some(command) = orders.first().map(|order| order.command)
+        {
+            // So that no regrouping comes between; the node that flies them says the same from now on.
+            self.withdraw(&ids, &command);
+        }
+        match self.ask(node, Ask::Orders(orders), NODE_ANSWERS_WITHIN).await {
+            Ok(Answer::Receipts(receipts)) => receipts,
+            Ok(_) => Vec::new(),
+            Err(refusal) => ids.iter().map(|id| self.refused(*id, refusal.clone())).collect(),
+        }
+    }
+
+    /// Carries out what is for this node's own vehicles.
+    pub(crate) async fn carry_out(&self, orders: Vec<Order>) -> Vec<CommandReceipt> {
+        let ids: Vec<VehicleId> = orders.iter().map(|order| order.vehicle).collect();
+        if let Some(command) = orders.first().map(|order| order.command) {
+            self.withdraw(&ids, &command);
+        }
+        let asked: Vec<_> = orders
+            .into_iter()
+            .map(|order| {
+                let handle = self.clone();
+                // All at once: a slow answer of one must not delay the stop of another.
+                tokio::spawn(async move { handle.command_one(order).await })
+            })
+            .collect();
+        let mut receipts = Vec::with_capacity(asked.len());
+        for (vehicle, answer) in ids.into_iter().zip(asked) {
+            receipts.push(answer.await.unwrap_or_else(|_| CommandReceipt {
+                vehicle,
+                id: CommandId(0),
+                refusal: Some(Refusal::NotRunning {
+                    what: format!("actor of vehicle {vehicle}"),
+                }),
+            }));
+        }
+        // Who did not take the command up goes on as before; the coordinator takes it back in.
+        let mut withdrawn = self.board.withdrawn.lock();
+        for receipt in receipts.iter().filter(|r| r.refusal.is_some()) {
+            withdrawn.remove(&receipt.vehicle);
+        }
+        drop(withdrawn);
+        receipts
+    }
+
+    /// A command that moves or stops a vehicle by itself takes it out of the formation, and all its targets at once: a regrouping of
+    /// the rest must call none of them back. A take-off makes it a newcomer again.
+    fn withdraw(&self, ids: &[VehicleId], command: &VehicleCommand) {
+        match command {
+            VehicleCommand::Arm
+            | VehicleCommand::Disarm
+            | VehicleCommand::LookAt { .. }
+            | VehicleCommand::StopObserving => {}
+            VehicleCommand::TakeOff { .. } => self.board.withdrawn.lock().retain(|id| !ids.contains(id)),
+            VehicleCommand::Land
+            | VehicleCommand::LandAt { .. }
+            | VehicleCommand::Hold
+            | VehicleCommand::Return
+            | VehicleCommand::Observe { .. }
+            | VehicleCommand::GoTo { .. } => {
+                for id in ids {
+                    match self.board.cell(*id) {
+                        Some(cell) => drop(self.board.withdraw(&cell)),
+                        None => drop(self.board.withdrawn.lock().insert(*id)),
+                    }
+                }
+            }
+        }
+    }
+
+    async fn command_one(&self, order: Order) -> CommandReceipt {
+        let Order {
+            vehicle,
+            command,
+            legs,
+            delay_s,
+            by_operator,
+        } = order;
+        let not_before = self.board.now().plus_seconds(delay_s);
+        let id = self.board.next_command_id();
+        let refused = |refusal| CommandReceipt {
+            vehicle,
+            id,
+            refusal: Some(refusal),
+        };
+        let Some(cell) = self.board.cell(vehicle) else {
+            return refused(Refusal::UnknownVehicle { vehicle });
+        };
+        let not_running = Refusal::NotRunning {
+            what: format!("actor of vehicle {vehicle}"),
+        };
+        let Some(actor) = cell.actor.load_full() else {
+            return refused(not_running);
+        };
+        let message = |reply| VehicleMessage::Command {
+            id,
+            command,
+            legs,
+            not_before,
+            reply,
+        };
+        if !by_operator {
+            return match actor.cast(message(None)) {
+                Ok(()) => CommandReceipt {
+                    vehicle,
+                    id,
+                    refusal: None,
+                },
+                Err(_) => refused(not_running),
+            };
+        }
+        match actor.call(|reply| message(Some(reply)), Some(ANSWER_WITHIN)).await {
+            Ok(CallResult::Success(receipt)) => receipt,
+            Ok(CallResult::Timeout) => refused(Refusal::TimedOut {
+                what: format!("the actor of vehicle {vehicle}"),
+                after_s: ANSWER_WITHIN.as_secs_f64(),
+            }),
+            _ => refused(not_running),
+        }
+    }
+}
+
+/// How a command is flown: along the legs that were worked out for several at once, or around what is closed.
+fn legs_of(
+    board: &Board,
+    vehicle: VehicleId,
+    command: &VehicleCommand,
+    legs: VecDeque<VehicleCommand>,
+) -> Result<VecDeque<VehicleCommand>, Refusal> {
+    match ways::legs(board, vehicle, command) {
+        Ok(around) if legs.is_empty() => Ok(around),
+        Ok(_) => Ok(legs),
+        // A return that finds no way is better begun than not; the gate stops it where it must.
+        Err(_) if *command == VehicleCommand::Return => Ok(legs),
+        Err(refusal) => Err(refusal),
+    }
+}

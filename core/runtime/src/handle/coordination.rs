@@ -1,0 +1,203 @@
+//! What only the coordinator can do, on whichever node of the swarm it is.
+//!
+//! Must never do: ask a node that does not coordinate to decide.
+
+use super::{FormationReceipt, NodeHandle, PLAN_WITHIN};
+use crate::coordinator::CoordinatorMessage;
+use crate::swarm::asks::{Answer, ApiAnswer, ApiRequest, Ask};
+use crate::swarm::{SwarmSnapshot, asking, take_office};
+use ractor::RpcReplyPort;
+use ractor::rpc::CallResult;
+use skein_domain::{FormationRequest, NodeId, Refusal, Route, VehicleId};
+use std::time::Duration;
+
+/// Longest wait for another node to take the office.
+const OFFICE_WITHIN: Duration = Duration::from_secs(3);
+/// Longest wait for another node's answer to a request of the API.
+const API_WITHIN: Duration = Duration::from_secs(20);
+
+fn no_coordinator() -> Refusal {
+    Refusal::NotRunning {
+        what: "a coordinator of this swarm (none is there)".into(),
+    }
+}
+
+fn strange(node: NodeId) -> Refusal {
+    Refusal::NotRunning {
+        what: format!("node {node} (it answers something else)"),
+    }
+}
+
+impl NodeHandle {
+    /// Asks another node of the swarm.
+    pub(crate) async fn ask(&self, node: NodeId, ask: Ask, within: Duration) -> Result<Answer, Refusal> {
+        let not_running = || Refusal::NotRunning {
+            what: "this node's part in a swarm".into(),
+        };
+        let actor = self.board.swarm.as_ref().and_then(|swarm| swarm.actor.load_full());
+        let (message, answered) = asking(node, ask, within);
+        actor
+            .ok_or_else(not_running)?
+            .cast(message)
+            .map_err(|_| not_running())?;
+        answered.await.map_err(|_| not_running())?
+    }
+
+    /// The node to be asked what only the coordinator can do; none if it is this one.
+    ///
+    /// # Errors
+    /// When nobody coordinates, or this node commands nothing.
+    pub(crate) fn coordinator_elsewhere(&self) -> Result<Option<NodeId>, Refusal> {
+        let Some(swarm) = &self.board.swarm else {
+            return Ok(None);
+        };
+        let role = swarm.role.load();
+        if role.observer {
+            return Err(Refusal::NotPermitted {
+                detail: "this node is an observer".into(),
+            });
+        }
+        if role.acting.is_some() {
+            return Ok(None);
+        }
+        role.coordinator().map(Some).ok_or_else(no_coordinator)
+    }
+
+    /// Flies a formation.
+    ///
+    /// # Errors
+    /// When too few vehicles are available, no safe way into the slots is found, or nobody coordinates.
+    pub async fn set_formation(&self, request: FormationRequest) -> Result<FormationReceipt, Refusal> {
+        let Some(node) = self.coordinator_elsewhere()? else {
+            return self.set_formation_here(request).await;
+        };
+        match self.ask(node, Ask::Formation(Box::new(request)), PLAN_WITHIN).await? {
+            Answer::Formation(outcome) => outcome,
+            _ => Err(strange(node)),
+        }
+    }
+
+    pub(crate) async fn set_formation_here(&self, request: FormationRequest) -> Result<FormationReceipt, Refusal> {
+        self.coordinate(|reply| CoordinatorMessage::SetFormation(Box::new(request), reply))
+            .await
+    }
+
+    /// Ends the formation; its members hold.
+    ///
+    /// # Errors
+    /// When the coordinator is not running.
+    pub async fn dissolve_formation(&self) -> Result<(), Refusal> {
+        let Some(node) = self.coordinator_elsewhere()? else {
+            return self.dissolve_formation_here().await;
+        };
+        self.done(node, Ask::Dissolve).await
+    }
+
+    pub(crate) async fn dissolve_formation_here(&self) -> Result<(), Refusal> {
+        self.coordinate(CoordinatorMessage::Dissolve).await
+    }
+
+    pub(crate) async fn done(&self, node: NodeId, ask: Ask) -> Result<(), Refusal> {
+        match self.ask(node, ask, PLAN_WITHIN).await? {
+            Answer::Done(outcome) => outcome,
+            _ => Err(strange(node)),
+        }
+    }
+
+    /// Has the leader fly a route, as fast and as wide as the formation can; gives it as it is flown.
+    ///
+    /// # Errors
+    /// When no formation is flown behind a leader, or the route is refused by the safety gate.
+    pub async fn set_route(&self, route: Route) -> Result<Route, Refusal> {
+        let Some(node) = self.coordinator_elsewhere()? else {
+            return self.set_route_here(route).await;
+        };
+        match self.ask(node, Ask::Route(route), PLAN_WITHIN).await? {
+            Answer::Route(outcome) => outcome,
+            _ => Err(strange(node)),
+        }
+    }
+
+    pub(crate) async fn set_route_here(&self, route: Route) -> Result<Route, Refusal> {
+        self.coordinate(|reply| CoordinatorMessage::SetRoute(route, reply))
+            .await
+    }
+
+    pub(super) async fn coordinate<T: Send + 'static>(
+        &self,
+        message: impl FnOnce(RpcReplyPort<Result<T, Refusal>>) -> CoordinatorMessage,
+    ) -> Result<T, Refusal> {
+        let not_running = || Refusal::NotRunning {
+            what: "the coordinator".into(),
+        };
+        if !self.board.coordinates() {
+            return Err(no_coordinator());
+        }
+        let coordinator = self.parts.coordinator.load_full().ok_or_else(not_running)?;
+        match coordinator.call(message, Some(PLAN_WITHIN)).await {
+            Ok(CallResult::Success(answer)) => answer,
+            Ok(CallResult::Timeout) => Err(Refusal::TimedOut {
+                what: "the coordinator".into(),
+                after_s: PLAN_WITHIN.as_secs_f64(),
+            }),
+            _ => Err(not_running()),
+        }
+    }
+
+    /// The swarm this node is part of, if it is part of one.
+    #[must_use]
+    pub fn swarm(&self) -> Option<SwarmSnapshot> {
+        let swarm = self.board.swarm.as_ref()?;
+        Some(swarm.picture.load().as_ref().clone())
+    }
+
+    /// Has a node of the swarm take the office of coordinator, although another one may hold it.
+    ///
+    /// # Errors
+    /// When that node cannot coordinate, or does not answer.
+    pub async fn make_coordinator(&self, node: NodeId) -> Result<(), Refusal> {
+        let Some(swarm) = &self.board.swarm else {
+            return Err(Refusal::NotPermitted {
+                detail: "this node flies its vehicles alone; it is in no swarm".into(),
+            });
+        };
+        let role = **swarm.role.load();
+        if role.observer {
+            return Err(Refusal::NotPermitted {
+                detail: "this node is an observer".into(),
+            });
+        }
+        if role.node == node {
+            return take_office(self).await;
+        }
+        match self.ask(node, Ask::TakeOffice, OFFICE_WITHIN).await? {
+            Answer::Done(outcome) => outcome,
+            _ => Err(strange(node)),
+        }
+    }
+
+    /// The node that flies a vehicle, if it is another one than this.
+    #[must_use]
+    pub fn host_elsewhere(&self, vehicle: VehicleId) -> Option<NodeId> {
+        self.board.host(vehicle)
+    }
+
+    /// Has another node answer a request of the API.
+    ///
+    /// # Errors
+    /// When it does not answer.
+    pub async fn api_elsewhere(&self, node: NodeId, request: ApiRequest) -> Result<ApiAnswer, Refusal> {
+        match self.ask(node, Ask::Api(request), API_WITHIN).await? {
+            Answer::Api(answer) => Ok(answer),
+            _ => Err(strange(node)),
+        }
+    }
+
+    /// Answers requests of other nodes' gateways from now on, in this way.
+    pub fn serve_api(&self, server: crate::swarm::asks::ApiServer) {
+        if let Some(swarm) = &self.board.swarm {
+            // Set once, when the node starts.
+            let _ = swarm.api.set(server);
+        }
+    }
+}
