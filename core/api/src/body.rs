@@ -2,7 +2,9 @@
 //! allowed. What is allowed is the safety gate's to say, not ours.
 
 use crate::error::ApiError;
-use crate::protocol::{CommandBody, EmergencyStopBody, FenceFileBody, FencePlanBody, OverrideBody, RouteBody};
+use crate::protocol::{
+    CommandBody, CoordinatorBody, EmergencyStopBody, FenceFileBody, FencePlanBody, OverrideBody, RouteBody,
+};
 use axum::Json;
 use axum::body::Bytes;
 use axum::extract::rejection::JsonRejection;
@@ -389,6 +391,18 @@ impl MakesSense for FencePlanBody {
 
 impl MakesSense for FenceFileBody {
     fn check(&self, _: &Place<'_>) -> Result<(), ApiError> {
+        Ok(())
+    }
+}
+
+impl MakesSense for CoordinatorBody {
+    fn check(&self, place: &Place<'_>) -> Result<(), ApiError> {
+        if self.node.0 == 0 {
+            return Err(ApiError::OutOfRange {
+                field: place.field("node").to_string(),
+                problem: "nodes have numbers from 1".to_owned(),
+            });
+        }
         Ok(())
     }
 }

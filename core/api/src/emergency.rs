@@ -16,6 +16,6 @@ pub(crate) async fn stop(
     State(app): State<App>,
     Body(body): Body<EmergencyStopBody>,
 ) -> Result<Json<CommandReceipts>, ApiError> {
-    let receipts = app.node.emergency_stop(&body.key, &body.targets)?;
+    let receipts = app.node.emergency_stop(&body.key, &body.targets).await?;
     Ok(Json(CommandReceipts { receipts }))
 }

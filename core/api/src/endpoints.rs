@@ -4,6 +4,7 @@
 mod carried;
 mod formations;
 mod safety;
+mod swarm;
 mod trajectories;
 
 use crate::app::App;
@@ -144,6 +145,7 @@ pub(crate) fn all() -> Vec<Endpoint> {
     all.extend(formations::formations());
     all.extend(trajectories::trajectories());
     all.extend(safety::safety());
+    all.extend(swarm::swarm());
     all.extend(carried::plugins());
     all.extend(carried::payloads());
     all.extend(carried::instances());

@@ -20,7 +20,7 @@ pub(crate) async fn set(
     State(app): State<App>,
     Body(body): Body<FencePlanBody>,
 ) -> Result<Json<FenceAnswer>, ApiError> {
-    Ok(Json(app.node.set_fences(body.plan)?))
+    Ok(Json(app.node.set_fences(body.plan).await?))
 }
 
 /// What a GeoJSON or a plan of QGroundControl says; nothing is put in force by it.

@@ -6,9 +6,10 @@
 pub(crate) mod golden;
 
 use crate::protocol::{
-    Accepted, ClientMessage, CommandBody, CommandReceipts, EmergencyStopBody, ErrorBody, EventList, FenceFileBody,
-    FencePlanBody, FormationAnswer, FormationPreview, Health, ImportedFencePlan, OverrideBody, PayloadList, PluginList,
-    ReferenceList, RestartList, RouteBody, ServerMessage, TrajectoriesEnded, TrajectoryList, VehicleList, VersionInfo,
+    Accepted, ClientMessage, CommandBody, CommandReceipts, CoordinatorBody, EmergencyStopBody, ErrorBody, EventList,
+    FenceFileBody, FencePlanBody, FormationAnswer, FormationPreview, Health, ImportedFencePlan, OverrideBody,
+    PayloadList, PluginList, ReferenceList, RestartList, RouteBody, ServerMessage, SupervisionTree, TrajectoriesEnded,
+    TrajectoryList, VehicleList, VersionInfo,
 };
 use crate::wire::{self, Field, Header, Record, flag};
 use skein_config::PayloadRule;
@@ -71,6 +72,7 @@ fn types() -> String {
     found.visit::<Health>();
     found.visit::<VehicleList>();
     found.visit::<FleetSnapshot>();
+    found.visit::<CoordinatorBody>();
     found.visit::<CommandBody>();
     found.visit::<CommandReceipts>();
     found.visit::<FormationRequest>();
@@ -99,6 +101,7 @@ fn types() -> String {
     found.visit::<PluginList>();
     found.visit::<PayloadList>();
     found.visit::<RestartList>();
+    found.visit::<SupervisionTree>();
     found.visit::<UpgradeReceipt>();
     found.visit::<PayloadRule>();
     found.visit::<GimbalCommand>();

@@ -7,6 +7,7 @@
 mod app;
 mod assets;
 mod body;
+mod elsewhere;
 mod emergency;
 mod endpoints;
 mod error;
@@ -26,10 +27,13 @@ mod safety_view;
 mod server;
 mod settings;
 mod stream;
+mod supervision;
+mod swarm;
 mod trajectories;
 mod view;
 pub mod wire;
 
+pub use elsewhere::serve_others;
 pub use error::ApiError;
 pub use server::{router, serve};
 pub use settings::ApiSettings;

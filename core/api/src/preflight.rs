@@ -12,7 +12,7 @@ use skein_domain::{NodeTime, PreflightOverride, Refusal};
 use skein_runtime::PreflightAnswer;
 
 pub(crate) async fn report(State(app): State<App>) -> Json<PreflightAnswer> {
-    Json(app.node.preflight())
+    Json(app.node.preflight_everywhere().await)
 }
 
 pub(crate) async fn give_override(

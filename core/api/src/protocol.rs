@@ -2,19 +2,25 @@
 //!
 //! Each type here is exported to TypeScript and to the OpenAPI document. Must never do: hold behaviour.
 
+mod supervision;
+
+pub use supervision::{SupervisedPayload, SupervisedVehicle, SupervisionTree};
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use skein_config::Isolation;
 use skein_domain::fence::FencePlan;
 use skein_domain::payload::PayloadKind;
 use skein_domain::{
-    EnergyState, Geodetic, LadderState, NodeTime, OffsetFrd, Route, SwarmFrame, SystemId, TrajectoryStatus,
+    EnergyState, Geodetic, LadderState, NodeId, NodeTime, OffsetFrd, Route, SwarmFrame, SystemId, TrajectoryStatus,
     VehicleCommand, VehicleId,
 };
 use skein_runtime::snapshot::{
     ActorHealth, Avoidance, EventRecord, FormationSnapshot, UnadoptedVehicle, VehicleSnapshot,
 };
-use skein_runtime::{CommandReceipt, PayloadSnapshot, PluginInfo, ReferenceSnapshot, RestartRecord, Targets};
+use skein_runtime::{
+    CommandReceipt, PayloadSnapshot, PluginInfo, ReferenceSnapshot, RestartRecord, SwarmSnapshot, Targets,
+};
 use ts_rs::TS;
 
 /// Version of the stream's messages and of the binary frame.
@@ -124,6 +130,14 @@ pub struct FormationAnswer {
 pub struct RouteBody {
     /// The route.
     pub route: Route,
+}
+
+/// Which node is to coordinate.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, TS, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CoordinatorBody {
+    /// Its number.
+    pub node: NodeId,
 }
 
 /// Where the places of a formation would be.
@@ -329,6 +343,8 @@ pub struct VehicleSafety {
 pub struct VehicleInfo {
     /// The swarm's id for it.
     pub id: VehicleId,
+    /// The node of the swarm that flies it, in a swarm of several nodes.
+    pub node: Option<NodeId>,
     /// Its name.
     pub name: String,
     /// MAVLink system id on its link.
@@ -392,6 +408,8 @@ pub enum ServerMessage {
         /// By ascending id.
         vehicles: Vec<VehicleSafety>,
     },
+    /// The swarm of several nodes, where this node is part of one; twice a second.
+    Swarm(Box<SwarmSnapshot>),
     /// Something happened.
     Event(Box<EventRecord>),
     /// Events were lost, because this client was too slow or had been away for too long.

@@ -6,7 +6,7 @@ use crate::app::{App, Closing};
 use crate::error::ApiError;
 use crate::guard::{Guard, keep_foreign_pages_out};
 use crate::settings::ApiSettings;
-use crate::{assets, body, endpoints, metrics, openapi};
+use crate::{assets, body, elsewhere, endpoints, metrics, openapi};
 use axum::Extension;
 use axum::Router;
 use axum::extract::DefaultBodyLimit;
@@ -54,6 +54,10 @@ pub fn router(node: NodeHandle, settings: &ApiSettings) -> Router {
     routes
         .fallback(assets::dashboard)
         .method_not_allowed_fallback(wrong_method)
+        .layer(middleware::from_fn_with_state(
+            app.clone(),
+            elsewhere::to_the_vehicles_node,
+        ))
         .with_state(app)
         .layer(DefaultBodyLimit::max(body::MAX_BODY_BYTES))
         .layer(middleware::from_fn_with_state(guard, keep_foreign_pages_out))

@@ -37,6 +37,8 @@ const UNANSWERED_S: f64 = 0.5;
 /// Fewest unanswered frames at which we wait, so that a slow rate does not stutter.
 const UNANSWERED_AT_LEAST: u32 = 2;
 /// The slow state is looked at so often.
+/// Time between two pictures of the swarm's nodes.
+const SWARM_EVERY: Duration = Duration::from_millis(500);
 const FLEET_EVERY: Duration = Duration::from_millis(200);
 /// One message has to be out within this time.
 const SEND_WITHIN: Duration = Duration::from_secs(5);
@@ -184,7 +186,7 @@ impl Client {
         self.send_safety().await?;
         self.send_events().await?;
         let mut closed = std::pin::pin!(closed(closing));
-        let (mut fleet, mut look) = (ticks(FLEET_EVERY), ticks(LOOK_EVERY));
+        let (mut fleet, mut look, mut swarm) = (ticks(FLEET_EVERY), ticks(LOOK_EVERY), ticks(SWARM_EVERY));
         loop {
             let may_send = self.may_send();
             tokio::select! {
@@ -201,6 +203,9 @@ impl Client {
                     self.send_fleet().await?;
                     self.send_safety().await?;
                 }
+                _ = swarm.tick() => if let Some(swarm) = self.app.node.swarm() {
+                    self.say(&ServerMessage::Swarm(Box::new(swarm))).await?;
+                },
                 _ = look.tick() => if self.heard.elapsed() > HEARD_WITHIN { return Err(End::TooSlow) },
             }
         }

@@ -114,6 +114,7 @@ fn payload_info(payload: &PayloadSnapshot) -> PayloadInfo {
 fn fleet_info(snapshot: &FleetSnapshot, node: &NodeHandle) -> FleetInfo {
     let vehicle = |vehicle: &skein_runtime::VehicleSnapshot| VehicleInfo {
         id: vehicle.id,
+        node: vehicle.node,
         name: vehicle.name.clone(),
         system_id: vehicle.system_id,
         plugin: vehicle.plugin.clone(),

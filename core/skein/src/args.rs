@@ -48,6 +48,8 @@ pub enum Command {
     Sim(SimArguments),
     /// Check ports, plugins, configuration and clock, and say how to mend what is wrong.
     Doctor(DoctorArguments),
+    /// What nodes of one swarm need to find and trust each other.
+    Swarm(SwarmArguments),
     /// Write, check and list plugins.
     Plugin(crate::plugin::PluginArguments),
     /// Measure what the program costs.
@@ -170,9 +172,62 @@ pub struct SimArguments {
     /// Distance between the vehicles on the ground in metres.
     #[arg(long, default_value_t = 5.0)]
     pub spacing_m: f64,
+    /// Where the field's origin lies, in degrees and metres above the sea; simulations on several computers that share one field share it.
+    #[arg(long, value_name = "LAT,LON,ALT", value_parser = origin, allow_hyphen_values = true)]
+    pub origin: Option<skein_domain::Geodetic>,
+    /// Where on the field the first vehicle stands, in metres about the origin. Vehicles of two simulations must not stand on one spot.
+    #[arg(long, value_name = "NORTH,EAST", value_parser = place, default_value = "0,0", allow_hyphen_values = true)]
+    pub at: skein_domain::PositionNed,
+    /// Write what really happens to this file, twenty times a second a line of JSON, for a referee.
+    #[arg(long, value_name = "FILE")]
+    pub truth: Option<PathBuf>,
     /// End after so many seconds [default: at Ctrl-C].
     #[arg(long, value_name = "S")]
     pub seconds: Option<f64>,
+}
+
+/// `skein swarm`
+#[derive(Debug, Clone, Args)]
+pub struct SwarmArguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: SwarmCommand,
+}
+
+/// What `skein swarm` does.
+#[derive(Debug, Clone, Subcommand)]
+pub enum SwarmCommand {
+    /// Make the secret that all nodes of a swarm share.
+    NewSecret {
+        /// The file to be made; it must not be there yet.
+        file: PathBuf,
+    },
+}
+
+/// Reads so many finite numbers.
+fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let parsed: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse::<f64>()).collect();
+    let found = parsed.ok().filter(|all| all.iter().all(|n| n.is_finite()));
+    found
+        .and_then(|all| <[f64; N]>::try_from(all).ok())
+        .ok_or_else(|| format!("{N} numbers are needed, with commas between them"))
+}
+
+fn origin(text: &str) -> Result<skein_domain::Geodetic, String> {
+    let [latitude_deg, longitude_deg, altitude_amsl_m] = numbers(text)?;
+    if latitude_deg.abs() > 90.0 || longitude_deg.abs() > 180.0 {
+        return Err("there is no such place".into());
+    }
+    Ok(skein_domain::Geodetic {
+        latitude_deg,
+        longitude_deg,
+        altitude_amsl_m,
+    })
+}
+
+fn place(text: &str) -> Result<skein_domain::PositionNed, String> {
+    let [north_m, east_m] = numbers(text)?;
+    Ok(skein_domain::PositionNed::new(north_m, east_m, 0.0))
 }
 
 /// `skein doctor`
@@ -223,6 +278,18 @@ pub enum Bench {
         /// How many vehicles.
         #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u16).range(2..=1000))]
         vehicles: u16,
+        /// Print the report as JSON.
+        #[arg(long)]
+        json: bool,
+    },
+    /// The swarm's bus over each of its transports, the same traffic in the same run: bytes, processor time, latencies.
+    Bus {
+        /// How many nodes.
+        #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u16).range(2..=12))]
+        nodes: u16,
+        /// For how long each transport is measured, in seconds.
+        #[arg(long, default_value_t = 10)]
+        seconds: u32,
         /// Print the report as JSON.
         #[arg(long)]
         json: bool,

@@ -1,7 +1,8 @@
 //! `skein bench`: hands over to the bench library, which measures this program from outside, as its own child processes.
 
 use skein_bench::{
-    AssignmentBenchArgs, FleetBenchArgs, SwarmBenchArgs, run_assignment_bench, run_fleet_bench, run_swarm_bench,
+    AssignmentBenchArgs, BusBenchArgs, FleetBenchArgs, SwarmBenchArgs, run_assignment_bench, run_bus_bench,
+    run_fleet_bench, run_swarm_bench,
 };
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -41,6 +42,20 @@ pub fn assignment(python: PathBuf, json: bool) -> anyhow::Result<ExitCode> {
 /// When the swarm's formation cannot be planned.
 pub fn swarm(vehicles: u16, json: bool) -> anyhow::Result<ExitCode> {
     let report = run_swarm_bench(&SwarmBenchArgs::new(usize::from(vehicles)))?;
+    if json {
+        println!("{}", serde_json::to_string_pretty(&report)?);
+    } else {
+        print!("{report}");
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The swarm's bus over each of its transports.
+///
+/// # Errors
+/// When a transport does not open, or its nodes do not find each other.
+pub fn bus(nodes: u16, seconds: u32, json: bool) -> anyhow::Result<ExitCode> {
+    let report = run_bus_bench(&BusBenchArgs { nodes, seconds })?;
     if json {
         println!("{}", serde_json::to_string_pretty(&report)?);
     } else {

@@ -1,8 +1,9 @@
 //! From a configuration to a running node with its gateway: what `skein run`, the demo and the tests start.
 
 use crate::gateway;
+use crate::swarm::{self, SwarmError};
 use skein_config::NodeConfig;
-use skein_runtime::{Node, NodeError, NodeHandle};
+use skein_runtime::{Node, NodeError, NodeHandle, SwarmSetup};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -18,6 +19,9 @@ pub enum BuildError {
         /// Why.
         source: std::io::Error,
     },
+    /// It cannot be part of its swarm.
+    #[error(transparent)]
+    Swarm(#[from] SwarmError),
     /// The node itself could not be started.
     #[error(transparent)]
     Node(#[from] NodeError),
@@ -26,7 +30,7 @@ pub enum BuildError {
 /// A running node with its gateway.
 pub struct Running {
     node: Node,
-    web: SocketAddr,
+    web: Option<SocketAddr>,
 }
 
 impl Running {
@@ -36,9 +40,9 @@ impl Running {
         self.node.handle()
     }
 
-    /// Where dashboard and API listen.
+    /// Where dashboard and API listen, if they do.
     #[must_use]
-    pub fn web_address(&self) -> SocketAddr {
+    pub fn web_address(&self) -> Option<SocketAddr> {
         self.web
     }
 
@@ -53,13 +57,26 @@ impl Running {
 /// # Errors
 /// When the configuration makes no sense, a plugin is missing or a port is not available.
 pub async fn build(config: NodeConfig) -> Result<Running, BuildError> {
-    let address = config.web.listen;
-    let unavailable = |source| BuildError::Listen { address, source };
-    let listener = std::net::TcpListener::bind(address).map_err(unavailable)?;
-    listener.set_nonblocking(true).map_err(unavailable)?;
-    let web = listener.local_addr().map_err(unavailable)?;
-    let allowed_hosts = config.web.allowed_hosts.clone();
-    let node = Node::start(config, vec![gateway::adapter(listener, allowed_hosts)]).await?;
+    let swarm = swarm::setup(&config.swarm)?;
+    build_in(config, swarm).await
+}
+
+/// The same, with the others of its swarm reached in this way.
+///
+/// # Errors
+/// As [`build`].
+pub async fn build_in(config: NodeConfig, swarm: Option<SwarmSetup>) -> Result<Running, BuildError> {
+    let (mut web, mut adapters) = (None, Vec::new());
+    if config.web.enabled {
+        let address = config.web.listen;
+        let unavailable = |source| BuildError::Listen { address, source };
+        let listener = std::net::TcpListener::bind(address).map_err(unavailable)?;
+        listener.set_nonblocking(true).map_err(unavailable)?;
+        web = Some(listener.local_addr().map_err(unavailable)?);
+        adapters.push(gateway::adapter(listener, gateway::settings(&config)));
+    }
+    let node = Node::start(config, adapters, swarm).await?;
+    gateway::serve_others(&node.handle());
     Ok(Running { node, web })
 }
 

@@ -46,7 +46,9 @@ pub async fn demo(arguments: DemoArguments) -> anyhow::Result<ExitCode> {
     flight.prepare(&mut setup);
     let running = build(setup.node).await?;
     let simulation = simulate(setup.simulation, &running)?;
-    println!("Dashboard: http://{}", running.web_address());
+    if let Some(address) = running.web_address() {
+        println!("Dashboard: http://{address}");
+    }
     let outcome = if arguments.manual {
         println!(
             "{} simulated vehicles are yours to fly. Stop with Ctrl-C.",

@@ -2,6 +2,7 @@
 
 use crate::args::DoctorArguments;
 use crate::build::plugins_beside_program;
+use crate::swarm;
 use skein_config::NodeConfig;
 use skein_link_px4::EndpointAddress;
 use std::collections::BTreeSet;
@@ -39,6 +40,7 @@ pub fn doctor(arguments: &DoctorArguments) -> anyhow::Result<ExitCode> {
     let config = configuration(arguments, &mut findings);
     plugins(&config, &mut findings);
     ports(&config, &mut findings);
+    in_swarm(&config, &mut findings);
     clock(&mut findings);
     limits(&mut findings);
     let mut code = ExitCode::SUCCESS;
@@ -61,6 +63,33 @@ pub fn doctor(arguments: &DoctorArguments) -> anyhow::Result<ExitCode> {
         }
     );
     Ok(code)
+}
+
+/// The swarm of several nodes, where the configuration names one: secret, and the file of the obeyed term.
+fn in_swarm(config: &NodeConfig, findings: &mut Vec<Finding>) {
+    let settings = &config.swarm;
+    let Some(id) = &settings.id else { return };
+    match swarm::setup(settings) {
+        Ok(_) => findings.push(Finding::Good(format!("swarm: the secret of {id} can be read"))),
+        Err(error) => bad(findings, error.to_string(), "see the line above"),
+    }
+    if let Some(file) = &settings.state_file {
+        let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let folder = folder.unwrap_or_else(|| std::path::Path::new("."));
+        let probe = folder.join(format!(".{id}.doctor"));
+        match std::fs::write(&probe, b"") {
+            Ok(()) => {
+                // Nothing rests on its being gone.
+                let _ = std::fs::remove_file(&probe);
+                findings.push(Finding::Good(format!("swarm: {} can be written", folder.display())));
+            }
+            Err(error) => bad(
+                findings,
+                format!("swarm.state_file: {} cannot be written: {error}", folder.display()),
+                "name a file in a folder that this user may write to: a node that cannot keep whom it obeys tells nobody anything",
+            ),
+        }
+    }
 }
 
 fn bad(findings: &mut Vec<Finding>, what: impl Into<String>, mend: impl Into<String>) {

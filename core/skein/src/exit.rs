@@ -23,7 +23,7 @@ pub fn code(error: &anyhow::Error) -> ExitCode {
         }
         if let Some(build) = cause.downcast_ref::<BuildError>() {
             return ExitCode::from(match build {
-                BuildError::Node(NodeError::Wiring(_)) => CONFIGURATION,
+                BuildError::Swarm(_) | BuildError::Node(NodeError::Wiring(_)) => CONFIGURATION,
                 BuildError::Node(NodeError::Part { .. }) | BuildError::Listen { .. } => UNAVAILABLE,
             });
         }

@@ -2,6 +2,7 @@
 
 use ractor::{Actor, ActorProcessingErr, ActorRef};
 use skein_api::ApiSettings;
+use skein_config::NodeConfig;
 use skein_runtime::{Adapter, NodeHandle};
 use std::sync::Arc;
 use tokio::task::JoinHandle;
@@ -55,19 +56,29 @@ impl Actor for Gateway {
     }
 }
 
+/// What the API is served with.
+#[must_use]
+pub fn settings(config: &NodeConfig) -> ApiSettings {
+    ApiSettings {
+        allowed_hosts: config.web.allowed_hosts.clone(),
+        ..ApiSettings::default()
+    }
+}
+
+/// Has this node answer what came in at other nodes' gateways about its vehicles.
+pub fn serve_others(node: &NodeHandle) {
+    node.serve_api(skein_api::serve_others(node.clone()));
+}
+
 /// The gateway as a part of the node.
-pub fn adapter(listener: std::net::TcpListener, allowed_hosts: Vec<String>) -> Adapter {
+pub fn adapter(listener: std::net::TcpListener, settings: ApiSettings) -> Adapter {
     let listener = Arc::new(listener);
     Adapter {
         name: "gateway".into(),
         start: Arc::new(move |node, supervisor| {
-            let (listener, allowed_hosts) = (listener.clone(), allowed_hosts.clone());
+            let (listener, settings) = (listener.clone(), settings.clone());
             Box::pin(async move {
                 let listener = listener.try_clone().map_err(|e| e.to_string())?;
-                let settings = ApiSettings {
-                    allowed_hosts,
-                    ..ApiSettings::default()
-                };
                 let arguments = GatewayArguments {
                     node,
                     listener,

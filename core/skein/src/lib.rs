@@ -16,5 +16,6 @@ pub mod plugin;
 pub mod replay;
 pub mod run;
 pub mod simulate;
+pub mod swarm;
 
-pub use build::{BuildError, Running, build};
+pub use build::{BuildError, Running, build, build_in};

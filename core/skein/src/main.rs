@@ -3,7 +3,7 @@
 
 use clap::Parser;
 use skein::args::{Arguments, Bench, BenchArguments, Command};
-use skein::{demo, doctor, exit, logging, plugin, replay, run, simulate};
+use skein::{demo, doctor, exit, logging, plugin, replay, run, simulate, swarm};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -42,6 +42,7 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
             Command::Run(arguments) => run::run(arguments).await.map(done),
             Command::Sim(arguments) => simulate::simulate(arguments).await.map(done),
             Command::Doctor(arguments) => doctor::doctor(&arguments),
+            Command::Swarm(arguments) => swarm::swarm(&arguments).map(done),
             Command::Plugin(arguments) => plugin::plugin(arguments).await,
             Command::Bench(_) | Command::ReplaySeed { .. } | Command::PluginHost => Ok(ExitCode::SUCCESS),
         }
@@ -64,6 +65,7 @@ fn bench(what: Bench) -> anyhow::Result<ExitCode> {
         } => skein::bench::fleet(vehicles, seconds, json),
         Bench::Assignment { python, json } => skein::bench::assignment(python, json),
         Bench::Swarm { vehicles, json } => skein::bench::swarm(vehicles, json),
+        Bench::Bus { nodes, seconds, json } => skein::bench::bus(nodes, seconds, json),
         Bench::LoadGenerator { settings } => skein::bench::load_generator(&settings),
         Bench::BareLoop { settings } => skein::bench::bare_loop(&settings),
     }

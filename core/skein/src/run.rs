@@ -2,6 +2,7 @@
 
 use crate::args::RunArguments;
 use crate::build::build;
+use crate::swarm;
 use skein_config::NodeConfig;
 
 /// Runs a node until it is told to stop.
@@ -10,20 +11,27 @@ use skein_config::NodeConfig;
 /// When the configuration is wrong, a plugin is missing or a port is not available.
 pub async fn run(arguments: RunArguments) -> anyhow::Result<()> {
     let config = NodeConfig::load(&arguments.config)?;
-    if config.endpoints.is_empty() {
+    let alone = config.swarm.id.is_none();
+    if config.endpoints.is_empty() && alone {
         println!(
             "No [[endpoints]] in {}: no vehicle will be heard.",
             arguments.config.display()
         );
     }
-    if config.adopt.is_empty() {
+    if config.adopt.is_empty() && alone {
         println!(
             "No [[adopt]] rule in {}: vehicles are shown, not flown.",
             arguments.config.display()
         );
     }
+    swarm::with_threads_enough(&config.swarm)?;
     let running = build(config).await?;
-    println!("Dashboard: http://{}", running.web_address());
+    if let Some(address) = running.web_address() {
+        println!("Dashboard: http://{address}");
+    }
+    if let Some(swarm) = running.handle().swarm() {
+        println!("Swarm:     node {} of {}", swarm.node, swarm.swarm);
+    }
     for (name, address) in running.handle().endpoint_addresses() {
         println!("Endpoint:  {name} receives on {address}");
     }

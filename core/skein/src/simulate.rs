@@ -2,8 +2,10 @@
 
 use crate::args::SimArguments;
 use crate::run::stop_asked;
-use anyhow::bail;
+use anyhow::{Context, bail};
+use skein_sim::truth_lines::TruthLines;
 use skein_sim::{PortPlan, SimSettings, Simulation};
+use std::fs::File;
 use std::time::Duration;
 
 /// Runs simulated vehicles until it is told to stop.
@@ -16,7 +18,7 @@ pub async fn simulate(arguments: SimArguments) -> anyhow::Result<()> {
         bail!("system ids would run to {last}; the greatest is 255");
     }
     let ports = arguments.send_to.map_or(PortPlan::Px4, PortPlan::SendTo);
-    let settings = SimSettings {
+    let mut settings = SimSettings {
         vehicles: usize::from(arguments.vehicles),
         first_system_id: arguments.first_system_id,
         seed: arguments.seed,
@@ -24,7 +26,20 @@ pub async fn simulate(arguments: SimArguments) -> anyhow::Result<()> {
         ports,
         ..SimSettings::default()
     };
+    if let Some(origin) = arguments.origin {
+        settings.origin = origin;
+    }
+    settings.starts = settings.places();
+    for start in &mut settings.starts {
+        start.position.north_m += arguments.at.north_m;
+        start.position.east_m += arguments.at.east_m;
+    }
     let simulation = Simulation::start(settings)?;
+    if let Some(path) = &arguments.truth {
+        let file = File::create(path).with_context(|| format!("cannot write the truth to {}", path.display()))?;
+        let mut lines = TruthLines::new(file);
+        simulation.observe(Box::new(move |frame| lines.look(frame)))?;
+    }
     println!(
         "{} vehicles, system ids {} to {last}.",
         arguments.vehicles, arguments.first_system_id

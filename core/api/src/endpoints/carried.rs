@@ -3,7 +3,8 @@
 use super::{Endpoint, schema_of};
 use crate::body::{PayloadCommandBody, TracksBody};
 use crate::payloads::{self, UploadQuery};
-use crate::protocol::{Accepted, PayloadList, PluginList, RestartList};
+use crate::protocol::{Accepted, PayloadList, PluginList, RestartList, SupervisionTree};
+use crate::supervision;
 use axum::http::StatusCode;
 use skein_config::PayloadRule;
 use skein_domain::VehicleId;
@@ -43,6 +44,9 @@ pub(super) fn plugins() -> Vec<Endpoint> {
         Endpoint::get("/api/v1/plugins/restarts", "getRestarts", payloads::restarts)
             .about("plugins", "Restarts of plugin instances after failures, oldest first. A bounded number is kept.")
             .json::<RestartList>(StatusCode::OK, "The restarts."),
+        Endpoint::get("/api/v1/supervision", "getSupervision", supervision::tree)
+            .about("plugins", "The supervision tree: actors and plugin instances with state, incarnation, restarts and call times.")
+            .json::<SupervisionTree>(StatusCode::OK, "The tree."),
         Endpoint::post("/api/v1/plugins/uploads", "uploadPlugin", payloads::upload)
             .about("plugins", "Takes a library, where the configuration permits it. It stays off until it is enabled.")
             .asks::<UploadQuery>()

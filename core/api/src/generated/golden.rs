@@ -63,6 +63,7 @@ fn vector(name: &'static str, snapshot: &FleetSnapshot, now: NodeTime) -> Vector
 pub(crate) fn unknown_vehicle(id: u16) -> VehicleSnapshot {
     VehicleSnapshot {
         id: VehicleId(id),
+        node: None,
         name: format!("uav-{id}"),
         system_id: SystemId(1),
         plugin: "generic-uav".to_owned(),

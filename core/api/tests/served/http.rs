@@ -119,6 +119,15 @@ async fn a_node_without_vehicles_says_what_it_is() {
     );
     let (_, plugins) = served.ask("GET", "/api/v1/plugins", None).await;
     assert_eq!(plugins, json!({ "plugins": [], "problems": [] }));
+    let (_, tree) = served.ask("GET", "/api/v1/supervision", None).await;
+    let actors = tree["actors"].as_array().unwrap();
+    let coordinator = actors.iter().find(|actor| actor["name"] == "coordinator");
+    assert_eq!(
+        coordinator.map(|actor| &actor["status"]),
+        Some(&json!("running")),
+        "{tree}"
+    );
+    assert_eq!(tree["vehicles"], json!([]));
     let metrics = served
         .http
         .get(served.url("/metrics"))

@@ -30,7 +30,7 @@ impl Served {
         config.plugins.directories = vec![plugins.path().to_owned()];
         adapt(&mut config);
         let settings = ApiSettings::from(&config.web);
-        let node = Node::start(config, Vec::new()).await.unwrap();
+        let node = Node::start(config, Vec::new(), None).await.unwrap();
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap();
         let (stop, stopped) = oneshot::channel::<()>();

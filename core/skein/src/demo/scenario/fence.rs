@@ -188,10 +188,11 @@ impl Fence {
         }
         let where_it_will_be = "along where the eastern boundary will be";
         stage.begin_route(where_it_will_be, &along(near_m)).await?;
-        stage.node.set_fences(FencePlan {
+        let drawn_in = FencePlan {
             zones: zones(FIELD_M),
             ..FencePlan::default()
-        })?;
+        };
+        stage.node.set_fences(drawn_in).await?;
         stage.say(&format!("the eastern boundary is drawn in by {DRAWN_IN_M} m"));
         let mut reached_over_m = f64::NEG_INFINITY;
         let deadline_s = stage.elapsed_s() + 60.0;
