@@ -3,6 +3,8 @@
 //!
 //! Assignments of vehicles to slots are measured beside SciPy's ([`run_assignment_bench`]).
 //!
+//! The transports of the swarm's bus are measured beside each other in one process ([`run_bus_bench`]).
+//!
 //! The cost of plugins' calls is measured from inside, in a program of their own ([`run_plugin_bench`]).
 //!
 //! Must never do: reach into the program measured. What counts is what leaves its sockets and what the system charges it.
@@ -10,6 +12,7 @@
 
 mod assignment;
 mod bare;
+mod bus;
 mod error;
 mod fleet;
 mod flyer;
@@ -24,6 +27,7 @@ mod wire;
 
 pub use assignment::{AssignmentBenchArgs, AssignmentBenchReport, AssignmentFigures, run_assignment_bench};
 pub use bare::{BareLoopSettings, run_bare_loop};
+pub use bus::{BusBenchArgs, BusBenchReport, TransportFigures, run_bus_bench};
 pub use error::BenchError;
 pub use fleet::{FleetBenchArgs, run_fleet_bench};
 pub use generator::{LoadGeneratorSettings, run_load_generator};

@@ -134,3 +134,43 @@ fn own_sockets(id: u32, table: &str) -> Vec<String> {
         })
         .collect()
 }
+
+/// A member of a swarm whose secret is in this file.
+fn member(secret: &Path) -> String {
+    let file = secret.to_str().expect("is text");
+    let swarm = format!("[swarm]\nid = \"f\"\nnode = 1\nsecret_file = {file:?}\n");
+    config("127.0.0.1:0", &swarm)
+}
+
+#[tokio::test]
+async fn a_secret_is_made_once_and_one_that_is_none_exits_with_64() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let secret = folder.path().join("swarm.key");
+    let file = secret.to_str().expect("is text");
+    let (code, output) = run_with(&member(&secret)).await;
+    assert!(code == 64 && output.contains("new-secret"), "{code}: {output}");
+    let mut made = Process::skein(&["swarm", "new-secret", file]);
+    assert_eq!(made.exit_code(SOON).await, 0, "{}", made.output());
+    let first = std::fs::read_to_string(&secret).expect("was made");
+    assert!(
+        !made.output().contains(first.trim()),
+        "the secret is not for the screen"
+    );
+    let mut again = Process::skein(&["swarm", "new-secret", file]);
+    assert_eq!(again.exit_code(SOON).await, 1, "{}", again.output());
+    assert_eq!(std::fs::read_to_string(&secret).expect("is still there"), first);
+
+    std::fs::set_permissions(&secret, std::os::unix::fs::PermissionsExt::from_mode(0o644)).expect("are set");
+    let (code, output) = run_with(&member(&secret)).await;
+    assert!(code == 64 && output.contains("chmod 600"), "{code}: {output}");
+    for text in ["geese", "00ff"] {
+        std::fs::remove_file(&secret).expect("is gone");
+        std::fs::write(&secret, text).expect("is written");
+        std::fs::set_permissions(&secret, std::os::unix::fs::PermissionsExt::from_mode(0o600)).expect("are set");
+        let (code, output) = run_with(&member(&secret)).await;
+        assert!(
+            code == 64 && output.contains("holds no secret"),
+            "{text}: {code}: {output}"
+        );
+    }
+}

@@ -9,12 +9,15 @@
 //! | a port that nobody uses | [`free_udp_port`], [`free_tcp_port`] |
 //! | a child process that cannot outlive its test | [`Process`] |
 //! | a whole node with simulated vehicles in the test's own process | `Swarm`, with the feature `swarm` |
+//! | several nodes of one swarm, each with a vehicle | `Flock`, with the feature `swarm` |
 //!
 //! Must never do: stand in for our own code. What runs in a test is what ships; vehicles are `skein-sim`'s, over real sockets.
 //! Everything here panics when it cannot do its work: a test that cannot be set up has failed.
 #![forbid(unsafe_code)]
 
 mod artefacts;
+#[cfg(feature = "swarm")]
+mod flock;
 mod patience;
 mod ports;
 mod process;
@@ -22,6 +25,8 @@ mod process;
 mod swarm;
 
 pub use artefacts::{example_library, plugins_dir, repository, skein_binary};
+#[cfg(feature = "swarm")]
+pub use flock::{Flock, Member, vehicles};
 pub use patience::{eventually, patience};
 pub use ports::{free_tcp_port, free_udp_port};
 pub use process::Process;

@@ -83,7 +83,7 @@ impl Swarm {
     /// Where API and dashboard listen.
     #[must_use]
     pub fn web_address(&self) -> SocketAddr {
-        self.running.web_address()
+        self.running.web_address().expect("the API is served")
     }
 
     /// Waits until the picture of the fleet is as wanted, `extra` longer than our patience, and returns it.

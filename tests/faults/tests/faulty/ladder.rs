@@ -166,7 +166,7 @@ async fn whoever_is_suddenly_outside_of_a_fence_does_what_the_fence_says() {
         ],
         breach_return: None,
     };
-    let answer = swarm.node().set_fences(plan).expect("can be placed");
+    let answer = swarm.node().set_fences(plan).await.expect("can be placed");
     assert_eq!(answer.outside, [VehicleId(2)]);
     let within = Duration::from_secs(15);
     let reacted_s = ordered(&swarm, 2, Trigger::FenceBreach, Reaction::Land, within).await;
@@ -251,11 +251,11 @@ async fn the_emergency_stop_takes_two_steps_and_stops_motors_in_flight() {
     let node = swarm.node();
     let both = Targets::Vehicles(vec![VehicleId(1)]);
     assert!(
-        node.emergency_stop("00000000", &both).is_err(),
+        node.emergency_stop("00000000", &both).await.is_err(),
         "without the first step"
     );
     let unlocked = node.unlock_emergency_stop();
-    let receipts = node.emergency_stop(&unlocked.key, &both).expect("is unlocked");
+    let receipts = node.emergency_stop(&unlocked.key, &both).await.expect("is unlocked");
     assert!(receipts.iter().all(|r| r.refusal.is_none()));
     swarm
         .until("its motors stand still", Duration::from_secs(10), |fleet| {

@@ -1,0 +1,5 @@
+//! Actors and plugins killed, links cut, vehicles lost: one program for all flights, so that several fly at a time and none is linked twice.
+
+mod crashes;
+mod ladder;
+mod losses;

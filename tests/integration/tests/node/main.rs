@@ -1,0 +1,14 @@
+//! The whole node in one process against simulated vehicles: one program for all flights, so that several fly at a time and none is linked twice.
+
+mod adoption;
+mod common_frame;
+mod flock;
+mod gate;
+mod neighbours;
+mod operator;
+mod overrides;
+mod payloads;
+mod pilot;
+mod trajectories;
+mod versions;
+mod web;
