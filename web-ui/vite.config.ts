@@ -16,6 +16,8 @@ export default defineConfig({
     modulePreload: { polyfill: false },
     target: 'es2022',
     reportCompressedSize: true,
+    // three.js, loaded only by whom looks at the view in space, is one file of 540 kB (136 kB compressed).
+    chunkSizeWarningLimit: 600,
   },
   server: { host: '127.0.0.1', proxy: { '/api': { target: backend, ws: true } } },
   test: { include: ['src/**/*.test.ts'], environment: 'node' },

@@ -1,6 +1,7 @@
 // Starts and ends the real program: simulated vehicles, a node that flies them, the dashboard it serves.
 
 import { spawn } from 'node:child_process';
+import { createSocket } from 'node:dgram';
 import type { ChildProcess } from 'node:child_process';
 import { mkdtempSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -13,10 +14,21 @@ const BINARY = resolve(WEB_UI, process.env.SKEIN_BINARY ?? '../target/debug/skei
 const PLUGINS = resolve(WEB_UI, process.env.SKEIN_PLUGINS ?? join(dirname(BINARY), 'plugins'));
 const START_MS = 60_000;
 
+export async function freePort(): Promise<number> {
+  const socket = createSocket('udp4');
+  socket.bind(0, '127.0.0.1');
+  await once(socket, 'listening');
+  const { port } = socket.address();
+  socket.close();
+  return port;
+}
+
 export class Program {
   private constructor(
     private readonly process: ChildProcess,
     readonly url: string,
+    /** What simulates its vehicles, where it does not do so itself. */
+    private readonly simulator: ChildProcess | null = null,
   ) {}
 
   /** Starts it with vehicles on the ground; port 0 lets the system choose one. */
@@ -29,6 +41,23 @@ export class Program {
     const file = join(mkdtempSync(join(tmpdir(), 'skein-')), 'node.toml');
     writeFileSync(file, [...lines, '[web]', 'listen = "127.0.0.1:0"', '[plugins]', `directories = [${JSON.stringify(PLUGINS)}]`].join('\n'));
     return Program.#run(['run', '--config', file]);
+  }
+
+  /** Starts a node and simulated vehicles in a process of their own, as many as there are system ids: more than the demo takes. */
+  static async crowd(vehicles: number): Promise<Program> {
+    const port = await freePort();
+    // What is looked at is the page: the node is not to take the machine for itself.
+    const program = await Program.node([
+      '[link]', 'position_rate_hz = 10.0', '[[endpoints]]', 'name = "crowd"', `address = "udp-listen://127.0.0.1:${port}"`,
+      '[[adopt]]', 'name = "uav-{system_id}"', 'model = "generic-uav"',
+    ]);
+    const simulator = spawn(BINARY, ['sim', '--vehicles', `${vehicles}`, '--send-to', `127.0.0.1:${port}`], { stdio: 'ignore' });
+    return new Program(program.process, program.url, simulator);
+  }
+
+  /** Starts simulated vehicles alone, which send to a port. Ends with the test run that started them, or when told. */
+  static vehicles(count: number, firstId: number, sendTo: string): ChildProcess {
+    return spawn(BINARY, ['sim', '--vehicles', `${count}`, '--first-system-id', `${firstId}`, '--at', `0,${firstId * 10}`, '--send-to', sendTo], { stdio: 'ignore' });
   }
 
   static async #run(args: readonly string[]): Promise<Program> {
@@ -56,6 +85,7 @@ export class Program {
 
   /** Ends it as an operator would, or at once. */
   async stop(signal: 'SIGINT' | 'SIGKILL' = 'SIGKILL'): Promise<void> {
+    this.simulator?.kill('SIGKILL');
     if (this.process.exitCode !== null || this.process.signalCode !== null) return;
     const ended = once(this.process, 'exit');
     this.process.kill(signal);

@@ -2,12 +2,15 @@
 
 import { createContext } from 'svelte';
 import { MapState } from '../features/map/mapState.svelte';
+import { AlarmSound } from '../model/alarmSound.svelte';
 import { Commander } from '../model/commander.svelte';
 import { EmergencyStop } from '../model/emergencyStop.svelte';
 import { FormationDraft } from '../model/formationDraft.svelte';
+import { History } from '../model/history';
 import { Journal } from '../model/journal.svelte';
 import { Presence } from '../model/presence.svelte';
 import { Session } from '../model/session.svelte';
+import { Shortcuts } from '../model/shortcuts.svelte';
 import { Targets } from '../model/targets.svelte';
 import { Watch } from '../model/watch.svelte';
 import { Navigation } from './navigation.svelte';
@@ -25,6 +28,14 @@ export class Console {
   readonly presence = new Presence(this.session);
   readonly navigation = new Navigation();
   readonly map = new MapState();
+  readonly history = new History();
+  readonly shortcuts = new Shortcuts();
+  readonly sound = new AlarmSound(() => this.journal.outstanding);
+
+  constructor() {
+    this.session.onFrame(() => this.history.take(this.session.fleet, (index) => this.session.rowAt(index)?.heightM ?? NaN, performance.now()));
+    this.session.onRestart(() => this.history.clear());
+  }
 }
 
 export const [useConsole, provideConsole] = createContext<Console>();

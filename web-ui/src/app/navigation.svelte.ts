@@ -1,19 +1,63 @@
-// Which panel is before the eyes, on wide screens and on narrow ones. Anything of the page may ask for another.
+// Which page is before the eyes, and which panel beside it. The page stands in the address, so that it can be linked to, opened in a
+// second window and gone back from. Anything of the console may ask for another.
 
-export type Plan = 'formation' | 'route' | 'preflight' | 'fences' | 'payloads';
+export type Plan = 'formation' | 'route' | 'preflight' | 'fences' | 'payloads' | 'swarm';
 export type Record = 'events' | 'commands';
 export type Side = 'fleet' | Plan | Record;
+
+/** Room for list, page and plans side by side. */
+export const WIDE = '(min-width: 1360px)';
+
+/** What fills the middle of the screen. */
+export const PAGES = ['map', 'fleet', 'preflight', 'alerts', 'plugins'] as const;
+export type Page = (typeof PAGES)[number] | 'vehicle';
+
+/** A page as it stands in the address: `#fleet`, `#vehicle/3`; anything else is the map. */
+export function pageOf(hash: string): { page: Page; vehicle: number | null } {
+  const text = hash.replace(/^#/, '');
+  const id = /^vehicle\/(\d{1,5})$/.exec(text)?.[1];
+  if (id !== undefined) return { page: 'vehicle', vehicle: Number(id) };
+  const page = PAGES.find((name) => name === text);
+  return { page: page ?? 'map', vehicle: null };
+}
 
 export class Navigation {
   plan = $state<Plan>('formation');
   record = $state<Record>('events');
   side = $state<Side>('fleet');
+  page = $state<Page>('map');
+  /** Whose page is open. */
+  vehicle = $state<number | null>(null);
+
+  /** Follows the address from now on. */
+  follow(): void {
+    const read = (): void => {
+      ({ page: this.page, vehicle: this.vehicle } = pageOf(location.hash));
+    };
+    addEventListener('hashchange', read);
+    read();
+  }
+
+  show(page: (typeof PAGES)[number]): void {
+    location.hash = page;
+  }
+
+  showVehicle(id: number): void {
+    location.hash = `vehicle/${id}`;
+  }
 
   showPlan(plan: Plan): void {
     this.plan = this.side = plan;
+    if (!this.#beside()) this.show(plan === 'preflight' ? 'preflight' : 'map');
   }
 
   showRecord(record: Record): void {
     this.record = this.side = record;
+    if (!this.#beside()) this.show('map');
+  }
+
+  /** Whether the panels are there: on a narrow screen they stand beside the map alone. */
+  #beside(): boolean {
+    return this.page === 'map' || matchMedia(WIDE).matches;
   }
 }

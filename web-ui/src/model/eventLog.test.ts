@@ -35,6 +35,13 @@ describe('repeats', () => {
     expect(outstanding(l)).toHaveLength(1);
   });
 
+  it('are told by what is said, not by how much was measured, and show the newest', () => {
+    const l = log(event('a call took 56 ms, limit 50 ms', 'warning', 0), event('a call took 71.5 ms, limit 50 ms', 'warning', 5));
+    expect(l.entries.map((e) => [e.text, e.count])).toEqual([['a call took 71.5 ms, limit 50 ms', 2]]);
+    // Another number is another thing.
+    expect(log(event('node 2 lost', 'warning', 0, null), event('node 3 lost', 'warning', 1, null)).entries).toHaveLength(2);
+  });
+
   it('of what needs no acknowledgement need none either', () => {
     expect(outstanding(log(event('x', 'info', 0), event('x', 'info', 1)))).toEqual([]);
   });

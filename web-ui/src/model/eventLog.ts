@@ -51,13 +51,13 @@ export function happening(record: EventRecord, at: number): Happening {
 /** Adds one; a repeat is counted on the entry it repeats and moves that to the top. */
 export function add(log: EventLog, h: Happening, seq = 0): EventLog {
   const lastSeq = Math.max(log.lastSeq, seq);
-  const signature = `${h.vehicle ?? ''}|${h.kind}|${h.severity}|${h.text}`;
+  const signature = `${h.vehicle ?? ''}|${h.kind}|${h.severity}|${withoutMeasures(h.text)}`;
   const acknowledged = SEVERITY_RANK[h.severity] < SEVERITY_RANK.warning;
   const at = log.entries.findIndex((e) => e.signature === signature);
   const former = at >= 0 ? log.entries[at] : undefined;
   if (former && h.at - former.lastAt <= REPEAT_WITHIN_MS) {
     // A warning that comes again after it was acknowledged wants a new look.
-    const again: LogEntry = { ...former, count: former.count + 1, lastAt: Math.max(former.lastAt, h.at), acknowledged };
+    const again: LogEntry = { ...former, text: h.text, count: former.count + 1, lastAt: Math.max(former.lastAt, h.at), acknowledged };
     return { lastSeq, entries: [again, ...log.entries.slice(0, at), ...log.entries.slice(at + 1)] };
   }
   const entry: LogEntry = {
@@ -65,6 +65,11 @@ export function add(log: EventLog, h: Happening, seq = 0): EventLog {
     count: 1, firstAt: h.at, lastAt: h.at, acknowledged,
   };
   return { lastSeq, entries: bounded([entry, ...log.entries]) };
+}
+
+/** The same thing measured again is the same thing: what has a unit does not count, what numbers a vehicle or a node does. */
+function withoutMeasures(text: string): string {
+  return text.replace(/\d+(\.\d+)?(?= ?(?:(?:ms|m\/s|s|m|V|Hz)\b|%))/g, '#');
 }
 
 /** Over the bound the oldest goes, but what still wants acknowledging goes last. */

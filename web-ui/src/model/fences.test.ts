@@ -37,6 +37,13 @@ describe('placeFences', () => {
     expect(breachReturn!.east).toBeCloseTo(-20, 4);
   });
 
+  it('heights above the sea come out above the origin', () => {
+    const amsl: FenceZone = { ...ZONE, floor_m: 498, ceiling_m: null, altitude_reference: 'amsl' };
+    const { zones } = placeFences(plan(ZONE, amsl), ORIGIN);
+    expect(zones.map((z) => [z.floorM, z.ceilingM])).toEqual([[null, 60], [10, null]]);
+    expect(placeFences(plan(amsl), null).zones[0]!.floorM).toBeNull();
+  });
+
   it('the text on the map says name, kind and band', () => {
     expect(placeFences(plan({ ...ZONE, kind: 'exclusion' }), ORIGIN).zones[0]!.text).toBe('field: keep out, up to 60 m');
   });

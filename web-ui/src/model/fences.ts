@@ -13,6 +13,9 @@ export type PlacedZone = {
   /** What the map writes beside it. */
   text: string;
   corners: readonly Place[];
+  /** Metres above the swarm's origin; null where the zone has no such limit. */
+  floorM: number | null;
+  ceilingM: number | null;
 };
 
 export type PlacedFences = { zones: readonly PlacedZone[]; breachReturn: Place | null };
@@ -45,10 +48,18 @@ export function placeFences(plan: FencePlan, origin: Geodetic | null): PlacedFen
   for (const zone of plan.zones) {
     const corners = cornersOf(zone, placed);
     if (corners.length < 3) continue;
-    zones.push({ name: zone.name, kind: zone.kind, text: `${zone.name}: ${kindText(zone.kind)}, ${bandText(zone)}`, corners });
+    const text = `${zone.name}: ${kindText(zone.kind)}, ${bandText(zone)}`;
+    const above = (limitM: number | null) => aboveOrigin(zone, limitM, origin);
+    zones.push({ name: zone.name, kind: zone.kind, text, corners, floorM: above(zone.floor_m), ceilingM: above(zone.ceiling_m) });
   }
   const back = plan.breach_return?.place;
   return { zones, breachReturn: back ? placed(back.latitude_deg, back.longitude_deg) : null };
+}
+
+/** A limit counted from the swarm's origin; one above the sea cannot be, as long as the origin is not known. */
+function aboveOrigin(zone: FenceZone, limitM: number | null, origin: Geodetic | null): number | null {
+  if (limitM === null || zone.altitude_reference === 'origin') return limitM;
+  return origin ? limitM - origin.altitude_amsl_m : null;
 }
 
 function cornersOf(zone: FenceZone, placed: (latitude: number, longitude: number) => Place | null): Place[] {

@@ -4,7 +4,7 @@
 import { getEvents, measureLatencyMs } from '../protocol/rest';
 import { Stream, streamUrl } from '../protocol/stream';
 import type { StreamState } from '../protocol/stream';
-import type { EventRecord, FleetInfo, VehicleInfo, VehicleSafety } from '../protocol/types';
+import type { EventRecord, FleetInfo, SwarmSnapshot, VehicleInfo, VehicleSafety } from '../protocol/types';
 import { Fleet } from '../telemetry/fleet';
 import type { Commander } from './commander.svelte';
 import type { Journal } from './journal.svelte';
@@ -13,10 +13,12 @@ import { VehicleRow } from './vehicleRow.svelte';
 /** How often the list is brought up to date. */
 const TICK_MS = 250;
 const LATENCY_EVERY_MS = 5000;
-/** Frames per second asked for: at a desk, on a tablet, and while nobody looks. */
+/** Frames per second asked for: at a desk, on a tablet or of a crowd, and while nobody looks. */
 const RATE_DESK_HZ = 20;
-const RATE_TOUCH_HZ = 10;
+const RATE_LOW_HZ = 10;
 const RATE_HIDDEN_HZ = 1;
+/** More vehicles than this are a crowd: none of them is watched so closely, and every frame costs the more. */
+const CROWD = 100;
 /** The server's clock being behind by more than this, had it gone on since it was last heard, means that it is another run of it. */
 const RESTART_MS = 2000;
 
@@ -29,6 +31,8 @@ export class Session {
   readonly fleet = new Fleet();
   state = $state.raw<StreamState>({ name: 'connecting' });
   info = $state.raw<FleetInfo>(NO_INFO);
+  /** The nodes of the swarm; null where the node flies its vehicles alone. */
+  swarm = $state.raw<SwarmSnapshot | null>(null);
   rows = $state.raw<readonly VehicleRow[]>([]);
   /** Counts ticks; reading it in an effect makes the effect run with the list. */
   tick = $state(0);
@@ -53,6 +57,7 @@ export class Session {
   #frameListeners: (() => void)[] = [];
   #eventListeners: ((event: EventRecord) => void)[] = [];
   #liveListeners: (() => void)[] = [];
+  #restartListeners: (() => void)[] = [];
   #waiting: EventRecord[] = [];
   #historyLoaded = false;
   #historyRequested = false;
@@ -69,6 +74,7 @@ export class Session {
       frame: (buffer) => this.#onFrame(buffer),
       fleet: (info) => this.#onFleet(info),
       safety: (vehicles) => this.#onSafety(vehicles),
+      swarm: (swarm) => (this.swarm = swarm),
       event: (event) => (this.#historyLoaded ? this.#takeEvent(event) : this.#waiting.push(event)),
       gap: (missed) => journal.notice('warning', 'stream', `${missed} events did not reach this page`),
       unreadable: (why) => journal.notice('warning', 'stream', why),
@@ -105,6 +111,11 @@ export class Session {
     this.#liveListeners.push(listener);
   }
 
+  /** Calls `listener` when the server turns out to be another run: nothing that was known of its vehicles holds. */
+  onRestart(listener: () => void): void {
+    this.#restartListeners.push(listener);
+  }
+
   /** What the node's clock says now, in ms. */
   serverNowMs(): number {
     return this.fleet.serverTimeMs + (performance.now() - this.fleet.receivedAt);
@@ -125,8 +136,8 @@ export class Session {
   }
 
   #applyRate(): void {
-    const touch = matchMedia('(pointer: coarse)').matches;
-    this.#stream.setRate(document.hidden ? RATE_HIDDEN_HZ : touch ? RATE_TOUCH_HZ : RATE_DESK_HZ);
+    const low = matchMedia('(pointer: coarse)').matches || this.rows.length > CROWD;
+    this.#stream.setRate(document.hidden ? RATE_HIDDEN_HZ : low ? RATE_LOW_HZ : RATE_DESK_HZ);
   }
 
   #onState(state: StreamState): void {
@@ -187,6 +198,7 @@ export class Session {
     this.journal.restart();
     this.commander.dispatch({ type: 'server_restarted' });
     this.journal.notice('advisory', 'connection', 'the server was restarted');
+    for (const listener of this.#restartListeners) listener();
   }
 
   async #loadHistory(): Promise<void> {
@@ -235,7 +247,10 @@ export class Session {
       row.refresh(fleet, this.#infoById.get(id), this.#safetyById.get(id) ?? null, now, this.lostAt === null);
     }
     const changed = added || this.rows.length !== fleet.presentCount || this.rows.some((row) => !row.present);
-    if (changed) this.rows = [...this.#rowById.values()].filter((r) => r.present).sort((a, b) => a.id - b.id);
+    if (changed) {
+      this.rows = [...this.#rowById.values()].filter((r) => r.present).sort((a, b) => a.id - b.id);
+      this.#applyRate();
+    }
     const frames = fleet.framesTaken - this.#framesAtTick;
     this.#framesAtTick = fleet.framesTaken;
     const elapsed = Math.max(1, now - this.now);

@@ -7,6 +7,7 @@ import { FLIGHT_MODES, FLIGHT_STATES, GNSS_FIXES, LANDED_STATES } from '../proto
 import type { Fleet } from '../telemetry/fleet';
 import { ageText, classify } from '../telemetry/staleness';
 import type { Staleness } from '../telemetry/staleness';
+import { pluginSummary } from './pluginWords';
 import { LEVEL, problemsOf, worst } from './severity';
 import type { Level } from './severity';
 import { percentText, returnText, safetyProblems } from './vehicleSafety';
@@ -49,8 +50,20 @@ export class VehicleRow {
   trackingError = $state(UNKNOWN);
   /** Height above the launch place for the map; NaN if not known. Not reactive: the map draws when it is woken. */
   heightM = NaN;
+  /** For sorting and for charts, NaN if not known. Not reactive either. */
+  speedMS = NaN;
+  errorM = NaN;
+  ageMs = 0;
+  returnS = NaN;
   actorRestarts = $state(0);
   modelRestarts = $state(0);
+  /** How its plugins are, in a few words. */
+  pluginsText = $state(UNKNOWN);
+  pluginsLevel = $state<Level>(LEVEL.normal);
+  /** The node that flies it; null without a swarm. */
+  node = $state<number | null>(null);
+  /** Its clock does not fit: an alarm of the ladder says so. */
+  clockTrouble = $state(false);
 
   constructor(
     readonly id: number,
@@ -64,6 +77,7 @@ export class VehicleRow {
   refresh(fleet: Fleet, info: VehicleInfo | undefined, safety: VehicleSafety | null, now: number, heard: boolean): void {
     const i = this.index;
     const ageMs = fleet.ageMs(i, now);
+    this.ageMs = ageMs;
     this.present = fleet.present[i] === 1;
     this.staleness = classify(ageMs, fleet.has(i, FLAG.connected));
     this.age = ageText(ageMs);
@@ -92,6 +106,8 @@ export class VehicleRow {
       this.name = info.name;
       this.plugin = `${info.plugin} ${info.plugin_version}`;
       this.stateDetail = info.state_detail;
+      this.node = info.node ?? null;
+      ({ text: this.pluginsText, level: this.pluginsLevel } = pluginSummary(info));
     }
     if (heard) this.#assess(fleet, info);
   }
@@ -99,7 +115,9 @@ export class VehicleRow {
   #refreshSafety(safety: VehicleSafety | null): void {
     this.safety = safety;
     this.stopped = safety?.stopped ?? false;
+    this.clockTrouble = safety?.ladder?.alarms.some((alarm) => alarm.trigger === 'clock_fault') ?? false;
     const energy = safety?.energy ?? null;
+    this.returnS = energy?.return_in_s ?? NaN;
     if (!energy) this.neededHome = this.returnIn = UNKNOWN;
     else {
       this.neededHome = energy.needed_home === null ? 'out of reach' : percentText(energy.needed_home + energy.reserve);
@@ -111,15 +129,17 @@ export class VehicleRow {
     const i = this.index;
     if (!fleet.has(i, FLAG.position)) {
       this.height = this.speed = this.trackingError = UNKNOWN;
-      this.heightM = NaN;
+      this.heightM = this.speedMS = this.errorM = NaN;
       return;
     }
     const ground = info?.home?.altitude_amsl_m;
     this.heightM = ground === undefined ? NaN : (fleet.altitudeM[i] ?? 0) - ground;
     this.height = ground === undefined ? UNKNOWN : `${noMinusZero(this.heightM)} m`;
     const speed = Math.hypot(fleet.velocityNorth[i] ?? 0, fleet.velocityEast[i] ?? 0, fleet.velocityDown[i] ?? 0);
+    this.speedMS = speed;
     this.speed = `${speed.toFixed(1)} m/s`;
     const error = fleet.trackingErrorM[i] ?? NaN;
+    this.errorM = error;
     this.trackingError = Number.isNaN(error) ? UNKNOWN : `${error.toFixed(error < 10 ? 2 : 0)} m`;
   }
 

@@ -3,7 +3,8 @@
 import type {
   CommandBody, CommandReceipt, CommandReceipts, EmergencyKey, EmergencyStopBody, ErrorBody, EventList, FenceAnswer, FenceFileBody,
   FencePlan, FencePlanBody, FormationPreview, FormationReceipt, FormationRequest, ImportedFencePlan, OverrideBody, PreflightAnswer,
-  PreflightOverride, ReferenceList, ReferenceSnapshot, Route, RouteBody, Targets, VehicleCommand, VehicleSnapshot,
+  PluginList, PreflightOverride, ReferenceList, ReferenceSnapshot, RestartList, RestartRecord, Route, RouteBody, SupervisionTree, Targets,
+  UpgradeReceipt, VehicleCommand, VehicleSnapshot,
 } from './types';
 
 /** A call that was answered with an error, or not at all (`status` 0). */
@@ -121,6 +122,11 @@ export async function operatorAlive(): Promise<void> {
   await call('POST', 'operator/alive');
 }
 
+/** Has a node take the office of coordinator. */
+export async function makeCoordinator(node: number): Promise<void> {
+  await call('POST', 'swarm/coordinator', { node });
+}
+
 /** One vehicle, whole. */
 export async function getVehicle(id: number): Promise<VehicleSnapshot> {
   return (await (await call('GET', `vehicles/${id}`)).json()) as VehicleSnapshot;
@@ -152,4 +158,38 @@ export async function measureLatencyMs(): Promise<number> {
   const from = performance.now();
   await call('GET', 'version');
   return performance.now() - from;
+}
+
+/** What runs under supervision, and how it is. */
+export async function getSupervision(): Promise<SupervisionTree> {
+  return (await (await call('GET', 'supervision')).json()) as SupervisionTree;
+}
+
+/** Restarts after failures, oldest first. */
+export async function getRestarts(): Promise<RestartRecord[]> {
+  return ((await (await call('GET', 'plugins/restarts')).json()) as RestartList).restarts;
+}
+
+/** Takes a payload off a vehicle: its plugin instance ends. */
+export async function detachPayload(vehicle: number, payload: string): Promise<void> {
+  await call('DELETE', `vehicles/${vehicle}/payloads/${encodeURIComponent(payload)}`);
+}
+
+export async function getPlugins(): Promise<PluginList> {
+  return (await (await call('GET', 'plugins')).json()) as PluginList;
+}
+
+/** Looks for new and changed libraries. */
+export async function rescanPlugins(): Promise<PluginList> {
+  return (await (await call('POST', 'plugins/rescan')).json()) as PluginList;
+}
+
+/** Exchanges all instances for the newest version, or for the one before. */
+export async function exchangePlugin(name: string, to: 'upgrade' | 'rollback'): Promise<UpgradeReceipt> {
+  return (await (await call('POST', `plugins/${encodeURIComponent(name)}/${to}`)).json()) as UpgradeReceipt;
+}
+
+/** Forgets a plugin that nothing uses. */
+export async function removePlugin(name: string): Promise<void> {
+  await call('DELETE', `plugins/${encodeURIComponent(name)}`);
 }

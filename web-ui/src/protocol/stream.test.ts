@@ -33,12 +33,13 @@ const newest = (): Socket => Socket.all.at(-1)!;
 
 function started() {
   const states: StreamState[] = [];
-  const heard = { frames: 0, fleets: 0, safeties: 0, events: 0, gaps: 0, unreadable: [] as string[] };
+  const heard = { frames: 0, fleets: 0, safeties: 0, swarms: 0, events: 0, gaps: 0, unreadable: [] as string[] };
   const stream = new Stream('ws://test/api/v1/stream', {
     state: (state) => states.push(state),
     frame: () => heard.frames++,
     fleet: () => heard.fleets++,
     safety: (vehicles) => (heard.safeties += vehicles.length),
+    swarm: () => heard.swarms++,
     event: () => heard.events++,
     gap: (missed) => (heard.gaps += missed),
     unreadable: (why) => heard.unreadable.push(why),

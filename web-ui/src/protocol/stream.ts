@@ -2,7 +2,7 @@
 // Must never keep vehicle state: who listens decides what a message means.
 
 import { waitMs } from './backoff';
-import type { EventRecord, FleetInfo, ServerMessage, VehicleSafety } from './types';
+import type { EventRecord, FleetInfo, ServerMessage, SwarmSnapshot, VehicleSafety } from './types';
 
 /** The server's greeting. */
 export type Hello = Extract<ServerMessage, { type: 'hello' }>;
@@ -27,6 +27,7 @@ export type StreamListener = {
   fleet(info: FleetInfo): void;
   /** Of all vehicles first, then of those of which it has changed. */
   safety(vehicles: readonly VehicleSafety[]): void;
+  swarm(swarm: SwarmSnapshot): void;
   event(event: EventRecord): void;
   /** Events were lost on the way. */
   gap(missed: number): void;
@@ -113,6 +114,9 @@ export class Stream {
         break;
       case 'fleet':
         if (this.#greeted) this.listener.fleet(message);
+        break;
+      case 'swarm':
+        if (this.#greeted) this.listener.swarm(message);
         break;
       case 'safety':
         if (this.#greeted) this.listener.safety(message.vehicles);

@@ -171,7 +171,7 @@ export class Fleet {
     if (!p) return;
     this.northM[i] = p.north;
     this.eastM[i] = p.east;
-    this.trails.push(i, p.north, p.east);
+    this.trails.push(i, p.north, p.east, altitude);
   }
 
   #moveOrigin(origin: Geodetic): void {

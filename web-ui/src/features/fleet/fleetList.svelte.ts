@@ -4,12 +4,18 @@ import { createContext } from 'svelte';
 import type { Session } from '../../model/session.svelte';
 import type { Targets } from '../../model/targets.svelte';
 import { compare, inCategory, matchesSearch } from './fleetFilter';
+import type { ColumnKey, GroupKey } from './fleetColumns';
 import type { FilterKey, SortKey } from './fleetFilter';
 
 export class FleetList {
   search = $state('');
   filter = $state<FilterKey>('all');
   sort = $state<SortKey>('id');
+  /** Of the table alone: the column it is sorted by, its groups, and whether cards are shown in its place. */
+  column = $state<ColumnKey>('id');
+  descending = $state(false);
+  group = $state<GroupKey>('none');
+  asCards = $state(false);
   readonly #session: Session;
   readonly #targets: Targets;
 

@@ -2,6 +2,8 @@
 
 import type { Console } from '../../app/console.svelte';
 import { FLAG } from '../../protocol/frame';
+import { drawnLinks } from './linkTable';
+import { QUALITY_WORDS } from './links';
 import { hitTest } from './paintFleet';
 import type { Painter } from './painter';
 
@@ -22,10 +24,18 @@ export type Hook = {
   /** Telemetry frames taken and map frames drawn. */
   framesTaken(): number;
   framesDrawn(): number;
+  /** `performance.now()` when a vehicle was first on the canvas; null before. */
+  firstVehicleMs(): number | null;
+  /** Tiles of the operator's own base map that were drawn last. */
+  baseTiles(): number;
   positions(): Plotted[];
   trailLength(id: number): number;
   /** Id of the vehicle at a place on the canvas, or null. */
   hitTest(x: number, y: number): number | null;
+  /** What is measured: metres and degrees of each leg. */
+  measured(): { distanceM: number; bearingDeg: number | null; riseM: number | null }[];
+  /** The drawn links: of which vehicle, and how good. */
+  links(): { id: number; quality: string; text: string }[];
   /** Zones of the fences that are drawn. */
   zones(): { name: string; kind: string; corners: number }[];
   /** Slots of the previewed formation, in metres about the swarm's origin; up counts from its anchor. */
@@ -46,8 +56,12 @@ export function installHook(app: Console, painter: Painter): () => void {
   window.__skein = {
     framesTaken: () => fleet.framesTaken,
     framesDrawn: () => painter.frames,
+    firstVehicleMs: () => painter.firstVehicleMs,
+    baseTiles: () => painter.baseTiles,
     trailLength: (id) => fleet.trails.length(fleet.indexOf(id)),
     hitTest: (x, y) => fleet.ids[hitTest(view, fleet, x, y, 20)] ?? null,
+    measured: () => painter.measured().map(({ distanceM, bearingDeg, riseM }) => ({ distanceM, bearingDeg, riseM })),
+    links: () => drawnLinks(app.session, performance.now()).map(({ id, quality, text }) => ({ id, quality: QUALITY_WORDS[quality], text })),
     zones: () => painter.fences().zones.map(({ name, kind, corners }) => ({ name, kind, corners: corners.length })),
     previewSlots: () => app.formation.previewSlots(),
     toCanvas: (northM, eastM) => ({ x: view.x(eastM), y: view.y(northM) }),

@@ -1,8 +1,9 @@
-// Fingers, mouse and keys on the map: drag pans, wheel and pinch zoom, a tap toggles a target, a box adds many, and in route mode
-// a tap sets a waypoint and a drag moves one; the place tool takes one tap. Must never send anything: it changes view, targets and drafts only.
+// Fingers, mouse and keys on the map: drag pans, wheel and pinch zoom, a tap toggles a target, two taps follow it, a box adds many, and in
+// route mode a tap sets a waypoint and a drag moves one; the place tool takes one tap, the measuring tool as many as one likes. Must never send anything: it changes view, targets and drafts only.
 
 import type { Console } from '../../app/console.svelte';
 import type { RouteDraft } from '../../model/routeDraft.svelte';
+import { toggleMeasuring } from '../measure/measuring';
 import { hitTest, within } from './paintFleet';
 import { waypointAt } from './paintPlan';
 import type { Painter } from './painter';
@@ -12,6 +13,7 @@ const TAP_PX = 5;
 const REACH_MOUSE_PX = 18;
 const REACH_TOUCH_PX = 30;
 const PAN_KEY_PX = 60;
+const DOUBLE_TAP_MS = 400;
 
 type Finger = { x: number; y: number; startX: number; startY: number; moved: boolean };
 
@@ -19,6 +21,7 @@ export class Interaction {
   #fingers = new Map<number, Finger>();
   #mode: 'none' | 'pan' | 'box' | 'waypoint' = 'none';
   #waypoint = -1;
+  #tapped: { id: number; atMs: number } | null = null;
 
   constructor(
     readonly canvas: HTMLCanvasElement,
@@ -77,10 +80,26 @@ export class Interaction {
       map.tool = 'pan';
     } else if (!finger.moved) {
       const index = hitTest(map.view, session.fleet, finger.x, finger.y, this.#reach(event));
-      if (index >= 0) targets.toggle(session.fleet.ids[index] ?? 0);
+      const id = index >= 0 ? (session.fleet.ids[index] ?? 0) : null;
+      if (map.tool === 'measure') this.#measure(id, finger.x, finger.y);
+      else if (id !== null) this.#tap(id, event.timeStamp);
     }
     this.#end();
   };
+
+  #measure(id: number | null, x: number, y: number): void {
+    const { map } = this.console;
+    if (map.camera === 'fleet') map.camera = 'free';
+    map.measure.add(id === null ? { kind: 'place', ...this.#ground(x, y) } : { kind: 'vehicle', id });
+  }
+
+  /** One tap makes a target of a vehicle or takes it away; two follow it, and leave the targets as they were. */
+  #tap(id: number, atMs: number): void {
+    const twice = this.#tapped?.id === id && atMs - this.#tapped.atMs < DOUBLE_TAP_MS;
+    this.console.targets.toggle(id);
+    this.#tapped = twice ? null : { id, atMs };
+    if (twice) this.console.map.follow(id);
+  }
 
   pointercancel = (event: PointerEvent): void => {
     this.#fingers.delete(event.pointerId);
@@ -124,13 +143,20 @@ export class Interaction {
         map.zoom(1 / 1.4);
         break;
       case 'f':
-        map.camera = 'fleet';
+        map.setCamera('fleet');
         this.painter.fit();
+        break;
+      case 'm':
+        toggleMeasuring(this.console);
+        break;
+      case 'v':
+        map.look = 'space';
         break;
       case 'Backspace':
       case 'Delete': {
         const drawn = this.#drawn();
-        drawn?.remove(drawn.waypoints.length - 1);
+        if (map.tool === 'measure') map.measure.undo();
+        else drawn?.remove(drawn.waypoints.length - 1);
         break;
       }
       default:
@@ -153,7 +179,7 @@ export class Interaction {
   }
 
   #pan(dx: number, dy: number): void {
-    this.console.map.camera = 'free';
+    if (this.console.map.camera !== 'free') this.console.map.setCamera('free');
     this.console.map.view.panBy(dx, dy);
   }
 

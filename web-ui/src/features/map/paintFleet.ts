@@ -1,12 +1,12 @@
-// Trails, slots, vehicles and their labels on the canvas. Shapes carry the state: an arrowhead flies, a hollow one stands on the
+// Trails, slots and vehicles on the canvas. Shapes carry the state: an arrowhead flies, a hollow one stands on the
 // ground, a broken outline is stale, a cross is lost, an octagon is stopped; colour only repeats it.
 
 import { FLAG } from '../../protocol/frame';
 import { LANDED_STATES } from '../../protocol/words';
 import type { Fleet } from '../../telemetry/fleet';
 import { classify } from '../../telemetry/staleness';
+import { TRAIL_POINTS } from '../../telemetry/trails';
 import type { Staleness } from '../../telemetry/staleness';
-import { FONT } from './paintGround';
 import { levelColour } from './palette';
 import type { Palette } from './palette';
 import type { View } from './view';
@@ -23,40 +23,45 @@ export type FleetScene = {
 
 const GLYPH_PX = 12;
 /** Signs shrink to this in a crowd. */
-const CROWD_SCALE = 0.78;
+export const CROWD_SCALE = 0.78;
 const SLOT_PX = 10;
 const FADE_STEPS = 4;
+/** How far ahead the way of a vehicle is drawn. */
+export const MOTION_S = 3;
+/** Points of all trails together that are drawn. */
+const TRAIL_BUDGET = 60_000;
 /** Above so many vehicles labels say the id only. */
-const SHORT_LABELS_FROM = 40;
+export const SHORT_LABELS_FROM = 40;
 
 /** Runs over the vehicles of the last frame whose place is known. A place that is not known is never drawn. */
-function eachPlaced(fleet: Fleet, visit: (index: number) => void): void {
+export function eachPlaced(fleet: Fleet, visit: (index: number) => void): void {
   for (let i = 0; i < fleet.size; i++) if (fleet.present[i] === 1 && fleet.has(i, FLAG.position)) visit(i);
 }
 
 export function paintTrails(ctx: CanvasRenderingContext2D, view: View, palette: Palette, fleet: Fleet): void {
   ctx.save();
   ctx.strokeStyle = palette.trail;
-  ctx.lineWidth = 1.5;
+  ctx.lineWidth = fleet.presentCount > SHORT_LABELS_FROM ? 1 : 1.5;
   ctx.lineJoin = 'round';
+  // Trails of a crowd are thinned out: their number tells where all came from, not each bend of one.
+  const stride = Math.max(1, Math.ceil((fleet.presentCount * TRAIL_POINTS) / TRAIL_BUDGET));
   for (let step = 0; step < FADE_STEPS; step++) {
     ctx.globalAlpha = 0.12 + (0.5 * (step + 1)) / FADE_STEPS;
     ctx.beginPath();
-    eachPlaced(fleet, (i) => trailPart(ctx, view, fleet, i, step));
+    eachPlaced(fleet, (i) => trailPart(ctx, view, fleet, i, step, stride));
     ctx.stroke();
   }
   ctx.restore();
 }
 
 /** Adds the part of a trail with one degree of fading; points closer than two pixels are left out. */
-function trailPart(ctx: CanvasRenderingContext2D, view: View, fleet: Fleet, index: number, step: number): void {
+function trailPart(ctx: CanvasRenderingContext2D, view: View, fleet: Fleet, index: number, step: number, stride: number): void {
   const length = fleet.trails.length(index);
   const from = Math.floor((length * step) / FADE_STEPS);
-  const to = Math.floor((length * (step + 1)) / FADE_STEPS);
+  const to = Math.floor((length * (step + 1)) / FADE_STEPS) + 1;
   let lastX = NaN;
   let lastY = NaN;
-  fleet.trails.forEach(index, (north, east, k) => {
-    if (k < from || k > to) return;
+  fleet.trails.visit(index, from, to, stride, (north, east) => {
     const x = view.x(east);
     const y = view.y(north);
     if (Number.isNaN(lastX)) ctx.moveTo(x, y);
@@ -66,6 +71,29 @@ function trailPart(ctx: CanvasRenderingContext2D, view: View, fleet: Fleet, inde
     lastY = y;
   });
   if (step === FADE_STEPS - 1 && length > 0) ctx.lineTo(view.x(fleet.eastM[index] ?? 0), view.y(fleet.northM[index] ?? 0));
+}
+
+/** Where each would be in some seconds if it went on as it goes now. */
+export function paintMotion(ctx: CanvasRenderingContext2D, view: View, palette: Palette, fleet: Fleet): void {
+  ctx.save();
+  ctx.strokeStyle = palette.accent;
+  ctx.lineWidth = 1.6;
+  ctx.beginPath();
+  eachPlaced(fleet, (i) => {
+    const north = (fleet.velocityNorth[i] ?? 0) * MOTION_S;
+    const east = (fleet.velocityEast[i] ?? 0) * MOTION_S;
+    if (Math.hypot(north, east) * view.scale < GLYPH_PX) return;
+    const [x0, y0] = [view.x(fleet.eastM[i] ?? 0), view.y(fleet.northM[i] ?? 0)];
+    const [x1, y1] = [x0 + east * view.scale, y0 - north * view.scale];
+    const angle = Math.atan2(y1 - y0, x1 - x0);
+    ctx.moveTo(x0, y0);
+    ctx.lineTo(x1, y1);
+    // A bar across its end, so that it is no trail.
+    ctx.moveTo(x1 - Math.sin(angle) * 4, y1 + Math.cos(angle) * 4);
+    ctx.lineTo(x1 + Math.sin(angle) * 4, y1 - Math.cos(angle) * 4);
+  });
+  ctx.stroke();
+  ctx.restore();
 }
 
 /** Ghosts where the tasks want the vehicles, and a line from each vehicle to its own. */
@@ -155,7 +183,7 @@ function arrow(
   }
 }
 
-function cross(ctx: CanvasRenderingContext2D, colour: string, palette: Palette): void {
+export function cross(ctx: CanvasRenderingContext2D, colour: string, palette: Palette): void {
   for (const [width, stroke] of [[6, palette.outline], [3, colour]] as const) {
     ctx.lineWidth = width;
     ctx.strokeStyle = stroke;
@@ -170,7 +198,7 @@ function cross(ctx: CanvasRenderingContext2D, colour: string, palette: Palette):
 }
 
 /** Motors stopped in an emergency: a filled octagon with a bar, unlike anything that flies. */
-function stopSign(ctx: CanvasRenderingContext2D, palette: Palette): void {
+export function stopSign(ctx: CanvasRenderingContext2D, palette: Palette): void {
   const r = 11;
   const c = r * Math.tan(Math.PI / 8);
   ctx.beginPath();
@@ -185,7 +213,7 @@ function stopSign(ctx: CanvasRenderingContext2D, palette: Palette): void {
   ctx.fillRect(-6, -2, 12, 4);
 }
 
-function brackets(ctx: CanvasRenderingContext2D, palette: Palette): void {
+export function brackets(ctx: CanvasRenderingContext2D, palette: Palette): void {
   const r = 19;
   const a = 7;
   ctx.lineWidth = 2;
@@ -199,7 +227,7 @@ function brackets(ctx: CanvasRenderingContext2D, palette: Palette): void {
   ctx.stroke();
 }
 
-function leaderRing(ctx: CanvasRenderingContext2D, palette: Palette): void {
+export function leaderRing(ctx: CanvasRenderingContext2D, palette: Palette): void {
   ctx.strokeStyle = palette.vehicle;
   ctx.lineWidth = 1.5;
   ctx.beginPath();
@@ -207,71 +235,6 @@ function leaderRing(ctx: CanvasRenderingContext2D, palette: Palette): void {
   ctx.moveTo(20.5, 0);
   ctx.arc(0, 0, 20.5, 0, Math.PI * 2);
   ctx.stroke();
-}
-
-type Box = { x: number; y: number; w: number; h: number };
-
-/** Labels right of the vehicles, or where there is room; one without room is left out unless its vehicle wants attention. */
-export function paintLabels(ctx: CanvasRenderingContext2D, view: View, palette: Palette, scene: FleetScene): void {
-  const { fleet } = scene;
-  const taken: Box[] = [];
-  const short = fleet.presentCount > SHORT_LABELS_FROM;
-  // No label over a neighbour's sign, as long as the neighbours can be counted quickly.
-  if (!short) {
-    eachPlaced(fleet, (i) => {
-      taken.push({ x: view.x(fleet.eastM[i] ?? 0) - 11, y: view.y(fleet.northM[i] ?? 0) - 11, w: 22, h: 22 });
-    });
-  }
-  ctx.save();
-  ctx.textBaseline = 'middle';
-  ctx.textAlign = 'left';
-  ctx.lineJoin = 'round';
-  ctx.lineWidth = 3;
-  ctx.strokeStyle = palette.bg;
-  eachPlaced(fleet, (i) => {
-    const x = view.x(fleet.eastM[i] ?? 0);
-    const y = view.y(fleet.northM[i] ?? 0);
-    if (x < 0 || y < 0 || x > view.width || y > view.height) return;
-    const id = fleet.ids[i] ?? 0;
-    const { level, problem, height } = scene.marking(i);
-    const head = fleet.has(i, FLAG.leader) ? `${id} leader` : `${id}`;
-    const rest = level >= 2 ? problem : short || !isAirborne(fleet, i) ? '' : height;
-    ctx.font = `600 12px ${FONT.slice(FONT.indexOf(' ') + 1)}`;
-    const headWidth = ctx.measureText(head).width;
-    ctx.font = FONT;
-    const restWidth = rest ? ctx.measureText(rest).width + 6 : 0;
-    const important = level >= 2 || scene.selected.has(id);
-    const reach = fleet.has(i, FLAG.leader) || scene.selected.has(id) ? 26 : 17;
-    const box = place(x, y, headWidth + restWidth, reach, taken, important);
-    if (!box) return;
-    taken.push(box);
-    // A plate: a route that runs behind the words must not look like a line through them.
-    ctx.fillStyle = ctx.strokeStyle;
-    ctx.globalAlpha = 0.8;
-    ctx.fillRect(box.x - 2, box.y, headWidth + restWidth + 4, 16);
-    ctx.globalAlpha = 1;
-    write(ctx, head, box.x, box.y + 8, `600 12px ${FONT.slice(FONT.indexOf(' ') + 1)}`, palette.text);
-    if (rest) write(ctx, rest, box.x + headWidth + 6, box.y + 8, FONT, level >= 2 ? levelColour(palette, level) : palette.label);
-  });
-  ctx.restore();
-}
-
-function write(ctx: CanvasRenderingContext2D, text: string, x: number, y: number, font: string, colour: string): void {
-  ctx.font = font;
-  ctx.strokeText(text, x, y);
-  ctx.fillStyle = colour;
-  ctx.fillText(text, x, y);
-}
-
-function place(x: number, y: number, width: number, reach: number, taken: readonly Box[], important: boolean): Box | null {
-  const candidates: Box[] = [
-    { x: x + reach, y: y - 8, w: width, h: 16 },
-    { x: x - width - reach, y: y - 8, w: width, h: 16 },
-    { x: x - width / 2, y: y - reach - 16, w: width, h: 16 },
-    { x: x - width / 2, y: y + reach, w: width, h: 16 },
-  ];
-  const free = candidates.find((c) => !taken.some((t) => c.x < t.x + t.w && t.x < c.x + c.w && c.y < t.y + t.h && t.y < c.y + c.h));
-  return free ?? (important ? (candidates[0] ?? null) : null);
 }
 
 /** Index of the vehicle nearest to a place on the screen within `reachPx`, or -1. */

@@ -9,10 +9,13 @@ export const FONT = '11px system-ui, "Segoe UI", Roboto, "Liberation Sans", Aria
 const MINOR_PX = 18;
 const SCALE_BAR_PX = 120;
 
-/** Background and metre grid about the swarm's origin; every fifth line is stronger and labelled. */
-export function paintGrid(ctx: CanvasRenderingContext2D, view: View, palette: Palette): void {
+export function paintGround(ctx: CanvasRenderingContext2D, view: View, palette: Palette): void {
   ctx.fillStyle = palette.bg;
   ctx.fillRect(0, 0, view.width, view.height);
+}
+
+/** Metre grid about the swarm's origin; every fifth line is stronger and labelled. */
+export function paintGrid(ctx: CanvasRenderingContext2D, view: View, palette: Palette): void {
   const minor = roundStepUp(MINOR_PX / view.scale);
   const major = minor * 5;
   lines(ctx, view, minor, palette.minor);
@@ -66,7 +69,8 @@ function axisLabel(value: number, positive: string, negative: string): string {
   return metres === 0 ? '0' : `${distanceText(metres)} ${value > 0 ? positive : negative}`;
 }
 
-function roundStepUp(least: number): number {
+/** The smallest of 1, 2, 5 times a power of ten that is not below `least`. */
+export function roundStepUp(least: number): number {
   let step = roundStep(least);
   while (step < least) step = roundStep(step * 2.5);
   return step;

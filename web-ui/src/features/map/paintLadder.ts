@@ -9,9 +9,9 @@ import type { View } from './view';
 export type Rung = { heightM: number; level: number; leader: boolean; selected: boolean };
 
 /** Room for the map's tools above and the pointer's coordinates below. */
-const TOP_PX = 316;
+const TOP_PX = 404;
 const BOTTOM_PX = 44;
-const LEAST_PX = 130;
+const LEAST_PX = 100;
 
 /** Upper end of the scale: the next 10, 20, 50, 100, … above the highest vehicle. */
 export function ladderTop(highestM: number): number {

@@ -1,45 +1,57 @@
 // Draws the map when something has changed, on the next animation frame and not before. Owns the canvas, not the data.
 
 import type { Console } from '../../app/console.svelte';
-import { placeFences } from '../../model/fences';
 import type { PlacedFences } from '../../model/fences';
 import { FLAG } from '../../protocol/frame';
-import type { FencePlan, Geodetic, Route } from '../../protocol/types';
-import { paintLabels, paintSlots, paintTrails, paintVehicles } from './paintFleet';
-import type { Marking } from './paintFleet';
+import { paintBase } from '../basemap/paintBase';
+import { legs } from '../measure/measure';
+import type { Leg, Spot } from '../measure/measure';
+import { paintMeasure } from '../measure/paintMeasure';
+import { everything, flownRoute, followedBounds } from './extent';
+import { FenceCache } from './fenceCache';
+import { toolsBox } from './labelRoom';
+import { drawnLinks } from './linkTable';
+import { markingOf } from './marking';
+import { paintMotion, paintSlots, paintTrails, paintVehicles } from './paintFleet';
+import type { FleetScene, Marking } from './paintFleet';
 import { paintFences } from './paintFences';
-import { paintFurniture, paintGrid, paintHatching } from './paintGround';
+import { paintFurniture, paintGrid, paintGround, paintHatching } from './paintGround';
+import { paintLabels } from './paintLabels';
+import type { OnCanvas } from './paintLabels';
 import { paintLadder } from './paintLadder';
+import { paintLinks } from './paintLinks';
 import type { Rung } from './paintLadder';
 import { paintAnchor, paintBox, paintDraftRoute, paintPreview, paintRoute } from './paintPlan';
 import { readPalette } from './palette';
 import type { Palette } from './palette';
-import { include, isEmpty, noBounds } from './view';
-import type { Bounds } from './view';
+import { isEmpty } from './view';
 
 const FIT_PADDING_PX = 96;
 /** ... but on a small map no more than this share of it. */
 const FIT_PADDING_SHARE = 0.17;
+/** A map narrower than this has little room. */
+const ROOMY_PX = 560;
 /** The camera that keeps all in view moves when one comes closer to the edge than this. */
 const EDGE_PX = 28;
-const CALM: Marking = { level: 0, problem: '', height: '', stopped: false };
-
-const NO_FENCES: PlacedFences = { zones: [], breachReturn: null };
 
 export type SelectionBox = { x0: number; y0: number; x1: number; y1: number };
 
 export class Painter {
   /** Animation frames that were drawn. */
   frames = 0;
+  /** Tiles of the operator's own base map in the last picture. */
+  baseTiles = 0;
+  /** `performance.now()` when a vehicle was first on the canvas. */
+  firstVehicleMs: number | null = null;
   box: SelectionBox | null = null;
+  /** Written anew for every question: no garbage for each label. */
+  readonly #place: OnCanvas = { x: 0, y: 0 };
   #dirty = true;
   #request = 0;
   #palette: Palette;
   #ratio = 1;
   #placedOnce = false;
-  #placedPlan: FencePlan | null = null;
-  #placedOrigin: Geodetic | null = null;
-  #placedFences: PlacedFences = NO_FENCES;
+  readonly #fences: FenceCache;
   readonly #ctx: CanvasRenderingContext2D;
 
   constructor(
@@ -49,6 +61,7 @@ export class Painter {
     const ctx = canvas.getContext('2d', { alpha: false });
     if (!ctx) throw new Error('this browser gives no 2D canvas');
     this.#ctx = ctx;
+    this.#fences = new FenceCache(console);
     this.#palette = readPalette(canvas);
   }
 
@@ -82,50 +95,98 @@ export class Painter {
 
   /** Brings all vehicles and plans into view. */
   fit(): void {
-    const bounds = this.#everything();
-    if (!isEmpty(bounds)) this.console.map.view.fit(bounds, this.#padding());
+    const bounds = everything(this.console);
+    if (!isEmpty(bounds)) this.console.map.view.fit(bounds, this.#padding(), this.#covered());
     this.wake();
   }
 
   #draw = (): void => {
     this.#request = 0;
-    if (!this.#dirty) return;
+    if (!this.#dirty || this.console.map.look !== 'flat') return;
     this.#dirty = false;
     this.#moveCamera();
     const ctx = this.#ctx;
     const palette = this.#palette;
-    const { map, session, targets, formation } = this.console;
+    const { map, session, targets } = this.console;
     const { view } = map;
-    const { fleet, info } = session;
     ctx.setTransform(this.#ratio, 0, 0, this.#ratio, 0, 0);
-    paintGrid(ctx, view, palette);
-    paintFences(ctx, view, palette, this.fences());
-    const route = this.#flownRoute();
+    paintGround(ctx, view, palette);
+    const { projection } = session.fleet;
+    this.baseTiles = map.base && projection ? paintBase(ctx, view, this.#ratio, projection, map.base, palette) : 0;
+    if (map.layers.grid) paintGrid(ctx, view, palette);
+    if (map.layers.fences) paintFences(ctx, view, palette, this.fences());
+    const scene = { fleet: session.fleet, now: performance.now(), selected: targets.selected, marking: this.#marking };
+    this.#paintUnder(ctx, palette, scene);
+    paintVehicles(ctx, view, palette, scene);
+    if (map.layers.labels) paintLabels(ctx, view, palette, scene, this.#onCanvas);
+    this.#paintMarks(ctx, palette);
+    paintFurniture(ctx, view, palette);
+    if (map.layers.heights) paintLadder(ctx, view, palette, this.#rungs());
+    this.frames++;
+    if (this.firstVehicleMs === null && session.fleet.presentCount > 0) this.firstVehicleMs = performance.now();
+  };
+
+  #onCanvas = (index: number): OnCanvas => {
+    const { view } = this.console.map;
+    const { fleet } = this.console.session;
+    this.#place.x = view.x(fleet.eastM[index] ?? 0);
+    this.#place.y = view.y(fleet.northM[index] ?? 0);
+    return this.#place;
+  };
+
+  /** Plans, ways, slots and links: what vehicles must not be hidden by. */
+  #paintUnder(ctx: CanvasRenderingContext2D, palette: Palette, scene: FleetScene): void {
+    const { map, session, formation } = this.console;
+    const { view, layers } = map;
+    const { fleet, info } = session;
+    const route = layers.plans ? flownRoute(this.console) : null;
     if (route) {
       const points = route.waypoints.map((w) => ({ north: w.north_m, east: w.east_m }));
       paintRoute(ctx, view, palette, points, info.formation?.route_finished ?? false);
     }
     // Under the vehicles: where they were last is what an operator needs most then.
     if (session.everLive && !session.canCommand) paintHatching(ctx, view, palette);
-    if (map.trails) paintTrails(ctx, view, palette, fleet);
-    paintSlots(ctx, view, palette, fleet);
+    if (layers.links) paintLinks(ctx, view, palette, { north: 0, east: 0 }, session.hello?.node ?? 'this node', drawnLinks(session, scene.now));
+    if (layers.trails) paintTrails(ctx, view, palette, fleet);
+    if (layers.slots) paintSlots(ctx, view, palette, fleet);
+    if (layers.motion) paintMotion(ctx, view, palette, fleet);
     this.#paintAnchors(ctx, palette);
     paintPreview(ctx, view, palette, formation.previewSlots(), formation.anchor === 'leader');
-    const scene = { fleet, now: performance.now(), selected: targets.selected, marking: this.#marking };
-    paintVehicles(ctx, view, palette, scene);
-    paintLabels(ctx, view, palette, scene);
+  }
+
+  /** The operator's own marks: routes being drawn, what is measured, the selection box. */
+  #paintMarks(ctx: CanvasRenderingContext2D, palette: Palette): void {
+    const { map, formation } = this.console;
+    const { view } = map;
     paintDraftRoute(ctx, view, palette, formation.route.waypoints, this.#leaderPlace());
     if (formation.anchor === 'path') paintDraftRoute(ctx, view, palette, formation.path.waypoints, null);
+    if (map.tool === 'measure') paintMeasure(ctx, view, palette, this.measured(), this.#firstMeasured());
     if (this.box) paintBox(ctx, palette, this.box.x0, this.box.y0, this.box.x1, this.box.y1);
-    paintFurniture(ctx, view, palette);
-    paintLadder(ctx, view, palette, this.#rungs());
-    this.frames++;
+  }
+
+  /** Where a vehicle is, or null while nobody knows. */
+  locate = (id: number): Spot | null => {
+    const { fleet } = this.console.session;
+    const i = fleet.indexOf(id);
+    if (i < 0 || !fleet.has(i, FLAG.position)) return null;
+    return { north: fleet.northM[i] ?? 0, east: fleet.eastM[i] ?? 0, up: fleet.altitudeM[i] ?? 0, words: `vehicle ${id}` };
   };
 
-  #marking = (index: number): Marking => {
-    const row = this.console.session.rowAt(index);
-    return row ? { level: row.level, problem: row.problems.split(' · ', 1)[0] ?? '', height: row.height, stopped: row.stopped } : CALM;
-  };
+  /** The legs that are measured now. */
+  measured(): Leg[] {
+    const { map } = this.console;
+    return map.tool === 'measure' ? legs(map.measure.points, this.locate) : [];
+  }
+
+  #firstMeasured(): { north: number; east: number } | null {
+    for (const point of this.console.map.measure.points) {
+      const at = point.kind === 'vehicle' ? this.locate(point.id) : point;
+      if (at) return at;
+    }
+    return null;
+  }
+
+  #marking = (index: number): Marking => markingOf(this.console.session, index);
 
   #rungs(): Rung[] {
     const { session, targets } = this.console;
@@ -134,23 +195,8 @@ export class Painter {
       .map((row) => ({ heightM: row.heightM, level: row.level, leader: row.leader, selected: targets.selected.has(row.id) }));
   }
 
-  /** The fences in force about the swarm's origin, worked out anew only when they or the origin are others. */
   fences(): PlacedFences {
-    const plan = this.console.watch.fences?.plan ?? null;
-    const origin = this.console.session.fleet.projection?.origin ?? null;
-    if (plan !== this.#placedPlan || origin !== this.#placedOrigin) {
-      this.#placedPlan = plan;
-      this.#placedOrigin = origin;
-      this.#placedFences = plan ? placeFences(plan, origin) : NO_FENCES;
-    }
-    return this.#placedFences;
-  }
-
-  /** The leader's route, or the path that a formation without a leader goes along. */
-  #flownRoute(): Route | null {
-    const flown = this.console.session.info.formation;
-    if (!flown) return null;
-    return flown.route ?? (flown.request.anchor.kind === 'path' ? flown.request.anchor.route : null);
+    return this.#fences.get();
   }
 
   #paintAnchors(ctx: CanvasRenderingContext2D, palette: Palette): void {
@@ -174,54 +220,29 @@ export class Painter {
   #moveCamera(): void {
     const { map } = this.console;
     if (map.camera === 'follow') {
-      const bounds = this.#followed();
+      const bounds = followedBounds(this.console);
       if (isEmpty(bounds)) return;
       map.view.centerNorth = (bounds.minNorth + bounds.maxNorth) / 2;
       map.view.centerEast = (bounds.minEast + bounds.maxEast) / 2;
       return;
     }
     if (map.camera !== 'fleet') return;
-    const bounds = this.#everything();
+    const bounds = everything(this.console);
     if (isEmpty(bounds)) return;
     if (!this.#placedOnce || !map.view.contains(bounds, EDGE_PX)) {
       this.#placedOnce = true;
-      map.view.fit(bounds, this.#padding());
+      map.view.fit(bounds, this.#padding(), this.#covered());
     }
+  }
+
+  /** What the map's tools lie over where there is little room; elsewhere the padding is wider than they are. */
+  #covered(): number {
+    const { view } = this.console.map;
+    return view.width > ROOMY_PX ? 0 : toolsBox(view).w;
   }
 
   #padding(): number {
     const { width, height } = this.console.map.view;
     return Math.min(FIT_PADDING_PX, FIT_PADDING_SHARE * Math.min(width, height));
-  }
-
-  /** What the following camera looks at: the selected vehicles, or the leader, or all. */
-  #followed(): Bounds {
-    const { session, targets } = this.console;
-    const { fleet, info } = session;
-    const bounds = noBounds();
-    const leader = info.formation?.leader ?? null;
-    const ids = targets.selected.size > 0 ? [...targets.selected] : leader !== null ? [leader] : targets.ids;
-    for (const id of ids) {
-      const index = fleet.indexOf(id);
-      if (index >= 0 && fleet.has(index, FLAG.position)) include(bounds, fleet.northM[index] ?? 0, fleet.eastM[index] ?? 0);
-    }
-    return bounds;
-  }
-
-  #everything(): Bounds {
-    const { session, formation } = this.console;
-    const { fleet, info } = session;
-    const bounds = noBounds();
-    for (let i = 0; i < fleet.size; i++) {
-      if (fleet.present[i] !== 1 || !fleet.has(i, FLAG.position)) continue;
-      include(bounds, fleet.northM[i] ?? 0, fleet.eastM[i] ?? 0);
-      if (fleet.has(i, FLAG.slot)) include(bounds, fleet.slotNorthM[i] ?? 0, fleet.slotEastM[i] ?? 0);
-    }
-    if (info.formation && !info.formation.route_finished) {
-      for (const w of this.#flownRoute()?.waypoints ?? []) include(bounds, w.north_m, w.east_m);
-    }
-    for (const w of formation.route.waypoints) include(bounds, w.north, w.east);
-    for (const slot of formation.previewSlots()) include(bounds, slot.north, slot.east);
-    return bounds;
   }
 }

@@ -17,6 +17,7 @@ const NAMES = {
   accent: '--accent',
   accentStrong: '--accent-strong',
   advisory: '--advisory',
+  ready: '--ready',
   warning: '--warning',
   critical: '--critical',
 } as const;

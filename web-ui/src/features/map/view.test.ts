@@ -53,6 +53,16 @@ describe('View', () => {
     expect(v.contains(bounds, 51)).toBe(false);
   });
 
+  it('a fit leaves out what is covered at the right', () => {
+    const v = view();
+    const bounds = noBounds();
+    include(bounds, 0, -400);
+    include(bounds, 10, 300);
+    v.fit(bounds, 40, 100);
+    expect(v.x(-400)).toBeCloseTo(40, 6);
+    expect(v.x(300)).toBeCloseTo(660, 6);
+  });
+
   it('one vehicle does not fill the map', () => {
     const v = view();
     const bounds = noBounds();

@@ -47,15 +47,15 @@ export class View {
     this.centerNorth = north + (y - this.height / 2) / scale;
   }
 
-  /** Shows all of `bounds` with `padding` pixels around. */
-  fit(bounds: Bounds, padding: number): void {
+  /** Shows all of `bounds` with `padding` pixels around, left of `coveredRight` pixels that something lies over. */
+  fit(bounds: Bounds, padding: number, coveredRight = 0): void {
     const high = Math.max(MIN_FIT_M, bounds.maxNorth - bounds.minNorth);
     const wide = Math.max(MIN_FIT_M, bounds.maxEast - bounds.minEast);
     const room = (size: number) => Math.max(size / 4, size - 2 * padding);
-    const scale = Math.min(room(this.width) / wide, room(this.height) / high);
+    const scale = Math.min(room(this.width - coveredRight) / wide, room(this.height) / high);
     this.scale = Math.min(MAX_SCALE, Math.max(MIN_SCALE, scale));
     this.centerNorth = (bounds.minNorth + bounds.maxNorth) / 2;
-    this.centerEast = (bounds.minEast + bounds.maxEast) / 2;
+    this.centerEast = (bounds.minEast + bounds.maxEast) / 2 + coveredRight / 2 / this.scale;
   }
 
   /** Whether all of `bounds` lies at least `margin` pixels inside. */

@@ -73,6 +73,11 @@ reaction: Reaction,
 report_only: ReportOnly | null, };
 
 /**
+ * Whom a node obeys.
+ */
+export type AllegianceKind = "nobody" | "led" | "awaiting" | "unled";
+
+/**
  * What floor and ceiling of a zone count from.
  */
 export type AltitudeReference = "origin" | "amsl";
@@ -365,6 +370,15 @@ export type CommandReceipts = {
 receipts: Array<CommandReceipt>, };
 
 /**
+ * Which node is to coordinate.
+ */
+export type CoordinatorBody = { 
+/**
+ * Its number.
+ */
+node: NodeId, };
+
+/**
  * Whether a vehicle can host the coordinator, and how gladly.
  */
 export type CoordinatorCapability = { 
@@ -551,7 +565,7 @@ payload: string, } | { "kind": "plugin",
 /**
  * Its name.
  */
-plugin: string, } | { "kind": "notice" };
+plugin: string, } | { "kind": "swarm" } | { "kind": "notice" };
 
 /**
  * Events after a given one.
@@ -578,6 +592,10 @@ seq: number,
  * When.
  */
 time: NodeTime, 
+/**
+ * On which other node of the swarm; absent if on this one.
+ */
+node: NodeId | null, 
 /**
  * About which vehicle, if about one.
  */
@@ -781,7 +799,11 @@ actors: Array<ActorHealth>,
 /**
  * What is tracked.
  */
-tracks: Array<Track>, };
+tracks: Array<Track>, 
+/**
+ * The swarm this node is part of, if it is part of one.
+ */
+swarm: SwarmSnapshot | null, };
 
 /**
  * Limits of one vehicle's flight. The slowest member decides how fast a formation goes.
@@ -1467,7 +1489,75 @@ latitude_deg: number,
 longitude_deg: number, };
 
 /**
- * A moment on the node's monotonic clock, in microseconds since the node started.
+ * One computer of the swarm: a run of the program with its own state. Random, and kept over restarts.
+ */
+export type NodeId = number;
+
+/**
+ * What a node does in its swarm.
+ */
+export type NodeRole = "vehicle_host" | "coordinator" | "gateway" | "observer";
+
+/**
+ * Another node.
+ */
+export type NodeSnapshot = { 
+/**
+ * Its number.
+ */
+node: NodeId, 
+/**
+ * Its name.
+ */
+name: string, 
+/**
+ * What it does.
+ */
+roles: Array<NodeRole>, 
+/**
+ * Version of its program.
+ */
+version: string, 
+/**
+ * How long ago it was heard, in seconds.
+ */
+heard_s: number, 
+/**
+ * The term it obeys.
+ */
+obeys: TermSnapshot | null, 
+/**
+ * The vehicles it flies.
+ */
+vehicles: Array<VehicleId>, 
+/**
+ * Its swarm frame is another one: it takes no orders from here.
+ */
+other_frame: boolean, 
+/**
+ * Round trip to it in seconds.
+ */
+round_trip_s: number | null, 
+/**
+ * Its clock less this node's, in seconds.
+ */
+clock_offset_s: number | null, 
+/**
+ * How far off that may be, in seconds.
+ */
+clock_error_s: number | null, 
+/**
+ * What it tells of its clock does not fit to when it comes.
+ */
+clock_fault: boolean, 
+/**
+ * What is received of it, in bytes per second.
+ */
+received_bytes_per_s: number, };
+
+/**
+ * A moment on the node's monotonic clock, in microseconds since the node started; of a node in a swarm, since long before, so that it can
+ * tell of what others did before it was there.
  */
 export type NodeTime = number;
 
@@ -2278,7 +2368,7 @@ node: string, } | { "type": "fleet" } & FleetInfo | { "type": "safety",
 /**
  * By ascending id.
  */
-vehicles: Array<VehicleSafety>, } | { "type": "event" } & EventRecord | { "type": "gap", 
+vehicles: Array<VehicleSafety>, } | { "type": "swarm" } & SwarmSnapshot | { "type": "event" } & EventRecord | { "type": "gap", 
 /**
  * How many.
  */
@@ -2308,6 +2398,81 @@ export type Shape = "line" | "column" | "wedge" | "echelon_left" | "echelon_righ
 export type SlotView = "ahead" | "outward" | "blocked";
 
 /**
+ * What is supervised for one payload.
+ */
+export type SupervisedPayload = { 
+/**
+ * Its name on the vehicle.
+ */
+name: string, 
+/**
+ * What it is.
+ */
+kind: PayloadKind, 
+/**
+ * Its actor.
+ */
+actor: ActorHealth, 
+/**
+ * Its plugin instance.
+ */
+plugin: PluginHealth, 
+/**
+ * Why its transport does not work; empty if it does or has none.
+ */
+transport_fault: string, };
+
+/**
+ * What is supervised for one vehicle.
+ */
+export type SupervisedVehicle = { 
+/**
+ * The swarm's id for it.
+ */
+id: VehicleId, 
+/**
+ * The node of the swarm that flies it; absent for this node's own without a swarm.
+ */
+node: NodeId | null, 
+/**
+ * Its name from the adoption rule.
+ */
+name: string, 
+/**
+ * Its actor.
+ */
+actor: ActorHealth, 
+/**
+ * Its UAV-model plugin instance.
+ */
+model: PluginHealth, 
+/**
+ * What it carries, by name.
+ */
+payloads: Array<SupervisedPayload>, 
+/**
+ * Why it can do less than it was built for; empty if nothing is amiss.
+ */
+degraded: Array<string>, };
+
+/**
+ * The supervision tree: the node's actors, and below every vehicle its actor, its model and what it carries.
+ */
+export type SupervisionTree = { 
+/**
+ * Now, on the node's clock: what every `since` is to be told by.
+ */
+time: NodeTime, 
+/**
+ * Actors of the node itself.
+ */
+actors: Array<ActorHealth>, 
+/**
+ * By ascending id.
+ */
+vehicles: Array<SupervisedVehicle>, };
+
+/**
  * The swarm's one common frame: north-east-down about a geodetic origin that all members share.
  */
 export type SwarmFrame = { 
@@ -2315,6 +2480,75 @@ export type SwarmFrame = {
  * The shared origin.
  */
 origin: Geodetic, };
+
+/**
+ * The swarm as one of its nodes knows it.
+ */
+export type SwarmSnapshot = { 
+/**
+ * The swarm's id.
+ */
+swarm: string, 
+/**
+ * This node's number.
+ */
+node: NodeId, 
+/**
+ * Its name.
+ */
+name: string, 
+/**
+ * What it does.
+ */
+roles: Array<NodeRole>, 
+/**
+ * Whom it obeys.
+ */
+allegiance: AllegianceKind, 
+/**
+ * The term it obeys.
+ */
+term: TermSnapshot | null, 
+/**
+ * How long the obeyed coordinator has been silent, in seconds, if it is.
+ */
+silent_s: number | null, 
+/**
+ * It coordinates.
+ */
+acting: boolean, 
+/**
+ * It hears no other node, though it did.
+ */
+cut_off: boolean, 
+/**
+ * The other nodes, by number.
+ */
+nodes: Array<NodeSnapshot>, 
+/**
+ * What it sends, in bytes per second.
+ */
+sent_bytes_per_s: number, 
+/**
+ * What it may send at this moment, in bytes per second.
+ */
+limit_bytes_per_s: number, 
+/**
+ * Datagrams that were not of this swarm, or changed on the way.
+ */
+strangers: number, 
+/**
+ * Datagrams that had been there before.
+ */
+replayed: number, 
+/**
+ * The transport says that it is down: why.
+ */
+transport_fault: string | null, 
+/**
+ * If the others are reached in two ways at once: each of them.
+ */
+ways: Array<WaySnapshot>, };
 
 /**
  * MAVLink system id: 1..=255, unique on one link only.
@@ -2342,6 +2576,19 @@ track: number, };
  * Whom a command is for.
  */
 export type Targets = "all" | { "vehicles": Array<VehicleId> };
+
+/**
+ * A term of office.
+ */
+export type TermSnapshot = { 
+/**
+ * Grows with every change of the coordinator.
+ */
+number: number, 
+/**
+ * The node that coordinates in it.
+ */
+coordinator: NodeId, };
 
 /**
  * Something tracked: where it is and where it goes, in the swarm frame.
@@ -2620,6 +2867,10 @@ export type VehicleInfo = {
  */
 id: VehicleId, 
 /**
+ * The node of the swarm that flies it, in a swarm of several nodes.
+ */
+node: NodeId | null, 
+/**
  * Its name.
  */
 name: string, 
@@ -2731,6 +2982,10 @@ export type VehicleSnapshot = {
  * The swarm's id for it.
  */
 id: VehicleId, 
+/**
+ * The node of the swarm that flies it; absent for this node's own without a swarm.
+ */
+node: NodeId | null, 
 /**
  * Its name from the adoption rule.
  */
@@ -2901,6 +3156,35 @@ node: string,
  * Version of the stream's messages and of the binary frame.
  */
 protocol: number, };
+
+/**
+ * One of two ways to the others.
+ */
+export type WaySnapshot = { 
+/**
+ * The transport.
+ */
+name: string, 
+/**
+ * It takes what is sent.
+ */
+up: boolean, 
+/**
+ * Why it does not.
+ */
+fault: string | null, 
+/**
+ * What goes over it, in bytes per second.
+ */
+sent_bytes_per_s: number, 
+/**
+ * What comes over it, in bytes per second.
+ */
+received_bytes_per_s: number, 
+/**
+ * How long ago something last came over it, in seconds, if anything ever did.
+ */
+heard_s: number | null, };
 
 /**
  * Whether a zone is to be stayed in or kept out of.

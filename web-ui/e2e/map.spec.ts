@@ -1,0 +1,114 @@
+// The map's own tools, beside those every page test uses: layers, measuring, following one vehicle, links; and what it costs to load.
+
+import { gzipSync } from 'node:zlib';
+import type { Page } from '@playwright/test';
+import { findings } from './accessibility';
+import { button, card, expect, hold, open, plotted, summary, test } from './console';
+import { Program } from './program';
+
+const VEHICLES = 3;
+/** What the page may weigh before anybody looks at it in space, compressed. */
+const LIMIT_BYTES = 150_000;
+
+let program: Program;
+test.beforeAll(async () => {
+  program = await Program.start(VEHICLES);
+});
+test.afterAll(() => program.stop());
+
+const vehicle = async (page: Page, id: number) => (await plotted(page)).find((v) => v.id === id)!;
+const measured = (page: Page) => page.evaluate(() => window.__skein!.measured());
+/** A place of the map in the page. */
+const onPage = async (page: Page, at: { x: number; y: number }): Promise<[number, number]> => {
+  const box = (await page.locator('canvas').boundingBox())!;
+  return [box.x + at.x, box.y + at.y];
+};
+
+test('layers are hidden and shown, and the choice stays', async ({ page }) => {
+  await open(page, program.url, VEHICLES);
+  const layers = button(page, 'Layers');
+  const links = page.getByRole('checkbox', { name: 'Links', exact: true });
+  await layers.click();
+  await expect(links).not.toBeChecked();
+  await expect(page.getByRole('checkbox', { name: 'Fences', exact: true })).toBeChecked();
+  await links.check();
+  await page.getByRole('checkbox', { name: 'Grid', exact: true }).uncheck();
+  expect(await findings(page)).toEqual([]);
+  const drawn = () => page.evaluate(() => window.__skein!.links());
+  await expect.poll(async () => (await drawn()).map((l) => l.id).sort()).toEqual([1, 2, 3]);
+  // All on one machine: nothing is lost on the way.
+  await expect.poll(async () => (await drawn()).map((l) => `${l.quality} ${l.text}`)).toEqual(['good ', 'good ', 'good ']);
+  await links.focus();
+  await page.keyboard.press('Escape');
+  await expect(links).toBeHidden();
+  await page.reload();
+  await layers.click();
+  await expect(links).toBeChecked();
+  await expect(page.getByRole('checkbox', { name: 'Grid', exact: true })).not.toBeChecked();
+});
+
+test('distance and bearing are measured between places and vehicles', async ({ page }) => {
+  await open(page, program.url, VEHICLES);
+  await button(page, 'Measure distance and bearing').click();
+  const said = page.getByTestId('measured');
+  const [from, to] = [await vehicle(page, 1), await vehicle(page, 2)];
+  await page.mouse.click(...(await onPage(page, from)));
+  await expect(said).toHaveText('Click the next place or vehicle.');
+  await page.mouse.click(...(await onPage(page, to)));
+  await expect.poll(async () => (await measured(page)).length).toBe(1);
+  const distance = Math.hypot(to.northM - from.northM, to.eastM - from.eastM);
+  const [leg] = await measured(page);
+  expect(Math.abs(leg!.distanceM - distance)).toBeLessThan(0.3);
+  const bearing = ((Math.atan2(to.eastM - from.eastM, to.northM - from.northM) * 180) / Math.PI + 360) % 360;
+  expect(Math.abs(((leg!.bearingDeg! - bearing + 540) % 360) - 180)).toBeLessThan(10);
+  expect(Math.abs(leg!.riseM!)).toBeLessThan(2);
+  await expect(said).toHaveText(/^\d+\.\d\d m, \d{3}°, [+−]\d\.\d m up$/);
+  await expect(page.getByTestId('targets')).toContainText('nothing selected');
+  // A place: its height is not known and not said.
+  await page.mouse.click(...(await onPage(page, await page.evaluate(() => window.__skein!.toCanvas(-6, -4)))));
+  await expect.poll(async () => (await measured(page))[1]?.riseM).toBeNull();
+  await expect(said).toContainText('; together ');
+  await page.getByRole('application').focus();
+  await page.keyboard.press('Backspace');
+  await expect.poll(async () => (await measured(page)).length).toBe(1);
+  await page.keyboard.press('Escape');
+  expect(await measured(page)).toEqual([]);
+
+  // Without a pointer: between the targets.
+  for (const id of [1, 3]) await button(page, new RegExp(`^Target ${id},`)).click();
+  await page.getByRole('application').focus();
+  await page.keyboard.press('m');
+  await expect.poll(async () => (await measured(page)).length).toBe(1);
+  expect(await findings(page)).toEqual([]);
+});
+
+test('a first vehicle is on the map before anything but the page itself was loaded', async ({ page }) => {
+  const files: { name: string; bytes: Promise<number> }[] = [];
+  page.on('response', (response) => {
+    const { pathname } = new URL(response.url());
+    if (/\.(js|css|html)$|\/$/.test(pathname)) files.push({ name: pathname, bytes: response.body().then((body) => gzipSync(body).length) });
+  });
+  await page.goto(program.url);
+  await expect(card(page, 1)).toBeVisible();
+  await expect.poll(() => page.evaluate(() => window.__skein!.firstVehicleMs())).not.toBeNull();
+  const weights = await Promise.all(files.map(({ bytes }) => bytes));
+  expect(files.filter(({ name }) => name.endsWith('.js'))).toHaveLength(1);
+  expect(weights.reduce((sum, bytes) => sum + bytes, 0)).toBeLessThan(LIMIT_BYTES);
+});
+
+test('one vehicle is followed and the targets stay as they were', async ({ page }) => {
+  await open(page, program.url, VEHICLES);
+  await button(page, 'Zoom in').click();
+  await page.mouse.dblclick(...(await onPage(page, await vehicle(page, 2))));
+  await expect(page.getByText('Following 2')).toBeVisible();
+  await expect(page.getByTestId('targets')).toContainText('nothing selected');
+  const middle = await page.locator('canvas').evaluate((canvas) => [canvas.clientWidth / 2, canvas.clientHeight / 2]);
+  await expect.poll(async () => Math.abs((await vehicle(page, 2)).x - middle[0]!)).toBeLessThan(1);
+  await hold(page, `Take off ${VEHICLES}`);
+  await expect(summary(page)).toContainText(`${VEHICLES} of ${VEHICLES} done`, { timeout: 60_000 });
+  await expect.poll(async () => Math.abs((await vehicle(page, 2)).y - middle[1]!)).toBeLessThan(1);
+  await button(page, 'Stop following').click();
+  await expect(page.getByText('Following 2')).toBeHidden();
+  await hold(page, `LAND ALL ${VEHICLES}`);
+  await expect(summary(page)).toContainText(`${VEHICLES} of ${VEHICLES} done`, { timeout: 60_000 });
+});

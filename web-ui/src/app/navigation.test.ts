@@ -1,0 +1,13 @@
+import { describe, expect, it } from 'vitest';
+import { pageOf } from './navigation.svelte';
+
+describe('the page in the address', () => {
+  it('is read, and the map stands for whatever is not known', () => {
+    expect(pageOf('#preflight')).toEqual({ page: 'preflight', vehicle: null });
+    expect(pageOf('#fleet')).toEqual({ page: 'fleet', vehicle: null });
+    expect(pageOf('#vehicle/12')).toEqual({ page: 'vehicle', vehicle: 12 });
+    for (const hash of ['', '#', '#map', '#nowhere', '#vehicle/', '#vehicle/x', '#vehicle/1234567']) {
+      expect(pageOf(hash)).toEqual({ page: 'map', vehicle: null });
+    }
+  });
+});

@@ -1,0 +1,53 @@
+// What a command will do and to whom, before it is given: who takes part, and who will refuse it as things look from here. Pure.
+// Must never keep a command from being sent: what the page knows is a moment old, and the vehicle decides.
+
+import { idRanges } from '../../model/idRanges';
+import type { Offer, Verb } from './commandSet';
+
+/** What is looked at of a vehicle. */
+export type Subject = {
+  id: number;
+  airborne: boolean;
+  armed: boolean;
+  readyToArm: boolean;
+  staleness: string;
+  flightState: string;
+  stopped: boolean;
+};
+
+export type Forecast = {
+  /** "Climb to 10 m and hold there: 1-3, 5". */
+  text: string;
+  /** "2 on the ground: 4, 6"; empty if nobody is expected to refuse. */
+  doubts: string[];
+  able: number;
+};
+
+const NEEDS_AIR: readonly Verb[] = ['hold', 'land', 'return'];
+
+/** Why this vehicle will refuse, or an empty text. */
+function doubt(s: Subject, verb: Verb): string {
+  if (s.staleness === 'lost') return 'not heard';
+  if (s.flightState === 'pilot_control') return 'flown by a pilot';
+  if (NEEDS_AIR.includes(verb)) return s.airborne ? '' : 'on the ground';
+  if (s.airborne) return 'in the air';
+  if (verb === 'disarm') return s.armed ? '' : 'disarmed already';
+  if (verb === 'arm' && s.armed) return 'armed already';
+  return s.armed || s.readyToArm ? '' : 'not ready to arm';
+}
+
+export function forecast(subjects: readonly Subject[], offer: Offer, heightM: number): Forecast {
+  const able: number[] = [];
+  const unable = new Map<string, number[]>();
+  for (const subject of subjects) {
+    const why = doubt(subject, offer.verb);
+    if (why === '') able.push(subject.id);
+    else unable.set(why, [...(unable.get(why) ?? []), subject.id]);
+  }
+  const what = offer.verb === 'take_off' ? offer.describe.replace('the height', `${heightM} m`) : offer.describe;
+  return {
+    text: `${what}: ${able.length === 0 ? 'nobody' : idRanges(able)}`,
+    doubts: [...unable].map(([why, ids]) => `${ids.length} ${why}: ${idRanges(ids)}`),
+    able: able.length,
+  };
+}

@@ -1,0 +1,50 @@
+// The swarm of several nodes in words. Must never decide anything.
+
+import type { NodeRole, NodeSnapshot, SwarmSnapshot } from '../../protocol/types';
+
+/** A node not heard for so long is shown as gone, in seconds. */
+const GONE_S = 3;
+
+export function isLed(swarm: SwarmSnapshot): boolean {
+  return swarm.allegiance === 'led';
+}
+
+/** Name of a node, as far as it is known. */
+export function nodeName(swarm: SwarmSnapshot, node: number): string {
+  if (node === swarm.node) return swarm.name;
+  return swarm.nodes.find((n) => n.node === node)?.name || `node ${node}`;
+}
+
+/** Whom this node obeys. */
+export function allegianceText(swarm: SwarmSnapshot): string {
+  const { term } = swarm;
+  if (!term) return 'no coordinator yet';
+  if (swarm.acting) return `coordinates, term ${term.number}`;
+  const who = nodeName(swarm, term.coordinator);
+  if (swarm.allegiance === 'led') return `obeys ${who}, term ${term.number}`;
+  return `${who} is silent for ${(swarm.silent_s ?? 0).toFixed(1)} s`;
+}
+
+const ROLES: Record<NodeRole, string> = {
+  vehicle_host: 'flies vehicles',
+  coordinator: 'can coordinate',
+  gateway: 'gateway',
+  observer: 'observer',
+};
+
+export function rolesText(roles: readonly NodeRole[]): string {
+  return roles.map((role) => ROLES[role]).join(', ') || 'no role';
+}
+
+export function isGone(node: NodeSnapshot): boolean {
+  return node.heard_s > GONE_S;
+}
+
+export function rateText(bytesPerS: number): string {
+  return bytesPerS >= 1000 ? `${(bytesPerS / 1000).toFixed(1)} kB/s` : `${Math.round(bytesPerS)} B/s`;
+}
+
+/** Milliseconds, or a dash for what was not measured. */
+export function millisecondsText(seconds: number | null): string {
+  return seconds === null ? '–' : `${(seconds * 1000).toFixed(1)} ms`;
+}

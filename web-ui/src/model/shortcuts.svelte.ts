@@ -1,0 +1,69 @@
+// The keys of the console: one list that is both what is obeyed and what the help shows. A key never commands a vehicle: it brings the
+// button into focus, which says what will happen and to whom, and that button is then pressed or held like any other.
+
+export type Shortcut = {
+  /** As on the keyboard: one key, or two after each other. */
+  keys: string;
+  words: string;
+  group: 'Go to' | 'Choose' | 'Command' | 'This console';
+};
+
+export const SHORTCUTS: readonly Shortcut[] = [
+  { keys: 'g m', words: 'Map', group: 'Go to' },
+  { keys: 'g f', words: 'Fleet', group: 'Go to' },
+  { keys: 'g c', words: 'Preflight checks', group: 'Go to' },
+  { keys: 'g a', words: 'Alerts and events', group: 'Go to' },
+  { keys: 'g p', words: 'Plugins and supervision', group: 'Go to' },
+  { keys: 'k', words: 'Page of the vehicle before this', group: 'Go to' },
+  { keys: 'j', words: 'Page of the vehicle after this', group: 'Go to' },
+  { keys: '/', words: 'Find vehicles: 3, 1-4, a name, a state; Enter makes them the targets', group: 'Choose' },
+  { keys: 'Escape', words: 'Lock the emergency stop, leave a tool, clear the targets', group: 'Choose' },
+  { keys: 't', words: 'Take off', group: 'Command' },
+  { keys: 'h', words: 'Hold', group: 'Command' },
+  { keys: 'l', words: 'Land', group: 'Command' },
+  { keys: 'r', words: 'Return', group: 'Command' },
+  { keys: 'Shift+H', words: 'HOLD ALL', group: 'Command' },
+  { keys: 'Shift+R', words: 'RETURN ALL', group: 'Command' },
+  { keys: 'Shift+E', words: 'Emergency stop, first step', group: 'Command' },
+  { keys: 's', words: 'Sound of alerts on or off', group: 'This console' },
+  { keys: '?', words: 'This list', group: 'This console' },
+];
+
+export type Stroke = { key: string; ctrlKey: boolean; metaKey: boolean; altKey: boolean; repeat: boolean };
+
+/** After so long the first of two keys is forgotten. */
+const PAIR_WITHIN_MS = 1500;
+
+/** Tells which shortcut a row of strokes is. */
+export class Keys {
+  #first = '';
+  #firstAt = -Infinity;
+
+  /** The shortcut that `stroke` completes, or null. */
+  press(stroke: Stroke, nowMs: number): string | null {
+    // With a modifier it is the browser's; a key held down is not pressed again.
+    if (stroke.ctrlKey || stroke.metaKey || stroke.altKey || stroke.repeat) return null;
+    const pair = `${this.#first} ${stroke.key}`;
+    const paired = this.#first !== '' && nowMs - this.#firstAt <= PAIR_WITHIN_MS;
+    this.#first = '';
+    if (paired && SHORTCUTS.some(({ keys }) => keys === pair)) return pair;
+    if (SHORTCUTS.some(({ keys }) => keys.startsWith(`${stroke.key} `))) {
+      this.#first = stroke.key;
+      this.#firstAt = nowMs;
+      return null;
+    }
+    const capital = /^[A-Z]$/.test(stroke.key) ? `Shift+${stroke.key}` : stroke.key;
+    return SHORTCUTS.some(({ keys }) => keys === capital) ? capital : null;
+  }
+}
+
+export class Shortcuts {
+  /** The list is open. */
+  shown = $state(false);
+  readonly keys = new Keys();
+}
+
+/** Which button a key brings into focus, by its `data-verb`. */
+export const FOCUSES: Readonly<Record<string, string>> = {
+  t: 'take_off', h: 'hold', l: 'land', r: 'return', 'Shift+H': 'hold_all', 'Shift+R': 'return_all', 'Shift+E': 'emergency',
+};
