@@ -3,8 +3,8 @@
 //!
 //! Must never do: judge. It prints figures; the tests hold the limits.
 
-use crate::demo;
 use crate::workspace::Workspace;
+use crate::{browser, demo, ui};
 use anyhow::{Context, Result, ensure};
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use std::process::{Command, ExitCode};
 /// How many vehicles the decisions of a whole swarm are measured for.
 const SWARMS: [&str; 2] = ["200", "1000"];
 
-/// Builds the release program, measures a call into a plugin, a swarm's decisions and assignments, and becomes `skein bench fleet`.
+/// Builds the release program, measures a call into a plugin, a swarm's decisions, its bus, assignments and the dashboard, and becomes `skein bench fleet`.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Result<ExitCode> {
     demo::build(workspace)?;
     let built = workspace
@@ -26,6 +26,7 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Result<ExitCode> {
     for vehicles in SWARMS {
         measure(&binary, &["bench", "swarm", "--vehicles", vehicles])?;
     }
+    measure(&binary, &["bench", "bus"])?;
     match scipy(&workspace.target) {
         Ok(python) => {
             let python = python.to_string_lossy();
@@ -33,8 +34,26 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Result<ExitCode> {
         }
         Err(error) => println!("no assignments beside SciPy's: {error:#}"),
     }
+    ui(workspace, &binary)?;
     let error = Command::new(&binary).args(["bench", "fleet"]).args(arguments).exec();
     Err(error).with_context(|| format!("cannot start {}", binary.display()))
+}
+
+/// The dashboard in a real browser, fed by the program; left out where there is no browser.
+fn ui(workspace: &Workspace, binary: &Path) -> Result<()> {
+    let chromium = match browser::chromium() {
+        Ok(found) => found,
+        Err(error) => {
+            println!("no figures of the dashboard: {error:#}");
+            return Ok(());
+        }
+    };
+    let measured = ui::npm(workspace, &["run", "bench"])
+        .env("SKEIN_BINARY", binary)
+        .env(browser::VARIABLE, chromium)
+        .status()?;
+    ensure!(measured.success(), "the dashboard could not be measured: see above");
+    Ok(())
 }
 
 fn measure(binary: &Path, arguments: &[&str]) -> Result<()> {

@@ -2,9 +2,9 @@
 //!
 //! Must never do: fetch a browser of its own choice; the one the system's package manager keeps is the one used.
 
-use anyhow::{Context, Result, bail};
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use crate::debian;
+use anyhow::{Context, Result};
+use std::path::PathBuf;
 
 /// Environment variable that names the browser for the tests.
 pub const VARIABLE: &str = "SKEIN_CHROMIUM";
@@ -17,7 +17,7 @@ pub fn chromium() -> Result<PathBuf> {
         return Ok(found);
     }
     println!("no Chromium found: installing it through apt-get");
-    install().with_context(|| {
+    debian::install("chromium").with_context(|| {
         format!(
             "the browser tests need Chromium: install it (Debian: apt-get install chromium) or point {VARIABLE} at it"
         )
@@ -35,27 +35,4 @@ fn find() -> Option<PathBuf> {
         .iter()
         .flat_map(|name| folders.iter().map(move |folder| folder.join(name)))
         .find(|file| file.is_file())
-}
-
-fn install() -> Result<()> {
-    if !Path::new("/usr/bin/apt-get").exists() {
-        bail!("there is no apt-get on this system");
-    }
-    apt(&["update", "-qq"])?;
-    apt(&["install", "-y", "-qq", "--no-install-recommends", "chromium"])
-}
-
-fn apt(arguments: &[&str]) -> Result<()> {
-    let mut command = Command::new("apt-get");
-    command
-        .args(arguments)
-        .env("DEBIAN_FRONTEND", "noninteractive")
-        .stdin(Stdio::null())
-        .stdout(Stdio::null());
-    let status = command.status().context("cannot start apt-get")?;
-    if status.success() {
-        Ok(())
-    } else {
-        bail!("apt-get {} failed (is this user root?)", arguments.join(" "))
-    }
 }

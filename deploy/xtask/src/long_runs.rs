@@ -1,4 +1,4 @@
-//! The long runs of `test --all`: soak flights and fuzzing. Tens of minutes, so no part of CI.
+//! The long runs of `test --all`: soak flights, fuzzing, slow scenes of the bus. Tens of minutes, so no part of CI.
 //!
 //! Must never do: hold a criterion of its own; the demo's referee and the properties judge.
 
@@ -90,6 +90,13 @@ pub fn run(workspace: &Workspace, report: &mut Report, tell: impl Fn(&mut Comman
         &format!("seeded: flights {SEEDS}"),
         "`skein replay-seed N` flies a seed named above again",
         Step::tests(drawn, Runner::CargoTest),
+    );
+    let mut scenes = workspace.cargo();
+    scenes.args(["test", "-p", "skein-bus-zenoh", "--", "--ignored"]);
+    report.step(
+        "bus: scenes over TLS and QUIC",
+        "core/bus/src/conformance.rs names what a transport owes",
+        Step::tests(scenes, Runner::CargoTest),
     );
     fuzz_targets(workspace, report);
     miri(workspace, report);

@@ -6,9 +6,11 @@
 mod artifacts;
 mod bench;
 mod browser;
+mod debian;
 mod demo;
 mod fast;
 mod long_runs;
+mod namespaces;
 mod plugins;
 mod report;
 mod screenshot;
@@ -71,16 +73,17 @@ enum Task {
     },
     /// Checks the habits of the house that neither rustc nor clippy can check.
     Tidy,
-    /// Flies the demo and takes pictures of the dashboard at desktop and tablet size.
-    Screenshot {
+    /// Flies the demo's vehicles and takes pictures of every panel of the dashboard, at three widths, light and dark.
+    #[command(alias = "screenshot")]
+    Screenshots {
         /// The folder they go to.
         #[arg(long, value_name = "FOLDER", default_value = "web-ui/screenshots")]
         into: std::path::PathBuf,
         /// How many vehicles to fly.
-        #[arg(long, default_value_t = 12)]
+        #[arg(long, default_value_t = 8)]
         vehicles: u16,
-        /// Seconds into the flight at which the pictures are taken.
-        #[arg(long, default_value_t = 45)]
+        /// Seconds after the formation has set off at which the pictures are taken.
+        #[arg(long, default_value_t = 20)]
         after_s: u64,
     },
 }
@@ -109,7 +112,7 @@ fn run(task: Task) -> Result<ExitCode> {
         Task::Demo { arguments } => demo::run(&workspace, &arguments),
         Task::Bench { arguments } => bench::run(&workspace, &arguments),
         Task::Tidy => tidy::run(&workspace),
-        Task::Screenshot {
+        Task::Screenshots {
             into,
             vehicles,
             after_s,

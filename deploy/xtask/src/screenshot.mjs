@@ -1,31 +1,149 @@
-// Takes pictures of the dashboard: node screenshot.mjs ADDRESS SECONDS FOLDER, run in web-ui.
+// Takes pictures of the dashboard: node screenshot.mjs ADDRESS SECONDS FOLDER, run in web-ui. Every panel that the page has, at three
+// widths, light and dark, as small WebP files in FOLDER/pages; and two PNG files of the whole console.
 import { createRequire } from 'node:module';
+import { mkdirSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { setTimeout as wait } from 'node:timers/promises';
 
 const [address, seconds, folder] = process.argv.slice(2);
 const { chromium } = createRequire(join(process.cwd(), 'package.json'))('@playwright/test');
+const pages = join(folder, 'pages');
+const QUALITY = Number(process.env.SKEIN_PICTURE_QUALITY ?? 32);
+const SIZES = [[1920, 1080], [1024, 768], [390, 844]];
+/** What a page shows is complete some time after it was opened: trails, pictures, reports. */
+const SETTLE_MS = 1500;
+const PANEL_MS = 700;
+let total = 0;
+
+async function picture(page, cdp, name) {
+  const { data } = await cdp.send('Page.captureScreenshot', { format: 'webp', quality: QUALITY });
+  const bytes = Buffer.from(data, 'base64');
+  total += bytes.length;
+  writeFileSync(join(pages, `${name}.webp`), bytes);
+  // For whoever wants to look at them with a tool that knows no WebP.
+  if (process.env.SKEIN_PICTURE_PNG) await page.screenshot({ path: join(process.env.SKEIN_PICTURE_PNG, `${name}.png`) });
+  console.log(`${name} ${(bytes.length / 1000).toFixed(0)} kB`);
+}
+
+const press = (page, name) => page.getByRole('button', { name, exact: true }).click();
+
+/** Every tab there is, whatever it is called. */
+async function panels(page, cdp, prefix) {
+  const tabs = page.getByRole('tab');
+  for (let k = 0; k < (await tabs.count()); k++) {
+    const tab = tabs.nth(k);
+    const words = ((await tab.textContent()) ?? '').replace(/[\d\s]+$/, '').trim().toLowerCase().replace(/\W+/g, '-');
+    await tab.click();
+    // On a phone what is chosen is below the map.
+    await page.locator(`#${await tab.getAttribute('aria-controls')}`).scrollIntoViewIfNeeded();
+    await wait(PANEL_MS);
+    await picture(page, cdp, `${prefix}-${words}`);
+  }
+}
+
+/** The map with all its layers, then from space. */
+async function maps(page, cdp, prefix) {
+  await page.locator('section[aria-label="Map"]').scrollIntoViewIfNeeded();
+  await press(page, 'Layers');
+  await page.getByRole('checkbox', { name: 'Links', exact: true }).check();
+  await page.getByRole('checkbox', { name: 'Way of the next 3 s', exact: true }).check();
+  await wait(PANEL_MS);
+  await picture(page, cdp, `${prefix}-map-layers`);
+  await press(page, 'Layers');
+  await press(page, 'View in space');
+  await page.waitForFunction(() => (window.__skeinSpace?.frames() ?? 0) > 3);
+  await wait(SETTLE_MS);
+  await picture(page, cdp, `${prefix}-space`);
+}
+
+async function emergency(page, cdp, prefix) {
+  await page.getByRole('button', { name: /^EMERGENCY STOP/ }).click();
+  await page.getByRole('alertdialog').waitFor();
+  await picture(page, cdp, `${prefix}-emergency-stop`);
+  await page.keyboard.press('Escape');
+}
+
+async function call(method, path, body) {
+  const answer = await fetch(new URL(`api/v1/${path}`, address), { method, headers: { 'content-type': 'application/json' }, body: body && JSON.stringify(body) });
+  const text = await answer.text();
+  if (!answer.ok) throw new Error(`${method} ${path}: ${answer.status} ${text}`);
+  return text === '' ? null : JSON.parse(text);
+}
+
+const vehicles = async () => (await call('GET', 'vehicles')).vehicles;
+
+async function until(what, done) {
+  for (let k = 0; k < 240; k++) {
+    if (done(await vehicles())) return;
+    await wait(500);
+  }
+  throw new Error(`${what}: not within two minutes`);
+}
+
+/** Fences, then all in the air, then a wedge on a long way: something to be seen for as long as the pictures take. */
+async function fly() {
+  const zone = (name, kind, corners_m, floor_m, ceiling_m) => ({
+    name, kind, outline: { shape: 'local_polygon', corners_m }, floor_m, ceiling_m, altitude_reference: 'origin', action: 'hold',
+  });
+  await until('ready', (all) => all.length > 0 && all.every((v) => v.ready_to_arm));
+  await call('PUT', 'fences', {
+    plan: {
+      breach_return: null,
+      zones: [
+        zone('field', 'inclusion', [[-70, -90], [-70, 130], [130, 130], [150, 20], [130, -90]], null, 60),
+        zone('mast', 'exclusion', [[60, 20], [60, 34], [74, 34], [74, 20]], 0, 45),
+      ],
+    },
+  });
+  await call('POST', 'commands', { targets: 'all', command: { command: 'take_off', height_m: 15 } });
+  await until('in the air', (all) => all.every((v) => v.flight_state === 'holding'));
+  await call('PUT', 'formation', {
+    shape: 'wedge', spacing_m: 6, heading: { kind: 'auto' }, altitude_step_m: 1.5, rotation_deg: 0, scale: 1, arc_deg: null, layers: null,
+    pitch_m: null, offsets: null, anchor: { kind: 'leader' }, control: 'slots', leader: 1, members: null,
+  });
+  await wait(12_000);
+  const round = [[40, -40], [100, -40], [100, 80], [0, 90], [-30, 60], [-30, -40]];
+  const waypoints = Array.from({ length: 6 }, () => round).flat().map(([north_m, east_m]) => ({ north_m, east_m, down_m: -15 }));
+  await call('PUT', 'formation/route', { route: { waypoints, speed_m_s: 3, corner_radius_m: 12 } });
+}
+
+async function console_(browser, name, width, height) {
+  const page = await browser.newPage({ viewport: { width, height } });
+  await page.goto(address);
+  await page.getByRole('tab', { name: 'Payloads' }).click();
+  await wait(2 * SETTLE_MS);
+  await page.screenshot({ path: join(folder, `${name}.png`) });
+  await page.close();
+}
+
 const browser = await chromium.launch({
   executablePath: process.env.SKEIN_CHROMIUM,
   args: ['--enable-unsafe-swiftshader', '--no-sandbox'],
 });
 try {
-  const pages = [];
-  for (const [name, width, height] of [
-    ['console', 1440, 900],
-    ['console-tablet', 820, 1180],
-  ]) {
-    const page = await browser.newPage({ viewport: { width, height } });
-    await page.goto(address);
-    pages.push([name, page]);
-  }
-  await pages[0][1].getByRole('tab', { name: 'Payloads' }).click();
+  rmSync(pages, { recursive: true, force: true });
+  mkdirSync(pages, { recursive: true });
+  await fly();
   await wait(Number(seconds) * 1000);
-  for (const [name, page] of pages) {
-    const path = join(folder, `${name}.png`);
-    await page.screenshot({ path });
-    console.log(path);
+  await console_(browser, 'console', 1440, 900);
+  await console_(browser, 'console-tablet', 820, 1180);
+  for (const [width, height] of SIZES) {
+    for (const colorScheme of ['light', 'dark']) {
+      const page = await browser.newPage({ viewport: { width, height }, colorScheme });
+      const cdp = await page.context().newCDPSession(page);
+      const prefix = `${width}-${colorScheme}`;
+      await page.goto(address);
+      await page.waitForFunction(() => (window.__skein?.positions().length ?? 0) > 0);
+      await wait(SETTLE_MS);
+      await picture(page, cdp, `${prefix}-map`);
+      await panels(page, cdp, prefix);
+      await emergency(page, cdp, prefix);
+      await maps(page, cdp, prefix);
+      await page.close();
+    }
   }
+  for (const name of ['console', 'console-tablet']) total += statSync(join(folder, `${name}.png`)).size;
+  console.log(`${(total / 1e6).toFixed(2)} MB together`);
 } finally {
   await browser.close();
 }

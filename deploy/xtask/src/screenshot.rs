@@ -1,4 +1,4 @@
-//! `screenshot`: the pictures in the documents, taken of a real flight in a real browser.
+//! `screenshots`: the pictures in the documents, taken of a real flight in a real browser.
 //!
 //! Must never do: show something that the demo does not show.
 
@@ -16,7 +16,7 @@ const SCRIPT: &str = include_str!("screenshot.mjs");
 const BINARY: &str = "SKEIN_BINARY";
 const PLUGINS: &str = "SKEIN_PLUGINS";
 
-/// Flies the demo and takes the pictures.
+/// Starts the demo's vehicles and takes the pictures; the script flies them.
 pub fn run(workspace: &Workspace, into: &Path, vehicles: u16, after_s: u64) -> Result<ExitCode> {
     let built = std::env::var_os(BINARY);
     if built.is_none() {
@@ -27,7 +27,7 @@ pub fn run(workspace: &Workspace, into: &Path, vehicles: u16, after_s: u64) -> R
     std::fs::create_dir_all(&into)?;
     let mut flight = Flight::start(workspace, vehicles)?;
     let address = flight.address()?;
-    println!("flying at {address}, pictures after {after_s} s");
+    println!("flying at {address}, pictures {after_s} s after the formation set off");
     let script = workspace.target.join("xtask/screenshot.mjs");
     std::fs::write(&script, SCRIPT)?;
     let mut shoot = Command::new("node");
@@ -58,7 +58,7 @@ impl Flight {
             command.arg("demo");
         }
         command
-            .args(["--port", "0", "--vehicles", &vehicles.to_string()])
+            .args(["--manual", "--port", "0", "--vehicles", &vehicles.to_string()])
             .stdin(Stdio::null())
             .stdout(Stdio::piped());
         Ok(Self(command.spawn().context("cannot start the demo")?))

@@ -7,7 +7,7 @@ use crate::report::Report;
 use crate::step::Step;
 use crate::tally::Runner;
 use crate::workspace::Workspace;
-use crate::{artifacts, browser, long_runs, tidy, ui};
+use crate::{artifacts, browser, long_runs, namespaces, tidy, ui};
 use anyhow::Result;
 use std::path::PathBuf;
 use std::process::{Command, ExitCode};
@@ -27,19 +27,22 @@ pub enum Tier {
     Seeded,
     /// The program as it ships.
     E2e,
+    /// The program on several hosts, each a network namespace of this machine.
+    Multihost,
     /// Other people's software and recordings of a real autopilot.
     Interop,
     /// The dashboard in a real browser.
     Ui,
 }
 
-const ALL: [(Tier, &str); 8] = [
+const ALL: [(Tier, &str); 9] = [
     (Tier::Unit, "unit"),
     (Tier::Integration, "integration"),
     (Tier::PluginBoundary, "plugin-boundary"),
     (Tier::Faults, "faults"),
     (Tier::Seeded, "seeded"),
     (Tier::E2e, "e2e"),
+    (Tier::Multihost, "multihost"),
     (Tier::Interop, "interop"),
     (Tier::Ui, "ui"),
 ];
@@ -62,6 +65,17 @@ impl Tier {
         ALL.iter().find(|(tier, _)| *tier == self).map_or("", |(_, name)| name)
     }
 
+    /// How many of its tests run at a time. Flights are in real time and mostly wait, but one that is judged by its gaps must not be
+    /// starved by others.
+    fn at_a_time(self) -> &'static str {
+        match self {
+            Self::Integration => "4",
+            Self::Faults => "3",
+            Self::E2e => "2",
+            _ => "1",
+        }
+    }
+
     /// The crate that holds the tier, if it is one.
     fn package(self) -> Option<&'static str> {
         match self {
@@ -71,6 +85,7 @@ impl Tier {
             Self::Faults => Some("skein-tests-faults"),
             Self::Seeded => Some("skein-seeded"),
             Self::E2e => Some("skein-tests-e2e"),
+            Self::Multihost => Some("skein-tests-multihost"),
             Self::Interop => Some("skein-tests-interop"),
         }
     }
@@ -100,6 +115,9 @@ pub fn run(workspace: &Workspace, tiers: &[Tier], long_ones_too: bool) -> Result
             (_, None) => report.left_out(tier.name(), "the workspace does not compile"),
             (Tier::Unit, Some(built)) => unit(workspace, &mut report, built),
             (Tier::Ui, Some(built)) => browser_tests(workspace, &mut report, built),
+            (Tier::Multihost, Some(built)) => {
+                multihost(workspace, &mut report, built, everything, !everything || long_ones_too);
+            }
             (_, Some(built)) => crate_tier(workspace, &mut report, *tier, built),
         }
     }
@@ -187,14 +205,36 @@ fn unit(workspace: &Workspace, report: &mut Report, built: &Built) {
     report.step("unit: dashboard", "run `npm test` in web-ui", tests);
 }
 
+/// Every flight takes a minute, and there is one for each fault: the whole test flies one short flight with one of them.
+const SHORT_OF_MULTIHOST: [&str; 2] = ["namespaces", "short"];
+
+fn multihost(workspace: &Workspace, report: &mut Report, built: &Built, may_be_left_out: bool, whole: bool) {
+    let advice =
+        "run it as root, on a Linux kernel with namespaces, veth and TUN devices; it needs ip and tc of iproute2";
+    match namespaces::can_be_made() {
+        Err(error) if may_be_left_out => report.left_out("multihost", &format!("{error:#}")),
+        Err(error) => {
+            report.check("multihost: hosts", advice, || Err(error));
+        }
+        Ok(()) if whole => crate_tier(workspace, report, Tier::Multihost, built),
+        Ok(()) => {
+            let targets = SHORT_OF_MULTIHOST.iter().flat_map(|name| ["--test", name]);
+            let targets = std::iter::once("--workspace").chain(targets).map(str::to_owned);
+            run_tier(workspace, report, Tier::Multihost, built, targets.collect());
+        }
+    }
+}
+
 fn crate_tier(workspace: &Workspace, report: &mut Report, tier: Tier, built: &Built) {
-    let Some(package) = tier.package().and_then(|name| workspace.package(name)) else {
-        return;
-    };
+    if let Some(package) = tier.package().and_then(|name| workspace.package(name)) {
+        run_tier(workspace, report, tier, built, artifacts::tier_targets(package));
+    }
+}
+
+fn run_tier(workspace: &Workspace, report: &mut Report, tier: Tier, built: &Built, targets: Vec<String>) {
     let mut tests = workspace.cargo();
-    tests.arg("test").args(artifacts::tier_targets(package));
-    // one flight at a time: they run in real time, and two would take each other's
-    tests.args(["--no-fail-fast", "--", "--test-threads", "1"]);
+    tests.arg("test").args(targets);
+    tests.args(["--no-fail-fast", "--", "--test-threads", tier.at_a_time()]);
     built.tell(&mut tests);
     let advice = format!("{SEE_TESTS} `cargo xtask test {}`", tier.name());
     report.step(tier.name(), &advice, Step::tests(tests, Runner::CargoTest));

@@ -12,13 +12,15 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Folders that are made by the build or the tests and so are no sources of it.
-const NOT_SOURCES: [&str; 6] = [
+const NOT_SOURCES: [&str; 8] = [
     "node_modules",
     "dist",
     "test-results",
     "playwright-report",
     "e2e",
     "dev",
+    "bench",
+    "screenshots",
 ];
 
 /// An npm command in the dashboard's folder.

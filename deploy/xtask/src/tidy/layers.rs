@@ -5,12 +5,14 @@ use crate::workspace::{Package, Workspace};
 
 /// The crates of `core` from the binary to the words; each may depend on what stands below it.
 /// Names of crates that are not built yet keep their place.
-const ORDER: [&str; 16] = [
+const ORDER: [&str; 18] = [
     "skein",
     "skein-api",
     "skein-runtime",
-    "skein-link-px4",
     "skein-link-dds",
+    "skein-link-px4",
+    "skein-bus-zenoh",
+    "skein-bus-dds",
     "skein-bus",
     "skein-recorder",
     "skein-plugin-host",

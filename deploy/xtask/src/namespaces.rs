@@ -1,0 +1,39 @@
+//! Whether hosts can be made on this machine for the tier `multihost`: network namespaces and TAP devices, and `ip` to make them with.
+//!
+//! Must never do: leave anything behind on the machine but an installed package.
+
+use crate::debian;
+use anyhow::{Context, Result, ensure};
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// A namespace that is made and removed again to see whether it can be.
+const PROBE: &str = "skein-probe";
+/// Steps the clock of one node; the flights look for it here.
+const FAKETIME: &str = "/usr/lib/x86_64-linux-gnu/faketime/libfaketimeMT.so.1";
+
+/// Whether they can be made; `ip` is installed if it is not there and that is possible.
+pub fn can_be_made() -> Result<()> {
+    if !runs("ip", &["-V"]) || !runs("tc", &["-V"]) {
+        println!("no ip and tc found: installing iproute2 through apt-get");
+        debian::install("iproute2").context("install iproute2")?;
+    }
+    if !Path::new(FAKETIME).exists() {
+        println!("no libfaketime found: installing it through apt-get");
+        debian::install("libfaketime").context("install libfaketime")?;
+    }
+    ensure!(Path::new("/dev/net/tun").exists(), "there is no /dev/net/tun");
+    let made = runs("ip", &["netns", "add", PROBE]);
+    let removed = runs("ip", &["netns", "del", PROBE]);
+    ensure!(
+        made && removed,
+        "network namespaces cannot be made: that needs root, and a kernel that has them"
+    );
+    Ok(())
+}
+
+fn runs(program: &str, arguments: &[&str]) -> bool {
+    let mut command = Command::new(program);
+    command.args(arguments).stdout(Stdio::null()).stderr(Stdio::null());
+    command.status().is_ok_and(|status| status.success())
+}
