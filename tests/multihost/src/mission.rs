@@ -17,8 +17,8 @@ pub const SPACING_M: f64 = 6.0;
 const SHAPE_M: f64 = 1.0;
 /// A vehicle slower than this stands, in metres per second.
 const STANDS_M_S: f64 = 0.4;
-/// So often an operator asks who does not answer.
-const TRIES: usize = 3;
+/// So often an operator asks in bad air, where an order can be lost with the node that took it.
+const TRIES_IN_BAD_AIR: usize = 3;
 /// So often it is looked whether a formation is shown, and the time between two looks, in seconds.
 const SHOWN_WITHIN_LOOKS: usize = 60;
 const LOOK_S: f64 = 0.25;
@@ -34,16 +34,33 @@ pub struct Mission<'f> {
     pub gateway: u8,
     /// The vehicles flown.
     pub vehicles: Vec<u8>,
+    /// So often the operator asks for what does not come about: once, unless the air is bad.
+    tries: usize,
 }
 
 impl<'f> Mission<'f> {
     /// Of all vehicles of these hosts, commanded at this gateway.
     pub fn new(field: &'f mut Field, gateway: u8) -> Self {
         let vehicles = field.vehicles();
+        Self::of(field, gateway, vehicles)
+    }
+
+    /// Of these vehicles, commanded at this gateway.
+    pub fn of(field: &'f mut Field, gateway: u8, vehicles: Vec<u8>) -> Self {
         Self {
             field,
             gateway,
             vehicles,
+            tries: 1,
+        }
+    }
+
+    /// Flown by an operator who asks again, as one does in bad air.
+    #[must_use]
+    pub fn in_bad_air(self) -> Self {
+        Self {
+            tries: TRIES_IN_BAD_AIR,
+            ..self
         }
     }
 
@@ -95,12 +112,12 @@ impl<'f> Mission<'f> {
         answer.body
     }
 
-    /// Asks for a formation and waits until it stands. One that a successor had not heard of is asked for again, as an operator would.
+    /// Asks for a formation and waits until it stands. In bad air, one that a successor had not heard of is asked for again.
     ///
     /// # Panics
-    /// If it is not flown though it was asked for again and again.
+    /// If it is not flown.
     pub async fn form_up(&mut self, shape: Shape) {
-        for _ in 0..TRIES {
+        for _ in 0..self.tries {
             self.ask_formation(shape).await;
             for _ in 0..SHOWN_WITHIN_LOOKS {
                 self.field.pass(LOOK_S).await;
@@ -108,7 +125,7 @@ impl<'f> Mission<'f> {
                     return self.stands_as(shape).await;
                 }
             }
-            println!("{shape:?} was lost, and is asked for again");
+            println!("{shape:?} was lost");
         }
         panic!("{shape:?} is asked for and not flown: {}", self.formation().await);
     }
@@ -157,10 +174,10 @@ impl<'f> Mission<'f> {
         self.field.until(&what, PART_WITHIN_S, there).await;
     }
 
-    /// Waits until the vehicle that leads now is there: where much is lost, who leads may change on the way. A route that a successor had not
-    /// heard of is asked for again, as an operator would.
+    /// Waits until the vehicle that leads now is there: where much is lost, who leads may change on the way. In bad air, a route that a
+    /// successor had not heard of is asked for again.
     pub async fn whoever_leads_arrives(&mut self, at: PositionNed) {
-        let gateway = self.gateway;
+        let (gateway, tries) = (self.gateway, self.tries);
         let mut asked = 1;
         let there = async |field: &mut Field| {
             let formation = formation_at(field, gateway).await;
@@ -168,7 +185,7 @@ impl<'f> Mission<'f> {
             let Some(leader) = leader.and_then(|id| u8::try_from(id).ok()) else {
                 return false;
             };
-            if formation["route"].is_null() && asked < TRIES {
+            if formation["route"].is_null() && asked < tries {
                 asked += 1;
                 let answer = ask_route(&field.host(gateway).operator(), at).await;
                 println!("the route was lost, and is asked for again: {}", answer.body);
@@ -188,15 +205,15 @@ impl<'f> Mission<'f> {
         self.field.until("all down", PART_WITHIN_S, down).await;
     }
 
-    /// Gives all vehicles of the flight a command that none may refuse. Whose node does not answer is asked again, as an operator would in bad air.
+    /// Gives all vehicles of the flight a command that none may refuse. In bad air, whose node does not answer is asked again.
     ///
     /// # Panics
-    /// If one refuses, or its node does not answer again and again.
+    /// If one refuses, or its node does not answer.
     pub async fn command_all(&mut self, command: Value) {
         let operator = self.field.host(self.gateway).operator();
         let mut asked = self.vehicles.clone();
         let mut said = Value::Null;
-        for _ in 0..TRIES {
+        for _ in 0..self.tries {
             let answer = operator.command(Some(&asked), command.clone()).await;
             let receipts = answer.body["receipts"].as_array().cloned().unwrap_or_default();
             assert_eq!(receipts.len(), asked.len(), "{answer:?}");
@@ -212,7 +229,7 @@ impl<'f> Mission<'f> {
             if asked.is_empty() {
                 return;
             }
-            println!("asked again: {asked:?}");
+            println!("not answered: {asked:?}");
             said = answer.body;
         }
         panic!("{command} was not taken up by all: {said}");

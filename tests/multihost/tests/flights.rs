@@ -42,19 +42,29 @@ async fn in_the_air(seed: u64) -> Field {
 
 /// What every flight ends with: back over the field in another shape, down, and judged.
 async fn home(mut field: Field, gateway: u8, vehicles: Vec<u8>, flight: &str) {
-    let others: Vec<u8> = field.vehicles().into_iter().filter(|v| !vehicles.contains(v)).collect();
-    let mut mission = Mission {
-        field: &mut field,
-        gateway,
-        vehicles,
-    };
-    mission.form_up(Shape::Wedge).await;
-    mission.land().await;
+    let others = without_all(&field.vehicles(), &vehicles);
+    come_home(Mission::of(&mut field, gateway, vehicles)).await;
     field.end(flight, &others).await;
 }
 
+/// The same by an operator at the ground station who asks again.
+async fn home_in_bad_air(mut field: Field, vehicles: Vec<u8>, flight: &str) {
+    let others = without_all(&field.vehicles(), &vehicles);
+    come_home(Mission::of(&mut field, GROUND, vehicles).in_bad_air()).await;
+    field.end(flight, &others).await;
+}
+
+async fn come_home(mut mission: Mission<'_>) {
+    mission.form_up(Shape::Wedge).await;
+    mission.land().await;
+}
+
+fn without_all(all: &[u8], these: &[u8]) -> Vec<u8> {
+    all.iter().copied().filter(|n| !these.contains(n)).collect()
+}
+
 fn without(all: &[u8], one: u8) -> Vec<u8> {
-    all.iter().copied().filter(|n| *n != one).collect()
+    without_all(all, &[one])
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -183,11 +193,7 @@ async fn a_vehicles_node_is_killed_and_comes_back_with_its_old_state() {
     assert_eq!(field.one_swarm(&ALL, TOGETHER_S).await, COORDINATOR + 1);
     field.pass(3.0).await;
     let vehicles = without(&field.vehicles(), VEHICLE);
-    let mut mission = Mission {
-        field: &mut field,
-        gateway: GROUND,
-        vehicles,
-    };
+    let mut mission = Mission::of(&mut field, GROUND, vehicles);
     mission.form_up(Shape::Wedge).await;
     // the vehicle that was alone is taken up again and comes down with the others
     let mut mission = Mission::new(&mut field, GROUND);
@@ -271,12 +277,12 @@ async fn a_link_goes_one_way_only() {
 async fn a_third_is_lost_and_the_rest_is_late() {
     let mut field = in_the_air(9).await;
     field.air().everywhere(BAD_AIR);
-    let mut mission = Mission::new(&mut field, GROUND);
+    let mut mission = Mission::new(&mut field, GROUND).in_bad_air();
     let (_, to) = mission.set_out(40.0, 0.0).await;
     mission.whoever_leads_arrives(to).await;
     field.one_swarm(&ALL, TOGETHER_IN_BAD_AIR_S).await;
     let vehicles = field.vehicles();
-    home(field, GROUND, vehicles, "30 % loss, 200 ms, jitter").await;
+    home_in_bad_air(field, vehicles, "30 % loss, 200 ms, jitter").await;
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -392,5 +398,5 @@ async fn everything_at_once() {
     let rest = without(&ALL, COORDINATOR);
     field.one_swarm(&rest, TOGETHER_IN_BAD_AIR_S).await;
     let vehicles = without(&field.vehicles(), COORDINATOR);
-    home(field, GROUND, vehicles, "bad air, partition, coordinator killed").await;
+    home_in_bad_air(field, vehicles, "bad air, partition, coordinator killed").await;
 }

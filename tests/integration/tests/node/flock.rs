@@ -86,13 +86,29 @@ async fn up(flock: &Flock) {
 
 const IN_FORMATION: [FlightState; 2] = [FlightState::Following, FlightState::Leading];
 
+/// Whoever coordinates has to see them all as free to fly in formation: it takes those that it sees.
+async fn all_free(flock: &Flock, at: u8) {
+    let leads = coordinator(&flock.node(at).snapshot()).expect("somebody coordinates");
+    let leads = u8::try_from(leads.0).expect("a node of the flock");
+    let free = |fleet: &FleetSnapshot| {
+        let is_free = |v: &skein_runtime::VehicleSnapshot| {
+            let ordered = v.ladder.as_ref().is_some_and(|ladder| ladder.order.is_some());
+            v.link.connected && v.flight_state.is_available_in_air() && !ordered
+        };
+        fleet.vehicles.len() == 4 && fleet.vehicles.iter().all(is_free)
+    };
+    let what = "all free for the coordinator";
+    flock.until(leads, what, Duration::from_secs(10), free).await;
+}
+
 async fn form(flock: &Flock, at: u8, shape: Shape) {
+    all_free(flock, at).await;
     let request = FormationRequest {
         leader: Some(VehicleId(1)),
         ..FormationRequest::new(shape, 6.0)
     };
     let receipt = flock.node(at).set_formation(request).await.expect("it is flown");
-    assert_eq!(receipt.members.len(), 4);
+    assert_eq!(receipt.members.len(), 4, "{}", flock.told(at));
     let formed = |fleet: &FleetSnapshot| {
         all_are(fleet, 4, &IN_FORMATION)
             && fleet.formation.as_ref().is_some_and(|f| fleet.time > f.settled_at)
