@@ -69,8 +69,8 @@ impl Tier {
     /// starved by others.
     fn at_a_time(self) -> &'static str {
         match self {
-            Self::Integration => "4",
-            Self::Faults => "3",
+            Self::Integration => "3",
+            Self::Faults => "2",
             Self::E2e => "2",
             _ => "1",
         }
