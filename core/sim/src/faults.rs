@@ -1,5 +1,6 @@
 //! What can go wrong with one vehicle while it flies, as a test or a demonstration orders it.
 
+use crate::faces::Face;
 use nalgebra::Vector3;
 
 /// Something that goes wrong with a vehicle, or is mended again. Whatever is not named stays as it was.
@@ -36,6 +37,13 @@ pub enum Fault {
     BatteryCharge(f64),
     /// It neither hears nor sends anything, though it flies on.
     Silent(bool),
+    /// The same on one of its faces alone.
+    Cut {
+        /// Which one.
+        face: Face,
+        /// Cut, or whole again.
+        cut: bool,
+    },
 }
 
 /// One of a vehicle's satellite receivers.

@@ -1,6 +1,7 @@
 //! Simulated PX4 vehicles: real MAVLink frames over real sockets, a quadrotor that flies like one, and the truth for a referee.
 //!
 //! * [`Simulation`]: vehicles on their own thread, each with its own UDP ports. What a link meets.
+//! * [`Faces`]: a vehicle is reached over MAVLink, by its autopilot's [`topics`], or both. Who carries topics is given to the simulation.
 //! * [`vehicle::Vehicle`]: one vehicle without sockets or clock: bytes in, time steps in, frames out. Runs faster than real time.
 //! * [`PayloadPlan`]: what each vehicle carries: a gimbal, a camera, a telemetry radio, each spoken to over the vehicle's own links.
 //! * [`scene`]: what a camera would see from anywhere, and where in the picture a place lies.
@@ -22,12 +23,14 @@
 #![forbid(unsafe_code)]
 
 pub mod airframe;
+pub mod faces;
 pub mod faults;
 pub mod movers;
 pub mod payloads;
 pub mod scene;
 pub mod settings;
 pub mod simulation;
+pub mod topics;
 pub mod truth;
 pub mod truth_lines;
 pub mod vehicle;
@@ -35,6 +38,7 @@ mod wind;
 mod wire;
 
 pub use airframe::Airframe;
+pub use faces::{Face, Faces};
 pub use faults::{Fault, Receiver};
 pub use movers::{Mover, Report};
 pub use payloads::{CameraSettings, GimbalSettings, PayloadPlan, RadioSettings};

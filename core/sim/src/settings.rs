@@ -1,6 +1,7 @@
 //! What a simulation is made of: how many vehicles, where they stand, how they are reached, and what disturbs them.
 
 use crate::airframe::Airframe;
+use crate::faces::Faces;
 use crate::movers::Mover;
 use crate::payloads::PayloadPlan;
 use crate::vehicle::ParameterValue;
@@ -27,7 +28,9 @@ pub struct SimSettings {
     pub ground_relief_m: f64,
     /// Explicit places instead of the grid.
     pub starts: Vec<VehicleStart>,
-    /// How the vehicles are reached.
+    /// Which ways there are to reach the vehicles: with topics, a carrier has to be given to the simulation.
+    pub faces: Faces,
+    /// How they are reached over MAVLink.
     pub ports: PortPlan,
     /// Wind.
     pub wind: WindSettings,
@@ -63,6 +66,7 @@ impl Default for SimSettings {
             spacing_m: 5.0,
             ground_relief_m: 0.0,
             starts: Vec::new(),
+            faces: Faces::Mavlink,
             ports: PortPlan::Px4,
             wind: WindSettings::default(),
             noise: NoiseSettings::default(),
@@ -113,9 +117,11 @@ pub struct VehicleStart {
     pub airframe: Airframe,
     /// Charge of its battery, 0..=1; that of the simulation's settings if left out.
     pub battery: Option<f64>,
+    /// How it is reached; as the simulation's settings have it if left out.
+    pub faces: Option<Faces>,
 }
 
-/// How vehicles are reached. Everything is on the loopback interface.
+/// How vehicles are reached over MAVLink. Everything is on the loopback interface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PortPlan {
     /// The ports of PX4's own simulation. Instance N is system id minus one. Onboard link: 14580+N sends to 14540+N (N > 9: to
@@ -249,13 +255,13 @@ impl Default for BatterySettings {
     }
 }
 
-/// What is done to one vehicle's datagrams, in both directions.
+/// What is done to one vehicle's datagrams, or to what its topics carry, in both directions.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Impairment {
-    /// Share of datagrams lost, 0..=1.
+    /// Share of them lost, 0..=1.
     pub loss: f64,
-    /// Delay of each datagram in seconds.
+    /// Delay of each in seconds.
     pub delay_s: f64,
-    /// Further delay of each datagram, drawn evenly from zero to this, in seconds.
+    /// Further delay of each, drawn evenly from zero to this, in seconds.
     pub jitter_s: f64,
 }

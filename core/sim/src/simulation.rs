@@ -1,13 +1,17 @@
-//! Many vehicles in real time on their own thread, each behind its own UDP ports on the loopback interface.
+//! Many vehicles in real time on their own thread, each behind its own UDP ports on the loopback interface, or behind the carrier of its
+//! topics.
 //!
 //! Must never do: decide anything about a flight; that is [`crate::vehicle`]'s.
 
+mod air;
 mod ports;
 mod runner;
 
+use crate::faces::Face;
 use crate::faults::Fault;
 use crate::movers::{Mover, Scripted};
 use crate::settings::{Impairment, SimSettings, VehicleStart, WindSettings};
+use crate::topics::{CarrierError, TopicCarrier};
 use crate::truth::TruthFrame;
 use crate::vehicle::VehicleIdentity;
 use parking_lot::Mutex;
@@ -43,6 +47,17 @@ pub enum SimError {
         /// The number.
         port: u32,
     },
+    /// A vehicle is to have topics, but nobody was given that would carry them.
+    #[error("simulated vehicle {0} has topics, and nobody carries them")]
+    NoCarrier(u8),
+    /// A vehicle's topics cannot be had.
+    #[error("simulated vehicle {system_id} has no topics: {source}")]
+    Topics {
+        /// The vehicle.
+        system_id: u8,
+        /// Why.
+        source: CarrierError,
+    },
     /// The thread could not be started.
     #[error("cannot start the simulation's thread: {0}")]
     Thread(std::io::Error),
@@ -54,7 +69,7 @@ pub enum SimError {
     Ended,
 }
 
-/// How one vehicle is reached.
+/// How one vehicle is reached over MAVLink.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct VehiclePorts {
     /// Its system id.
@@ -70,8 +85,21 @@ pub struct VehiclePorts {
 /// What the caller's side knows of the vehicles.
 #[derive(Debug, Default)]
 struct Roll {
-    ports: Vec<VehiclePorts>,
+    vehicles: Vec<Enlisted>,
     started: u64,
+}
+
+impl Roll {
+    fn has(&self, system_id: u8) -> bool {
+        self.vehicles.iter().any(|v| v.system_id == system_id)
+    }
+}
+
+/// A living vehicle.
+#[derive(Debug, Clone, Copy)]
+struct Enlisted {
+    system_id: u8,
+    ports: Option<VehiclePorts>,
 }
 
 /// A running simulation. Dropping it stops it.
@@ -80,6 +108,7 @@ pub struct Simulation {
     truth: Arc<Mutex<Arc<TruthFrame>>>,
     roll: Mutex<Roll>,
     orders: Sender<Order>,
+    carrier: Option<Arc<dyn TopicCarrier>>,
     thread: Option<JoinHandle<()>>,
     utc_at_zero_us: u64,
 }
@@ -87,7 +116,7 @@ pub struct Simulation {
 impl std::fmt::Debug for Simulation {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Simulation")
-            .field("vehicles", &self.roll.lock().ports.len())
+            .field("vehicles", &self.roll.lock().vehicles.len())
             .finish_non_exhaustive()
     }
 }
@@ -98,6 +127,14 @@ impl Simulation {
     /// # Errors
     /// When a port is taken, or there are more vehicles than system ids.
     pub fn start(settings: SimSettings) -> Result<Self, SimError> {
+        Self::start_with(settings, None)
+    }
+
+    /// The same with somebody who carries the topics of those vehicles that have any.
+    ///
+    /// # Errors
+    /// As [`Self::start`]; and when topics cannot be had, or there is nobody who would carry them.
+    pub fn start_with(settings: SimSettings, carrier: Option<Arc<dyn TopicCarrier>>) -> Result<Self, SimError> {
         let truth = Arc::new(Mutex::new(Arc::default()));
         let (orders, inbox) = std::sync::mpsc::channel();
         let utc = std::time::SystemTime::now()
@@ -107,6 +144,7 @@ impl Simulation {
             truth: truth.clone(),
             roll: Mutex::default(),
             orders,
+            carrier,
             thread: None,
             utc_at_zero_us: utc.as_micros() as u64,
             settings,
@@ -115,7 +153,7 @@ impl Simulation {
             simulation.enlist(start)?;
         }
         let movers = voices(&simulation.settings)?;
-        let mut runner = Runner::new(&simulation.settings, movers, inbox, truth);
+        let mut runner = Runner::new(&simulation.settings, movers, simulation.carrier.clone(), inbox, truth);
         runner.take_orders();
         runner.publish();
         let thread = std::thread::Builder::new()
@@ -125,14 +163,24 @@ impl Simulation {
         Ok(simulation)
     }
 
-    /// Binds a vehicle's ports and hands it to the thread.
+    /// Binds a vehicle's ports, has its topics carried, and hands it to the thread.
     fn enlist(&self, start: VehicleStart) -> Result<u8, SimError> {
         let mut roll = self.roll.lock();
         let system_id = match start.system_id {
             Some(id) => id,
-            None => free_system_id(&roll.ports, self.settings.first_system_id).ok_or(SimError::NoSystemIdLeft)?,
+            None => free_system_id(|id| roll.has(id), self.settings.first_system_id).ok_or(SimError::NoSystemIdLeft)?,
         };
-        let sockets = Sockets::bind(&self.settings.ports, system_id)?;
+        let faces = start.faces.unwrap_or(self.settings.faces);
+        let sockets = if faces.has(Face::Mavlink) {
+            Sockets::bind(&self.settings.ports, system_id)?
+        } else {
+            Sockets::NONE
+        };
+        if faces.has(Face::Dds) {
+            let carrier = self.carrier.as_ref().ok_or(SimError::NoCarrier(system_id))?;
+            let entered = carrier.enter(roll.started, system_id);
+            entered.map_err(|source| SimError::Topics { system_id, source })?;
+        }
         let ports = sockets.ports(system_id);
         let identity = VehicleIdentity {
             system_id,
@@ -141,13 +189,13 @@ impl Simulation {
             airframe: start.airframe,
             battery: start.battery,
             number: roll.started,
-            ground_link: ports.ground.is_some(),
+            ground_link: ports.is_some_and(|p| p.ground.is_some()),
             started_s: 0.0,
             utc_at_zero_us: self.utc_at_zero_us,
         };
-        self.order(Order::Add(Box::new(identity), sockets))?;
+        self.order(Order::Add(Box::new(identity), faces, sockets))?;
         roll.started += 1;
-        roll.ports.push(ports);
+        roll.vehicles.push(Enlisted { system_id, ports });
         Ok(system_id)
     }
 
@@ -157,7 +205,7 @@ impl Simulation {
 
     /// For a vehicle that has to exist.
     fn order_for(&self, system_id: u8, order: Order) -> Result<(), SimError> {
-        if !self.roll.lock().ports.iter().any(|p| p.system_id == system_id) {
+        if !self.roll.lock().has(system_id) {
             return Err(SimError::UnknownVehicle(system_id));
         }
         self.order(order)
@@ -177,10 +225,16 @@ impl Simulation {
         self.order(Order::Observe(observer))
     }
 
-    /// How the vehicles are reached, in the order of their start; killed ones are not among them.
+    /// How the vehicles with MAVLink are reached, in the order of their start; killed ones are not among them.
     #[must_use]
     pub fn ports(&self) -> Vec<VehiclePorts> {
-        self.roll.lock().ports.clone()
+        self.roll.lock().vehicles.iter().filter_map(|v| v.ports).collect()
+    }
+
+    /// System ids of all vehicles, in the order of their start; killed ones are not among them.
+    #[must_use]
+    pub fn system_ids(&self) -> Vec<u8> {
+        self.roll.lock().vehicles.iter().map(|v| v.system_id).collect()
     }
 
     /// A vehicle vanishes: from now on it sends and answers nothing, and its ports are free.
@@ -189,7 +243,7 @@ impl Simulation {
     /// When there is no such vehicle.
     pub fn kill(&self, system_id: u8) -> Result<(), SimError> {
         self.order_for(system_id, Order::Kill(system_id))?;
-        self.roll.lock().ports.retain(|p| p.system_id != system_id);
+        self.roll.lock().vehicles.retain(|v| v.system_id != system_id);
         Ok(())
     }
 
@@ -217,12 +271,21 @@ impl Simulation {
         self.order_for(system_id, Order::Reboot(system_id))
     }
 
-    /// A vehicle's datagrams are lost or delayed from now on.
+    /// What comes from a vehicle and goes to it is lost or delayed from now on, on all its faces.
     ///
     /// # Errors
     /// When there is no such vehicle.
     pub fn impair(&self, system_id: u8, impairment: Impairment) -> Result<(), SimError> {
-        self.order_for(system_id, Order::Impair(system_id, impairment))
+        self.impair_face(system_id, Face::Mavlink, impairment)?;
+        self.impair_face(system_id, Face::Dds, impairment)
+    }
+
+    /// The same on one of its faces alone. To cut a face, inflict [`Fault::Cut`].
+    ///
+    /// # Errors
+    /// When there is no such vehicle.
+    pub fn impair_face(&self, system_id: u8, face: Face, impairment: Impairment) -> Result<(), SimError> {
+        self.order_for(system_id, Order::Impair(system_id, face, impairment))
     }
 
     /// Something goes wrong with a vehicle, or is mended.
@@ -272,8 +335,8 @@ fn voices(settings: &SimSettings) -> Result<Vec<(Scripted, Voice)>, SimError> {
 }
 
 /// The lowest system id from `first` on that no living vehicle has.
-fn free_system_id(taken: &[VehiclePorts], first: u8) -> Option<u8> {
-    let is_free = |id: &u8| !taken.iter().any(|p| p.system_id == *id);
+fn free_system_id(is_taken: impl Fn(u8) -> bool, first: u8) -> Option<u8> {
+    let is_free = |id: &u8| !is_taken(*id);
     (first.max(1)..=u8::MAX)
         .find(is_free)
         .or_else(|| (1..first.max(1)).find(is_free))

@@ -173,7 +173,7 @@ pub struct ModeChange {
 /// Why a mode changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ModeCause {
-    /// A command over MAVLink.
+    /// A command over one of its faces.
     Commanded,
     /// A failsafe took over.
     Failsafe,

@@ -1,4 +1,4 @@
-//! One simulated PX4 vehicle without sockets or clock: datagrams in, time steps in, frames out. The same seed and the same
+//! One simulated PX4 vehicle without sockets or clock: datagrams, topics and time steps in, frames and topics out. The same seed and the same
 //! inputs give the same flight.
 //!
 //! Must never do: I/O, read a clock, draw randomness from anywhere but its seed.
@@ -24,11 +24,13 @@ pub mod plant;
 mod position_control;
 mod receive;
 mod telemetry;
+mod topics;
 
 pub use channel::{LinkKind, Outbox};
 pub use parameters::ParameterValue;
 
 use crate::airframe::Airframe;
+use crate::faces::Face;
 use crate::settings::SimSettings;
 use crate::truth::VehicleTruth;
 use crate::wind::Wander;
@@ -53,6 +55,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use skein_domain::{FlightMode, Geodetic, LandedState, LocalFrame, PositionNed, SwarmFrame};
 use std::collections::VecDeque;
+use topics::Topics;
 
 /// After its start a vehicle knows its origin, its global position and its home after these times in seconds.
 const ORIGIN_KNOWN_S: f64 = 0.2;
@@ -84,12 +87,18 @@ pub struct VehicleIdentity {
     pub utc_at_zero_us: u64,
 }
 
+/// Where a command came from.
+#[derive(Debug, Clone, Copy)]
+enum Source {
+    Link(LinkKind, Sender),
+    Topics { system: u8, component: u16 },
+}
+
 /// A command on its way through the autopilot.
 #[derive(Debug, Clone, Copy)]
 struct PendingCommand {
     due_s: f64,
-    link: LinkKind,
-    sender: Sender,
+    source: Source,
     request: CommandRequest,
 }
 
@@ -116,6 +125,7 @@ pub struct Vehicle {
     parameters: Parameters,
     limits: Limits,
     channels: Vec<Channel>,
+    topics: Option<Topics>,
     pending: VecDeque<PendingCommand>,
     notices: Vec<Notice>,
     home: Option<Vector3<f64>>,
@@ -169,6 +179,7 @@ impl Vehicle {
             limits: limits_from(&parameters),
             parameters,
             channels: Vec::new(),
+            topics: None,
             pending: VecDeque::new(),
             notices: Vec::new(),
             home: None,
@@ -202,6 +213,12 @@ impl Vehicle {
         self.identity.system_id
     }
 
+    /// What distinguishes it from all others of its simulation.
+    #[must_use]
+    pub fn number(&self) -> u64 {
+        self.identity.number
+    }
+
     fn draw_ready_s(&mut self) -> f64 {
         use rand::RngExt;
         self.booted_s + self.settings.ready_after_s + self.rng.random_range(-0.15..0.15)
@@ -214,11 +231,17 @@ impl Vehicle {
             let phase = self.rng.random_range(0.0..1.0);
             Channel::new(kind, self.identity.system_id, phase, now_us, &of_payloads)
         };
+        // Drawn without MAVLink too: how it is reached makes no other flight.
         let mut channels = vec![channel(LinkKind::Onboard)];
         if self.identity.ground_link {
             channels.push(channel(LinkKind::GroundStation));
         }
+        let faces = self.settings.faces;
+        if !faces.has(Face::Mavlink) {
+            channels.clear();
+        }
         self.channels = channels;
+        self.topics = faces.has(Face::Dds).then(|| Topics::new(self.identity.number, now_us));
     }
 
     /// The autopilot starts anew, wherever the vehicle is: a new local origin, default rates, disarmed.
@@ -230,8 +253,7 @@ impl Vehicle {
         self.estimator.restart(&self.body);
         self.control.reset();
         self.guidance = Guidance::new(&self.estimator.now);
-        self.offboard.last_s = None;
-        self.offboard.target = Target::NONE;
+        self.offboard.restart();
         self.lift = Lift::new();
         self.mission.restart();
         self.pending.clear();
@@ -264,10 +286,11 @@ impl Vehicle {
         self.offboard.forget_recent_gap();
     }
 
-    /// Lets `dt_s` pass in the given wind (metres per second along north, east, down); frames to be sent are added to `out`.
+    /// Lets `dt_s` pass in the given wind (metres per second along north, east, down); frames and topics to be
+    /// sent are added to `out`.
     pub fn step(&mut self, dt_s: f64, wind_m_s: &Vector3<f64>, out: &mut Outbox) {
         self.time_s += dt_s;
-        let before = out.mark();
+        let (before, published_before) = (out.mark(), out.published.len());
         if self.reboot_at_s.is_some_and(|at| self.time_s >= at) {
             self.reboot();
         }
@@ -284,8 +307,12 @@ impl Vehicle {
         self.watch_home();
         self.step_payloads(dt_s);
         self.report(out);
-        if self.faults.silent {
+        self.publish_topics(out);
+        if self.faults.silent || self.faults.mavlink_cut {
             out.back_to(before);
+        }
+        if self.faults.silent || self.faults.topics_cut {
+            out.published.truncate(published_before);
         }
     }
 

@@ -19,11 +19,17 @@ pub(super) struct Wire {
 /// One vehicle's sockets.
 #[derive(Debug)]
 pub(super) struct Sockets {
-    onboard: Wire,
+    onboard: Option<Wire>,
     ground: Option<Wire>,
 }
 
 impl Sockets {
+    /// Of a vehicle without MAVLink.
+    pub(super) const NONE: Self = Self {
+        onboard: None,
+        ground: None,
+    };
+
     /// Binds what the plan says for this vehicle.
     pub(super) fn bind(plan: &PortPlan, system_id: u8) -> Result<Self, SimError> {
         let base = match plan {
@@ -31,7 +37,7 @@ impl Sockets {
             PortPlan::Px4At(base) => *base,
             PortPlan::SendTo(partner) => {
                 return Ok(Self {
-                    onboard: Wire::bind(0, *partner, system_id)?,
+                    onboard: Some(Wire::bind(0, *partner, system_id)?),
                     ground: None,
                 });
             }
@@ -50,25 +56,27 @@ impl Sockets {
             system_id,
         )?;
         Ok(Self {
-            onboard,
+            onboard: Some(onboard),
             ground: Some(ground),
         })
     }
 
-    /// How the vehicle is reached.
-    pub(super) fn ports(&self, system_id: u8) -> VehiclePorts {
-        VehiclePorts {
+    /// How the vehicle is reached, if it is by MAVLink.
+    pub(super) fn ports(&self, system_id: u8) -> Option<VehiclePorts> {
+        let onboard = self.onboard.as_ref()?;
+        Some(VehiclePorts {
             system_id,
-            onboard: self.onboard.local,
-            onboard_partner: self.onboard.partner,
+            onboard: onboard.local,
+            onboard_partner: onboard.partner,
             ground: self.ground.as_ref().map(|g| (g.local, g.partner)),
-        }
+        })
     }
 
-    /// Both links that there are.
+    /// The links that there are.
     pub(super) fn links(&self) -> impl Iterator<Item = (LinkKind, &Wire)> {
+        let onboard = self.onboard.as_ref().map(|wire| (LinkKind::Onboard, wire));
         let ground = self.ground.as_ref().map(|wire| (LinkKind::GroundStation, wire));
-        std::iter::once((LinkKind::Onboard, &self.onboard)).chain(ground)
+        onboard.into_iter().chain(ground)
     }
 
     /// Sends one frame.

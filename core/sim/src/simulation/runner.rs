@@ -1,14 +1,17 @@
-//! The simulation's thread: keeps step with real time, moves datagrams, obeys orders, publishes the truth.
+//! The simulation's thread: keeps step with real time, moves datagrams and topics, obeys orders, publishes the truth.
 
+use super::air::{Air, Delayed, Parcel, take_due};
 use super::ports::{Sockets, Voice};
+use crate::faces::{Face, Faces};
 use crate::faults::Fault;
 use crate::movers::Scripted;
 use crate::settings::{Impairment, SimSettings, WindSettings};
+use crate::topics::TopicCarrier;
 use crate::truth::{TruthFrame, VehicleTruth};
-use crate::vehicle::{LinkKind, Outbox, Vehicle, VehicleIdentity};
+use crate::vehicle::{Outbox, Vehicle, VehicleIdentity};
 use crate::wind::Wind;
+use nalgebra::Vector3;
 use parking_lot::Mutex;
-use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use skein_domain::FlightMode;
@@ -21,11 +24,11 @@ pub(super) type Observer = Box<dyn FnMut(&TruthFrame) + Send>;
 
 /// What the thread is told to do.
 pub(super) enum Order {
-    Add(Box<VehicleIdentity>, Sockets),
+    Add(Box<VehicleIdentity>, Faces, Sockets),
     Kill(u8),
     PilotMode(u8, FlightMode),
     Reboot(u8),
-    Impair(u8, Impairment),
+    Impair(u8, Face, Impairment),
     Inflict(u8, Fault),
     Wind(WindSettings),
     Observe(Observer),
@@ -42,7 +45,7 @@ const PUBLISH_S: f64 = 0.02;
 const GIVE_UP_S: f64 = 1.0;
 /// A wake-up later than this counts as a stall, in seconds.
 const STALL_S: f64 = 0.01;
-/// Datagrams read from one link in one step at most: a flood must not stop the others.
+/// Datagrams read from one link, and what is taken from one vehicle's topics, in one step at most: a flood must not stop the others.
 const READ_LIMIT: usize = 64;
 
 /// One vehicle on the thread.
@@ -51,16 +54,18 @@ struct Slot {
     /// Gone once killed.
     sockets: Option<Sockets>,
     last_truth: Option<VehicleTruth>,
-    impairment: Impairment,
+    of_mavlink: Impairment,
+    of_topics: Impairment,
     delayed: Vec<Delayed>,
 }
 
-/// A datagram under way.
-struct Delayed {
-    due_s: f64,
-    link: LinkKind,
-    inbound: bool,
-    bytes: Vec<u8>,
+/// What the vehicles of one step have in common.
+struct Around<'a> {
+    carrier: Option<&'a dyn TopicCarrier>,
+    rng: &'a mut ChaCha8Rng,
+    outbox: &'a mut Outbox,
+    buffer: &'a mut [u8],
+    now_s: f64,
 }
 
 /// The thread's state.
@@ -70,6 +75,7 @@ pub(super) struct Runner {
     truth: Arc<Mutex<Arc<TruthFrame>>>,
     slots: Vec<Slot>,
     movers: Vec<(Scripted, Voice)>,
+    carrier: Option<Arc<dyn TopicCarrier>>,
     observers: Vec<Observer>,
     wind: Wind,
     rng: ChaCha8Rng,
@@ -87,6 +93,7 @@ impl Runner {
     pub(super) fn new(
         settings: &SimSettings,
         movers: Vec<(Scripted, Voice)>,
+        carrier: Option<Arc<dyn TopicCarrier>>,
         inbox: Receiver<Order>,
         truth: Arc<Mutex<Arc<TruthFrame>>>,
     ) -> Self {
@@ -98,6 +105,7 @@ impl Runner {
             truth,
             slots: Vec::new(),
             movers,
+            carrier,
             observers: Vec::new(),
             rng,
             time_s: 0.0,
@@ -163,46 +171,18 @@ impl Runner {
     fn step(&mut self, dt_s: f64) {
         let wind = self.wind.step(dt_s, &mut self.rng);
         self.time_s += dt_s;
-        let Self {
-            slots,
-            rng,
-            outbox,
-            buffer,
-            time_s,
-            ..
-        } = self;
-        for slot in slots.iter_mut() {
-            let Some(sockets) = &slot.sockets else { continue };
-            let kept = (1.0 - slot.impairment.loss) * (1.0 - slot.vehicle.radio_loss());
-            let air = Air {
-                impairment: Impairment {
-                    loss: 1.0 - kept,
-                    ..slot.impairment
-                },
-                now_s: *time_s,
-            };
-            for (link, wire) in sockets.links() {
-                for _ in 0..READ_LIMIT {
-                    let Some(datagram) = wire.receive(buffer) else { break };
-                    if air.passes(link, true, datagram, &mut slot.delayed, rng) {
-                        slot.vehicle.receive(link, datagram, outbox);
-                    }
-                }
-            }
-            for late in take_due(&mut slot.delayed, *time_s) {
-                if late.inbound {
-                    slot.vehicle.receive(late.link, &late.bytes, outbox);
-                } else {
-                    sockets.send(late.link, &late.bytes);
-                }
-            }
-            slot.vehicle.step(dt_s, &wind, outbox);
-            for (link, frame) in outbox.frames() {
-                if air.passes(link, false, frame, &mut slot.delayed, rng) {
-                    sockets.send(link, frame);
-                }
-            }
-            outbox.clear();
+        let mut around = Around {
+            carrier: self.carrier.as_deref(),
+            rng: &mut self.rng,
+            outbox: &mut self.outbox,
+            buffer: &mut self.buffer,
+            now_s: self.time_s,
+        };
+        for slot in &mut self.slots {
+            slot.step(&mut around, dt_s, &wind);
+        }
+        if let Some(carrier) = &self.carrier {
+            carrier.step_done();
         }
         for (mover, voice) in &mut self.movers {
             if let Some(frame) = mover.report(self.time_s) {
@@ -255,20 +235,28 @@ impl Runner {
 
     fn obey(&mut self, order: Order) {
         match order {
-            Order::Add(mut identity, sockets) => {
+            Order::Add(mut identity, faces, sockets) => {
                 identity.started_s = self.time_s;
-                let mut vehicle = Vehicle::new(*identity, &self.settings);
+                let settings = SimSettings {
+                    faces,
+                    ..self.settings.clone()
+                };
+                let mut vehicle = Vehicle::new(*identity, &settings);
                 vehicle.note_stalls(self.stalled_s);
                 self.slots.push(Slot {
                     vehicle,
                     sockets: Some(sockets),
                     last_truth: None,
-                    impairment: Impairment::default(),
+                    of_mavlink: Impairment::default(),
+                    of_topics: Impairment::default(),
                     delayed: Vec::new(),
                 });
             }
-            Order::Kill(id) => self.each(id, |slot| {
+            Order::Kill(id) => self.each_with(id, |slot, carrier| {
                 slot.sockets = None;
+                if let Some(carrier) = carrier {
+                    carrier.leave(slot.vehicle.number());
+                }
                 slot.last_truth = Some(VehicleTruth {
                     alive: false,
                     ..slot.vehicle.truth()
@@ -276,7 +264,8 @@ impl Runner {
             }),
             Order::PilotMode(id, mode) => self.each(id, |slot| slot.vehicle.pilot_mode(mode)),
             Order::Reboot(id) => self.each(id, |slot| slot.vehicle.reboot()),
-            Order::Impair(id, impairment) => self.each(id, |slot| slot.impairment = impairment),
+            Order::Impair(id, Face::Mavlink, impairment) => self.each(id, |slot| slot.of_mavlink = impairment),
+            Order::Impair(id, Face::Dds, impairment) => self.each(id, |slot| slot.of_topics = impairment),
             Order::Inflict(id, fault) => self.each(id, |slot| slot.vehicle.inflict(fault)),
             Order::Wind(wind) => self.wind.change(&wind),
             Order::Observe(observer) => self.observers.push(observer),
@@ -286,62 +275,78 @@ impl Runner {
 
     /// Every living vehicle with this system id: as a rule one.
     fn each(&mut self, system_id: u8, mut work: impl FnMut(&mut Slot)) {
+        self.each_with(system_id, |slot, _| work(slot));
+    }
+
+    fn each_with(&mut self, system_id: u8, mut work: impl FnMut(&mut Slot, Option<&dyn TopicCarrier>)) {
+        let carrier = self.carrier.as_deref();
         self.slots
             .iter_mut()
             .filter(|slot| slot.sockets.is_some() && slot.vehicle.system_id() == system_id)
-            .for_each(&mut work);
+            .for_each(|slot| work(slot, carrier));
     }
 }
 
-/// What a datagram has to pass through.
-struct Air {
-    impairment: Impairment,
-    now_s: f64,
-}
-
-impl Air {
-    /// True if it gets through at once; else it is lost, or kept in `delayed` until it is due.
-    fn passes(
-        &self,
-        link: LinkKind,
-        inbound: bool,
-        bytes: &[u8],
-        delayed: &mut Vec<Delayed>,
-        rng: &mut ChaCha8Rng,
-    ) -> bool {
-        let Impairment {
-            loss,
-            delay_s,
-            jitter_s,
-        } = self.impairment;
-        if loss > 0.0 && rng.random_range(0.0..1.0) < loss {
-            return false;
-        }
-        if delay_s <= 0.0 && jitter_s <= 0.0 {
-            return true;
-        }
-        let extra_s = if jitter_s > 0.0 {
-            rng.random_range(0.0..jitter_s)
-        } else {
-            0.0
+impl Slot {
+    /// Lets the vehicle hear, fly and speak for one step.
+    fn step(&mut self, around: &mut Around<'_>, dt_s: f64, wind_m_s: &Vector3<f64>) {
+        let Some(sockets) = &self.sockets else { return };
+        let kept = (1.0 - self.of_mavlink.loss) * (1.0 - self.vehicle.radio_loss());
+        let now_s = around.now_s;
+        let mavlink = Air {
+            impairment: Impairment {
+                loss: 1.0 - kept,
+                ..self.of_mavlink
+            },
+            now_s,
         };
-        delayed.push(Delayed {
-            due_s: self.now_s + delay_s + extra_s,
-            link,
-            inbound,
-            bytes: bytes.to_vec(),
-        });
-        false
+        let topics = Air {
+            impairment: self.of_topics,
+            now_s,
+        };
+        let number = self.vehicle.number();
+        for (link, wire) in sockets.links() {
+            for _ in 0..READ_LIMIT {
+                let Some(datagram) = wire.receive(around.buffer) else {
+                    break;
+                };
+                let parcel = || Parcel::Inbound(link, datagram.to_vec());
+                if mavlink.passes(parcel, &mut self.delayed, around.rng) {
+                    self.vehicle.receive(link, datagram, around.outbox);
+                }
+            }
+        }
+        if let Some(carrier) = around.carrier {
+            for _ in 0..READ_LIMIT {
+                let Some(asked) = carrier.take(number) else { break };
+                if topics.passes(|| Parcel::Asked(asked), &mut self.delayed, around.rng) {
+                    self.vehicle.receive_topic(&asked, around.outbox);
+                }
+            }
+        }
+        for late in take_due(&mut self.delayed, now_s) {
+            match (late, around.carrier) {
+                (Parcel::Inbound(link, bytes), _) => self.vehicle.receive(link, &bytes, around.outbox),
+                (Parcel::Outbound(link, bytes), _) => sockets.send(link, &bytes),
+                (Parcel::Asked(asked), _) => self.vehicle.receive_topic(&asked, around.outbox),
+                (Parcel::Published(published), Some(carrier)) => carrier.publish(number, &published),
+                (Parcel::Published(_), None) => {}
+            }
+        }
+        self.vehicle.step(dt_s, wind_m_s, around.outbox);
+        for (link, frame) in around.outbox.frames() {
+            let parcel = || Parcel::Outbound(link, frame.to_vec());
+            if mavlink.passes(parcel, &mut self.delayed, around.rng) {
+                sockets.send(link, frame);
+            }
+        }
+        for published in around.outbox.published() {
+            if let Some(carrier) = around.carrier
+                && topics.passes(|| Parcel::Published(*published), &mut self.delayed, around.rng)
+            {
+                carrier.publish(number, published);
+            }
+        }
+        around.outbox.clear();
     }
-}
-
-/// Takes those that are due, oldest first.
-fn take_due(delayed: &mut Vec<Delayed>, now_s: f64) -> Vec<Delayed> {
-    if delayed.is_empty() {
-        return Vec::new();
-    }
-    let (mut due, rest): (Vec<_>, Vec<_>) = delayed.drain(..).partition(|d| d.due_s <= now_s);
-    *delayed = rest;
-    due.sort_by(|a, b| a.due_s.total_cmp(&b.due_s));
-    due
 }

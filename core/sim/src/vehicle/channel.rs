@@ -2,6 +2,7 @@
 //! listens.
 
 use crate::payloads::{RADIO_COMPONENT, RADIO_SYSTEM};
+use crate::topics::Published;
 use crate::wire::{self, Sender};
 use mavlink::{MavHeader, MessageData};
 
@@ -14,11 +15,12 @@ pub enum LinkKind {
     GroundStation,
 }
 
-/// Frames a vehicle wants to send, each for one of its links. Reused from step to step.
+/// Frames a vehicle wants to send, each for one of its links, and what it publishes. Reused from step to step.
 #[derive(Debug, Default)]
 pub struct Outbox {
     bytes: Vec<u8>,
     marks: Vec<(LinkKind, usize)>,
+    pub(super) published: Vec<Published>,
 }
 
 impl Outbox {
@@ -32,7 +34,13 @@ impl Outbox {
         })
     }
 
-    /// How much there is to send now.
+    /// What is published, in order.
+    #[must_use]
+    pub fn published(&self) -> &[Published] {
+        &self.published
+    }
+
+    /// How many frames there are to send now.
     pub(crate) fn mark(&self) -> usize {
         self.marks.len()
     }
@@ -43,16 +51,17 @@ impl Outbox {
         self.bytes.truncate(self.marks.last().map_or(0, |(_, end)| *end));
     }
 
-    /// Whether there is nothing to send.
+    /// Whether there is nothing to send or to publish.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.marks.is_empty()
+        self.marks.is_empty() && self.published.is_empty()
     }
 
-    /// Forgets all frames.
+    /// Forgets everything.
     pub fn clear(&mut self) {
         self.bytes.clear();
         self.marks.clear();
+        self.published.clear();
     }
 }
 

@@ -16,7 +16,7 @@ pub(crate) struct Notice {
 /// Who asks for a mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Asker {
-    /// A command over MAVLink.
+    /// A command over one of its faces.
     Link,
     /// The pilot.
     Pilot,
@@ -101,6 +101,11 @@ impl Commander {
 
     pub(crate) fn mode(&self) -> FlightMode {
         self.mode
+    }
+
+    /// The mode that was asked for.
+    pub(crate) fn intention(&self) -> FlightMode {
+        self.intention
     }
 
     pub(crate) fn is_armed(&self) -> bool {

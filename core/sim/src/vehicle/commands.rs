@@ -3,7 +3,7 @@
 use super::channel::{AUTOPILOT_COMPONENT, LinkKind, Outbox, Stream};
 use super::commander::Asker;
 use super::receive::asked_mode;
-use super::{PendingCommand, REBOOT_DELAY_S, Vehicle};
+use super::{REBOOT_DELAY_S, Source, Vehicle};
 use crate::wire::CommandRequest;
 use mavlink::dialects::common::{MESSAGE_INTERVAL_DATA, MavResult, MavSeverity};
 use nalgebra::Vector3;
@@ -40,10 +40,14 @@ impl Vehicle {
             let Some(pending) = self.pending.pop_front() else {
                 return;
             };
-            let PendingCommand {
-                link, sender, request, ..
-            } = pending;
-            let of_payload = self.run_for_payload(&pending, out);
+            let request = pending.request;
+            let Source::Link(link, sender) = pending.source else {
+                if let Some(result) = self.run_of_topic(&request) {
+                    self.answer_topic(request.command.into(), result, pending.source, out);
+                }
+                continue;
+            };
+            let of_payload = self.run_for_payload(link, sender, &request, out);
             let answer = of_payload.or_else(|| {
                 let result = self.run(link, &request, out)?;
                 Some((AUTOPILOT_COMPONENT, result))
@@ -56,8 +60,30 @@ impl Vehicle {
         }
     }
 
+    /// Carries out one command that came as a topic. What is about messages of a link is for the links alone: nobody answers.
+    fn run_of_topic(&mut self, c: &CommandRequest) -> Option<MavResult> {
+        let of_links = [
+            SET_MESSAGE_INTERVAL,
+            GET_MESSAGE_INTERVAL,
+            REQUEST_MESSAGE,
+            REQUEST_CAPABILITIES,
+        ];
+        (!of_links.contains(&c.command)).then(|| self.carry_out(c)).flatten()
+    }
+
     /// Carries out one command; `None` where PX4 gives no acknowledgement.
     fn run(&mut self, link: LinkKind, c: &CommandRequest, out: &mut Outbox) -> Option<MavResult> {
+        Some(match c.command {
+            SET_MESSAGE_INTERVAL => self.set_interval(link, c),
+            GET_MESSAGE_INTERVAL => self.tell_interval(link, c, out),
+            REQUEST_MESSAGE => self.send_on_request(link, c.param[0] as u32, out),
+            REQUEST_CAPABILITIES => self.send_on_request(link, AUTOPILOT_VERSION, out),
+            _ => return self.carry_out(c),
+        })
+    }
+
+    /// The same for what has nothing to do with a link.
+    fn carry_out(&mut self, c: &CommandRequest) -> Option<MavResult> {
         Some(match c.command {
             ARM_DISARM => return self.arm_or_disarm(c),
             DO_SET_MODE => match asked_mode(&c.param) {
@@ -81,10 +107,6 @@ impl Vehicle {
             }
             MISSION_START => REJECTED,
             REBOOT => self.ask_reboot(c),
-            SET_MESSAGE_INTERVAL => self.set_interval(link, c),
-            GET_MESSAGE_INTERVAL => self.tell_interval(link, c, out),
-            REQUEST_MESSAGE => self.send_on_request(link, c.param[0] as u32, out),
-            REQUEST_CAPABILITIES => self.send_on_request(link, AUTOPILOT_VERSION, out),
             _ => UNSUPPORTED,
         })
     }

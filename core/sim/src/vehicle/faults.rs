@@ -2,6 +2,7 @@
 
 use super::Vehicle;
 use super::position_control::Target;
+use crate::faces::Face;
 use crate::faults::Fault;
 use nalgebra::Vector3;
 use skein_domain::FlightMode;
@@ -11,6 +12,8 @@ use skein_domain::FlightMode;
 pub(super) struct Faults {
     pub estimate_stopped: bool,
     pub silent: bool,
+    pub mavlink_cut: bool,
+    pub topics_cut: bool,
     /// The autopilot's clock minus the time since it was started, in seconds.
     pub clock_step_s: f64,
     stuck: bool,
@@ -39,6 +42,10 @@ impl Vehicle {
             Fault::BatteryDrain(factor) => self.battery.set_drain(factor),
             Fault::BatteryCharge(charge) => self.battery.set_charge(charge),
             Fault::Silent(silent) => self.faults.silent = silent,
+            Fault::Cut { face, cut } => match face {
+                Face::Mavlink => self.faults.mavlink_cut = cut,
+                Face::Dds => self.faults.topics_cut = cut,
+            },
         }
     }
 

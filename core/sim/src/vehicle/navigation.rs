@@ -18,7 +18,7 @@ const HORIZONTAL_PREDICTED: u16 = 256 | 512;
 const GLITCH: u16 = 1024;
 
 /// Satellites that a receiver in the open uses, and its accuracy in millimetres.
-const SATELLITES: u8 = 16;
+pub(super) const SATELLITES: u8 = 16;
 const ACCURACY_MM: u32 = 700;
 /// Accuracy of a receiver that hears nothing, in millimetres.
 const NO_ACCURACY_MM: u32 = 100_000;
@@ -35,7 +35,6 @@ impl Vehicle {
 
     pub(super) fn estimator_status(&self) -> ESTIMATOR_STATUS_DATA {
         let satellites = &self.estimator.satellites;
-        let unaided_s = satellites.unaided_s();
         let mut flags = ATTITUDE;
         if self.commander.is_estimator_ready() {
             flags |= VERTICAL;
@@ -52,12 +51,17 @@ impl Vehicle {
             pos_horiz_ratio: (satellites.ratio() as f32).max(0.02),
             pos_vert_ratio: 0.01,
             mag_ratio: 0.01,
-            // Without aid the uncertainty grows faster and faster.
-            pos_horiz_accuracy: (0.2 + 0.1 * unaided_s + 0.05 * unaided_s * unaided_s).min(1e4) as f32,
+            pos_horiz_accuracy: self.horizontal_accuracy_m() as f32,
             pos_vert_accuracy: 0.2,
             flags: EstimatorStatusFlags::from_bits_retain(flags),
             ..ESTIMATOR_STATUS_DATA::default()
         }
+    }
+
+    /// Without aid the uncertainty grows faster and faster.
+    pub(super) fn horizontal_accuracy_m(&self) -> f64 {
+        let unaided_s = self.estimator.satellites.unaided_s();
+        (0.2 + 0.1 * unaided_s + 0.05 * unaided_s * unaided_s).min(1e4)
     }
 
     pub(super) fn wind_cov(&self) -> WIND_COV_DATA {
@@ -72,14 +76,14 @@ impl Vehicle {
     }
 
     /// What a receiver tells: the truth, its own error, and what the estimate wanders by for other reasons.
-    fn place_told(&self, reception: &Reception) -> (Geodetic, Vector3<f64>) {
+    pub(super) fn place_told(&self, reception: &Reception) -> (Geodetic, Vector3<f64>) {
         let now = &self.estimator.now;
         let satellites = &self.estimator.satellites;
         let told = now.position - satellites.error + reception.offset;
         (self.geodetic_of(&told), now.velocity - satellites.drift)
     }
 
-    fn hears(&self, reception: &Reception) -> bool {
+    pub(super) fn hears(&self, reception: &Reception) -> bool {
         self.up_time_s() > 0.5 && !reception.lost
     }
 

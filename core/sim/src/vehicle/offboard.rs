@@ -2,6 +2,7 @@
 
 use super::estimator::Estimate;
 use super::position_control::Target;
+use crate::topics::AskedSetpoint;
 use mavlink::dialects::common::{
     PositionTargetTypemask as Mask, SET_POSITION_TARGET_GLOBAL_INT_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
@@ -31,7 +32,9 @@ pub(crate) struct OffboardInput {
     /// The last accepted one.
     pub target: Target,
     /// When it came, in seconds of the simulation.
-    pub last_s: Option<f64>,
+    last_s: Option<f64>,
+    /// When it was last said what of the setpoints counts. Over MAVLink every setpoint says so itself.
+    told_s: Option<f64>,
     /// Accepted so far.
     pub accepted: u64,
     /// Dropped so far.
@@ -50,6 +53,7 @@ impl OffboardInput {
         Self {
             target: Target::NONE,
             last_s: None,
+            told_s: None,
             accepted: 0,
             refused: 0,
             gap_max_s: 0.0,
@@ -59,9 +63,40 @@ impl OffboardInput {
         }
     }
 
-    /// Seconds since the last accepted setpoint; infinite if there was none.
+    /// Forgets the setpoints, not what was counted.
+    pub(crate) fn restart(&mut self) {
+        (self.last_s, self.told_s) = (None, None);
+        self.target = Target::NONE;
+    }
+
+    /// Seconds since the last accepted setpoint, or since it was last said what of it counts if that is longer; infinite without
+    /// either.
     pub(crate) fn age_s(&self, now_s: f64) -> f64 {
-        self.last_s.map_or(f64::INFINITY, |last| now_s - last)
+        let age_s = |at: Option<f64>| at.map_or(f64::INFINITY, |at| now_s - at);
+        age_s(self.last_s).max(age_s(self.told_s))
+    }
+
+    /// It is said that setpoints count, at a time in seconds of the simulation. One that asks for nothing this vehicle follows counts
+    /// as refused.
+    pub(crate) fn keep_alive(&mut self, follows: bool, at_s: f64) {
+        if follows {
+            self.told_s = Some(at_s);
+        } else {
+            self.refused += 1;
+        }
+    }
+
+    /// A setpoint as a topic has it: in the vehicle's own frame, what is not a number is not controlled. It does not keep OFFBOARD
+    /// alive by itself.
+    pub(crate) fn topic(&mut self, s: &AskedSetpoint, now_s: f64, stalled_s: f64) -> Result<(), SetpointProblem> {
+        let target = Target {
+            position: s.position_m,
+            velocity: s.velocity_m_s,
+            acceleration: s.acceleration_m_s2,
+            yaw_rad: s.yaw_rad,
+            yaw_rate_rad_s: s.yaw_rate_rad_s,
+        };
+        self.take(target, now_s, stalled_s)
     }
 
     /// Takes what counts the gap to the last setpoint, while OFFBOARD is in use.
@@ -144,6 +179,12 @@ impl OffboardInput {
     }
 
     fn accept(&mut self, target: Target, now_s: f64, stalled_s: f64) -> Result<(), SetpointProblem> {
+        self.take(target, now_s, stalled_s)?;
+        self.told_s = Some(now_s);
+        Ok(())
+    }
+
+    fn take(&mut self, target: Target, now_s: f64, stalled_s: f64) -> Result<(), SetpointProblem> {
         let asked = |v: &Vector3<f64>| v.iter().any(|x| x.is_finite());
         if !asked(&target.position) && !asked(&target.velocity) && !asked(&target.acceleration) {
             self.refused += 1;

@@ -6,15 +6,15 @@
 mod camera;
 mod gimbal;
 
+use super::Vehicle;
 use super::channel::{AUTOPILOT_COMPONENT, Channel, LinkKind, Outbox, Stream};
 use super::commands::{REQUEST_MESSAGE, SET_MESSAGE_INTERVAL};
-use super::{PendingCommand, Vehicle};
 use crate::payloads::camera::Camera;
 use crate::payloads::manager::{Carrier, Gimbal};
 use crate::payloads::radio::{Radio, sik_raw};
 use crate::payloads::{CAMERA_COMPONENT, GIMBAL_COMPONENT, PayloadPlan, RADIO_COMPONENT};
 use crate::truth::{CameraTruth, GimbalTruth, RadioTruth};
-use crate::wire::CommandRequest;
+use crate::wire::{CommandRequest, Sender};
 use mavlink::dialects::common::{
     HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavResult, MavState, MavType, RADIO_STATUS_DATA,
 };
@@ -186,10 +186,13 @@ impl Vehicle {
 
     /// Carries out a command that is a payload's; gives the component that answers, and its answer. `None`: it is the autopilot's,
     /// if it is meant for that at all.
-    pub(super) fn run_for_payload(&mut self, command: &PendingCommand, out: &mut Outbox) -> Option<(u8, MavResult)> {
-        let PendingCommand {
-            link, sender, request, ..
-        } = command;
+    pub(super) fn run_for_payload(
+        &mut self,
+        link: LinkKind,
+        sender: Sender,
+        request: &CommandRequest,
+        out: &mut Outbox,
+    ) -> Option<(u8, MavResult)> {
         let asked = request.param[0] as u32;
         let about_message = matches!(request.command, SET_MESSAGE_INTERVAL | REQUEST_MESSAGE);
         let component = match request.target_component {
@@ -198,8 +201,8 @@ impl Vehicle {
             component => Some(component).filter(|component| self.payloads.has(*component)),
         };
         match component {
-            Some(component) if about_message => Some((component, self.about_message(*link, component, request, out))),
-            Some(CAMERA_COMPONENT) => Some((CAMERA_COMPONENT, self.run_camera_command(*link, request, out))),
+            Some(component) if about_message => Some((component, self.about_message(link, component, request, out))),
+            Some(CAMERA_COMPONENT) => Some((CAMERA_COMPONENT, self.run_camera_command(link, request, out))),
             // A device obeys its manager only.
             Some(component) => Some((component, MavResult::MAV_RESULT_UNSUPPORTED)),
             None => {

@@ -3,7 +3,7 @@
 use super::channel::{AUTOPILOT_COMPONENT, Channel, LinkKind, Outbox};
 use super::commander::Notice;
 use super::offboard::SetpointProblem;
-use super::{PendingCommand, Vehicle, limits_from, mode};
+use super::{PendingCommand, Source, Vehicle, limits_from, mode};
 use crate::wire::{self, CommandRequest, Incoming, Sender};
 use mavlink::dialects::common::{
     MavMessage, MavParamType, MavSeverity, PARAM_SET_DATA, PARAM_VALUE_DATA, TIMESYNC_DATA,
@@ -20,7 +20,7 @@ const COMMAND_DELAY_SPREAD_S: f64 = 0.009;
 impl Vehicle {
     /// Takes a datagram that came on one of its links; what is answered at once is added to `out`.
     pub fn receive(&mut self, link: LinkKind, datagram: &[u8], out: &mut Outbox) {
-        if self.faults.silent {
+        if self.faults.silent || self.faults.mavlink_cut {
             return;
         }
         wire::read_frames(datagram, |sender, message| self.take(link, sender, message, out));
@@ -49,15 +49,16 @@ impl Vehicle {
         if !of_payload && !self.is_for_me(request.target_system, request.target_component) {
             return;
         }
+        let due_s = self.draw_due_s();
+        let source = Source::Link(link, sender);
+        self.pending.push_back(PendingCommand { due_s, source, request });
+    }
+
+    /// When a command that has just come is carried out: one after the other, a later one never overtakes an earlier one.
+    pub(super) fn draw_due_s(&mut self) -> f64 {
         let delay_s = COMMAND_DELAY_S + self.rng.random_range(0.0..COMMAND_DELAY_SPREAD_S);
-        // One after the other: a later command never overtakes an earlier one.
         let last_s = self.pending.back().map_or(0.0, |p| p.due_s);
-        self.pending.push_back(PendingCommand {
-            due_s: last_s.max(self.time_s + delay_s),
-            link,
-            sender,
-            request,
-        });
+        last_s.max(self.time_s + delay_s)
     }
 
     fn take_other(&mut self, link: LinkKind, sender: Sender, message: &MavMessage, out: &mut Outbox) {

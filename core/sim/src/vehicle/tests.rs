@@ -10,3 +10,4 @@ mod payloads;
 mod properties;
 mod protocol;
 mod rig;
+mod topics;
