@@ -9,6 +9,7 @@ const ORDER: [&str; 18] = [
     "skein",
     "skein-api",
     "skein-runtime",
+    "skein-sim-dds",
     "skein-link-dds",
     "skein-link-px4",
     "skein-bus-zenoh",
