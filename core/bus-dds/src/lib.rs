@@ -1,6 +1,6 @@
 //! The swarm's datagrams over DDS: RTPS on UDP, peer to peer on a LAN, with the participants that ROS 2 knows.
 //!
-//! Must never do: rest on more of DDS than that it carries datagrams; reach beyond loopback unless the settings say so; wait for a slow reader. What
+//! Must never do: rest on more of DDS than that it carries datagrams; join DDS by itself; wait for a slow reader. What
 //! the classes of traffic promise is the bus's (`skein_bus`), and so is the seal: there is no DDS security underneath it.
 //!
 //! One best-effort topic per class for everybody, `skein/<swarm>/<class>`; whom a datagram is for stands in it ([`packet::Packet`]).
@@ -9,12 +9,10 @@
 use packet::Packet;
 use reading::{Reader, Reading};
 use rustdds::policy::{Durability, History, Reliability};
-use rustdds::{DomainParticipant, DomainParticipantBuilder, QosPolicies, QosPolicyBuilder, Topic, TopicKind, no_key};
-use serde::{Deserialize, Serialize};
+use rustdds::{DomainParticipant, QosPolicies, QosPolicyBuilder, Topic, TopicKind, no_key};
 use skein_bus::arrivals::{Arrivals, MOST_WAITING};
 use skein_bus::transport::{CLASSES, Class, Datagram, SendError, To, Transport, Wake};
 use skein_domain::{NodeId, NodeTime};
-use std::net::{IpAddr, Ipv4Addr};
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -25,41 +23,12 @@ mod reading;
 const LARGEST_BYTES: usize = 1300;
 /// The type of the topics, as DDS writes names of IDL.
 const TYPE: &str = "skein::bus::Datagram";
-/// Above it, the ports of a domain reach into those that the system gives to anybody.
-const LAST_DOMAIN_ID: u16 = 101;
-
-/// How to reach the others.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct DdsSettings {
-    /// The DDS domain, 101 at most: only participants of one domain hear each other.
-    pub domain_id: u16,
-    /// Addresses of this host's interfaces whose networks are used; by multicast others are found there. With loopback alone, nobody beyond this host is.
-    pub interfaces: Vec<IpAddr>,
-}
-
-impl Default for DdsSettings {
-    /// Only this host.
-    fn default() -> Self {
-        Self {
-            domain_id: 0,
-            interfaces: vec![IpAddr::V4(Ipv4Addr::LOCALHOST)],
-        }
-    }
-}
-
 /// Why there is no transport.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum OpenError {
     /// The swarm's id can't be part of a topic's name.
     #[error("a swarm's id has letters, digits, - and _ only, and at least one of them: {0:?}")]
     SwarmId(String),
-    /// There is no such domain.
-    #[error("domain {0} is beyond the last one, {LAST_DOMAIN_ID}")]
-    Domain(u16),
-    /// No interface is named: DDS would take that for all.
-    #[error("no interface is named")]
-    NoInterface,
     /// DDS could not begin.
     #[error("DDS did not start: {0}")]
     Start(String),
@@ -69,7 +38,7 @@ type Writer = no_key::DataWriter<Packet>;
 
 /// One node's transport over DDS. It ends when this is dropped.
 ///
-/// One participant per node, with two threads of RustDDS and one that hands on what arrives. [`Dds::open`] waits until these have started.
+/// Over the node's participant, with one thread that hands on what arrives.
 pub struct Dds {
     node: NodeId,
     writers: Vec<(Class, Writer)>,
@@ -90,22 +59,12 @@ impl Dds {
     ///
     /// # Errors
     ///
-    /// The id is none, the settings name no domain or no interface, or DDS can't begin.
-    pub fn open(swarm: &str, node: NodeId, settings: &DdsSettings) -> Result<Self, OpenError> {
+    /// The id is none, or DDS can't begin.
+    pub fn open(swarm: &str, node: NodeId, participant: DomainParticipant) -> Result<Self, OpenError> {
         let allowed = |letter: char| letter.is_ascii_alphanumeric() || letter == '-' || letter == '_';
         if swarm.is_empty() || !swarm.chars().all(allowed) {
             return Err(OpenError::SwarmId(swarm.to_owned()));
         }
-        if settings.domain_id > LAST_DOMAIN_ID {
-            return Err(OpenError::Domain(settings.domain_id));
-        }
-        if settings.interfaces.is_empty() {
-            return Err(OpenError::NoInterface);
-        }
-        let participant = DomainParticipantBuilder::new(settings.domain_id)
-            .with_only_networks(settings.interfaces.iter().copied())
-            .build()
-            .map_err(start)?;
         let publisher = participant.create_publisher(&quality()).map_err(start)?;
         let subscriber = participant.create_subscriber(&quality()).map_err(start)?;
         let (mut writers, mut readers): (_, Vec<(Class, Reader)>) = (Vec::new(), Vec::new());

@@ -3,7 +3,8 @@
 
 use skein_bus::conformance::{self, Rig};
 use skein_bus::transport::{Class, SendError, To, Transport};
-use skein_bus_dds::{Dds, DdsSettings, OpenError};
+use skein_bus_dds::{Dds, OpenError};
+use skein_dds::DdsSettings;
 use skein_domain::{NodeId, NodeTime};
 use std::sync::atomic::{AtomicU16, Ordering};
 use std::time::{Duration, Instant};
@@ -37,7 +38,7 @@ impl Rig for Loopback {
     type Transport = Dds;
 
     fn join(&mut self, node: NodeId) -> Dds {
-        Dds::open(&self.swarm, node, &self.settings).unwrap()
+        Dds::open(&self.swarm, node, skein_dds::join(&self.settings).unwrap()).unwrap()
     }
 
     fn step(&mut self) -> NodeTime {
@@ -100,14 +101,39 @@ fn a_burst_does_not_wait_and_comes_whole() {
 }
 
 #[test]
-fn what_can_not_be_is_said_before_anything_starts() {
-    let with = |domain_id, interfaces| DdsSettings { domain_id, interfaces };
-    let here = DdsSettings::default().interfaces;
-    let refused = |swarm, settings: &DdsSettings| Dds::open(swarm, NodeId(1), settings).map(|_| ()).unwrap_err();
-    let id = refused("a/b", &DdsSettings::default());
-    assert_eq!(id, OpenError::SwarmId("a/b".to_owned()));
-    assert_eq!(refused("a", &with(102, here)), OpenError::Domain(102));
-    assert_eq!(refused("a", &with(1, Vec::new())), OpenError::NoInterface);
+fn an_id_that_is_none_is_refused() {
+    let participant = skein_dds::join(&Loopback::new().settings).unwrap();
+    let refused = Dds::open("a/b", NodeId(1), participant).map(|_| ()).unwrap_err();
+    assert_eq!(refused, OpenError::SwarmId("a/b".to_owned()));
+}
+
+#[test]
+fn whoever_leaves_comes_back_with_the_same_participant() {
+    let rig = Loopback::new();
+    let open = |participant: &rustdds::DomainParticipant, node| {
+        Dds::open(&rig.swarm, NodeId(node), participant.clone()).unwrap()
+    };
+    let (first, second) = (skein_dds::join(&rig.settings), skein_dds::join(&rig.settings));
+    let (first, second) = (first.unwrap(), second.unwrap());
+    let mut b = open(&second, 2);
+    for _ in 0..3 {
+        let mut a = open(&first, 1);
+        let mut heard = (false, false);
+        for _ in 0..2000 {
+            let now = NodeTime::from_seconds(rig.begun.elapsed().as_secs_f64());
+            a.send(now, To::All, Class::State, b"a").unwrap();
+            b.send(now, To::All, Class::State, b"b").unwrap();
+            std::thread::sleep(Duration::from_millis(5));
+            heard.0 |= a.receive(now).is_some();
+            heard.1 |= b.receive(now).is_some();
+            if heard == (true, true) {
+                break;
+            }
+        }
+        assert_eq!(heard, (true, true));
+        drop(a);
+        while b.receive(NodeTime::default()).is_some() {}
+    }
 }
 
 #[test]

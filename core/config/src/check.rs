@@ -41,6 +41,7 @@ impl NodeConfig {
             problems.push(problem("plugins.runner_threads", "choose 1 to 64"));
         }
         self.swarm.problems(&mut problems);
+        self.dds_problems(&mut problems);
         if !self.web.enabled && self.swarm.id.is_none() {
             problems.push(problem(
                 "web.enabled",

@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 mod check;
+mod dds;
 mod energy_settings;
 mod fences;
 mod ids;
@@ -15,6 +16,7 @@ pub mod settings;
 mod swarm;
 
 pub use check::Problem;
+pub use dds::{DdsSettings, LinkKind};
 pub use fences::{FenceFault, FenceFileError, ImportedFences, parse_fences, read_fence_file, to_geojson};
 pub use ids::SystemIdSet;
 pub use operators::OperatorSettings;
@@ -22,7 +24,7 @@ pub use settings::{
     AdoptionRule, CoordinatorSettings, EndpointSettings, Escalation, FaultSettings, FenceSettings, Isolation,
     LinkSettings, NodeConfig, NodeSettings, PayloadRule, PluginSettings, SafetySettings, WebSettings,
 };
-pub use swarm::{Apart, DdsSettings, SwarmSettings, SwarmTransport, ZenohSettings};
+pub use swarm::{Apart, SwarmSettings, SwarmTransport, ZenohSettings};
 
 use std::path::{Path, PathBuf};
 use thiserror::Error;

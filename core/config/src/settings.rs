@@ -1,6 +1,6 @@
 //! The settings themselves, one struct per table of the file. `default.toml` says what each key is for.
 
-use crate::{OperatorSettings, SwarmSettings, SystemIdSet};
+use crate::{DdsSettings, LinkKind, OperatorSettings, SwarmSettings, SystemIdSet};
 use serde::{Deserialize, Serialize};
 use skein_domain::{EnergySettings, FenceZone, LadderSettings, PreflightSettings};
 use std::net::SocketAddr;
@@ -16,6 +16,8 @@ pub struct NodeConfig {
     pub swarm: SwarmSettings,
     /// Where vehicles are heard.
     pub endpoints: Vec<EndpointSettings>,
+    /// Where this node is in DDS.
+    pub dds: DdsSettings,
     /// How links behave.
     pub link: LinkSettings,
     /// What a newly seen vehicle becomes; the first rule that fits is taken.
@@ -108,6 +110,9 @@ pub struct AdoptionRule {
     /// Name of the endpoint it fits; every one if left out.
     #[serde(default)]
     pub endpoint: Option<String>,
+    /// What it is flown over: the first, or the other one while that is not heard.
+    #[serde(default = "AdoptionRule::default_links")]
+    pub links: Vec<LinkKind>,
     /// Vehicle name; `{system_id}` and `{vehicle_id}` are filled in.
     #[serde(default = "AdoptionRule::default_name")]
     pub name: String,
@@ -206,6 +211,10 @@ impl AdoptionRule {
         "uav-{system_id}".into()
     }
 
+    fn default_links() -> Vec<LinkKind> {
+        vec![LinkKind::Mavlink]
+    }
+
     fn default_model() -> String {
         "generic-uav".into()
     }
@@ -222,6 +231,7 @@ impl Default for AdoptionRule {
         Self {
             system_ids: SystemIdSet::all(),
             endpoint: None,
+            links: Self::default_links(),
             name: Self::default_name(),
             vehicle_id_offset: 0,
             model: Self::default_model(),

@@ -38,8 +38,6 @@ pub struct SwarmSettings {
     pub max_bytes_per_s: f64,
     /// `[swarm.zenoh]`
     pub zenoh: ZenohSettings,
-    /// `[swarm.dds]`
-    pub dds: DdsSettings,
 }
 
 impl Default for SwarmSettings {
@@ -58,7 +56,6 @@ impl Default for SwarmSettings {
             transports: vec![SwarmTransport::Zenoh],
             max_bytes_per_s: 1_000_000.0,
             zenoh: ZenohSettings::default(),
-            dds: DdsSettings::default(),
         }
     }
 }
@@ -118,25 +115,6 @@ impl Default for ZenohSettings {
     }
 }
 
-/// `[swarm.dds]`
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct DdsSettings {
-    /// DDS domain.
-    pub domain_id: u16,
-    /// Addresses of the network interfaces it uses.
-    pub interfaces: Vec<String>,
-}
-
-impl Default for DdsSettings {
-    fn default() -> Self {
-        Self {
-            domain_id: 0,
-            interfaces: vec!["127.0.0.1".to_owned()],
-        }
-    }
-}
-
 impl SwarmSettings {
     /// Everything that is wrong with it.
     pub(crate) fn problems(&self, problems: &mut Vec<Problem>) {
@@ -179,17 +157,6 @@ impl SwarmSettings {
         let twice = self.transports.first() == self.transports.get(1);
         if self.transports.is_empty() || self.transports.len() > 2 || twice {
             wrong("transports", "name one of \"zenoh\" and \"dds\", or both");
-        }
-        if self.dds.domain_id > 101 {
-            wrong("dds.domain_id", "is not between 0 and 101");
-        }
-        if self
-            .dds
-            .interfaces
-            .iter()
-            .any(|at| at.parse::<std::net::IpAddr>().is_err())
-        {
-            wrong("dds.interfaces", "are IP addresses of this computer");
         }
     }
 }

@@ -8,6 +8,7 @@ use crate::coordination::Coordination;
 use crate::emergency::EmergencyUnlock;
 use crate::events::EventLog;
 use crate::own_tracks::OwnTracks;
+use crate::paired::PairedLink;
 use crate::payload::PayloadCell;
 use crate::plugin_life::LifeRecord;
 use crate::references::References;
@@ -67,6 +68,8 @@ pub struct Board {
     pub withdrawn: Mutex<BTreeSet<VehicleId>>,
     /// Vehicles by id.
     cells: RwLock<BTreeMap<VehicleId, Arc<VehicleCell>>>,
+    /// Vehicles that are flown over two links.
+    pub pairs: Mutex<BTreeMap<VehicleId, Arc<PairedLink>>>,
     /// Vehicles heard but not flown.
     pub unadopted: Mutex<Vec<UnadoptedVehicle>>,
     /// Health of the node's own actors by name.
@@ -137,6 +140,7 @@ impl Board {
             coordination: Mutex::default(),
             withdrawn: Mutex::default(),
             cells: RwLock::default(),
+            pairs: Mutex::default(),
             unadopted: Mutex::default(),
             actors: Mutex::default(),
             restarts: Mutex::default(),

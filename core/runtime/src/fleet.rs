@@ -8,13 +8,14 @@ mod payloads;
 pub use payloads::{payload_cell, payload_kind};
 
 use crate::board::{Board, LinkSlot, VehicleCell};
+use crate::paired::PairedLink;
 use crate::plugin_life::{LifeIdentity, LifeRecord};
 use crate::restart::{Decision, RestartHistory, VEHICLE_LIMITS};
 use crate::snapshot::{ActorStatus, EventKind, UnadoptedVehicle};
 use crate::vehicle::{Vehicle, VehicleArguments};
 use payloads::{PayloadKey, PayloadRecord};
 use ractor::{Actor, ActorId, ActorProcessingErr, ActorRef, RpcReplyPort, SupervisionEvent};
-use skein_config::{AdoptionRule, PayloadRule};
+use skein_config::{AdoptionRule, LinkKind, PayloadRule};
 use skein_domain::exchange::Severity;
 use skein_domain::link::VehicleLink;
 use skein_domain::{AutopilotCommand, FlightMode, FlightState, Incarnation, Refusal, RequestId, SystemId, VehicleId};
@@ -50,8 +51,10 @@ enum Child {
 
 /// A vehicle heard for the first time on an endpoint.
 pub struct Discovery {
-    /// Name of the endpoint.
+    /// Name of the endpoint, or of its place on DDS.
     pub endpoint: String,
+    /// What it is heard over.
+    pub kind: LinkKind,
     /// Its link.
     pub link: Arc<dyn VehicleLink>,
     /// Its system id there.
@@ -150,27 +153,27 @@ impl Actor for Fleet {
     }
 }
 
+/// Whether a rule is about such a vehicle. Endpoints are MAVLink's.
+fn fits(rule: &AdoptionRule, discovery: &Discovery) -> bool {
+    let endpoint = rule.endpoint.as_ref().filter(|_| discovery.kind == LinkKind::Mavlink);
+    rule.system_ids.contains(discovery.system_id)
+        && rule.links.contains(&discovery.kind)
+        && endpoint.is_none_or(|name| *name == discovery.endpoint)
+}
+
 impl FleetState {
     async fn discovered(&mut self, myself: &ActorRef<FleetMessage>, discovery: Discovery) {
-        let Discovery {
-            endpoint,
-            link,
-            system_id,
-        } = discovery;
         let rules = &self.board.config.adopt;
-        let rule = rules.iter().find(|rule| {
-            rule.system_ids.contains(system_id) && rule.endpoint.as_ref().is_none_or(|name| *name == endpoint)
-        });
-        let why = match rule {
+        let why = match rules.iter().find(|rule| fits(rule, &discovery)) {
             None => "no adoption rule fits it".to_owned(),
-            Some(rule) => match self.adopt(myself, &endpoint, link, system_id, &rule.clone()).await {
+            Some(rule) => match self.adopt(myself, &discovery, &rule.clone()).await {
                 Ok(()) => return,
                 Err(why) => why,
             },
         };
         self.not_adopted(UnadoptedVehicle {
-            system_id,
-            endpoint,
+            system_id: discovery.system_id,
+            endpoint: discovery.endpoint,
             why,
         });
     }
@@ -178,27 +181,14 @@ impl FleetState {
     async fn adopt(
         &mut self,
         myself: &ActorRef<FleetMessage>,
-        endpoint: &str,
-        link: Arc<dyn VehicleLink>,
-        system_id: SystemId,
+        discovery: &Discovery,
         rule: &AdoptionRule,
     ) -> Result<(), String> {
+        let (endpoint, system_id) = (&discovery.endpoint, discovery.system_id);
         let id = VehicleId(u16::from(system_id.0).saturating_add(rule.vehicle_id_offset));
         let now = self.board.now();
         if let Some(known) = self.board.cell(id) {
-            let (_, health) = known.link.load().0.read(now);
-            if health.connected {
-                return Err(format!(
-                    "vehicle {id} is already flown over another link ({})",
-                    known.name
-                ));
-            }
-            known.link.store(Arc::new(LinkSlot(link)));
-            let text = format!("{} is back, heard on {endpoint}", known.name);
-            self.board
-                .events
-                .record(now, Some(id), Severity::Advisory, EventKind::LinkRegained, text);
-            return Ok(());
+            return self.heard_again(&known, discovery);
         }
         let plugin = self
             .board
@@ -210,11 +200,12 @@ impl FleetState {
             .name
             .replace("{system_id}", &system_id.to_string())
             .replace("{vehicle_id}", &id.to_string());
+        let link = self.link_of(id, discovery, rule);
         let cell = self.new_cell(id, name, link, plugin, rule)?;
         self.board
             .unadopted
             .lock()
-            .retain(|u| u.system_id != system_id || u.endpoint != endpoint);
+            .retain(|u| u.system_id != system_id || u.endpoint != *endpoint);
         let text = format!(
             "{} adopted: system id {system_id} on {endpoint}, model {}",
             cell.name, rule.model
@@ -231,6 +222,45 @@ impl FleetState {
         self.start(myself, cell.clone()).await;
         self.start_payloads(myself, &cell).await;
         Ok(())
+    }
+
+    /// A vehicle of ours is heard anew: over its second link, or over a new one in place of one that is lost.
+    fn heard_again(&mut self, known: &VehicleCell, discovery: &Discovery) -> Result<(), String> {
+        let now = self.board.now();
+        let Discovery {
+            endpoint, kind, link, ..
+        } = discovery;
+        let (id, name) = (known.id, &known.name);
+        if let Some(pair) = self.board.pairs.lock().get(&id) {
+            let attached = pair.attach(now, *kind, link.clone());
+            return attached.then_some(()).ok_or_else(|| {
+                let active = pair.active();
+                format!("vehicle {id} is already flown over {active} and heard over {kind} ({name})")
+            });
+        }
+        let (_, health) = known.link.load().0.read(now);
+        if health.connected {
+            return Err(format!("vehicle {id} is already flown over another link ({name})"));
+        }
+        known.link.store(Arc::new(LinkSlot(link.clone())));
+        let text = format!("{name} is back, heard on {endpoint}");
+        self.board
+            .events
+            .record(now, Some(id), Severity::Advisory, EventKind::LinkRegained, text);
+        Ok(())
+    }
+
+    /// The link itself, or one of two.
+    fn link_of(&self, id: VehicleId, discovery: &Discovery, rule: &AdoptionRule) -> Arc<dyn VehicleLink> {
+        let link = discovery.link.clone();
+        match rule.links.as_slice() {
+            [first, second] => {
+                let pair = Arc::new(PairedLink::new([*first, *second], discovery.kind, link));
+                self.board.pairs.lock().insert(id, pair.clone());
+                pair
+            }
+            _ => link,
+        }
     }
 
     /// A vehicle with what it carries, as its rule says.

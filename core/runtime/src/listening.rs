@@ -5,6 +5,7 @@ use crate::fleet::{Discovery, FleetMessage};
 use crate::node::Parts;
 use crate::references::ReferenceReport;
 use crate::snapshot::{EventKind, UnadoptedVehicle};
+use skein_config::LinkKind;
 use skein_domain::SystemId;
 use skein_domain::exchange::Severity;
 use skein_link_px4::{EndpointEvent, EventSink, ReferenceSink, Sighting};
@@ -52,6 +53,7 @@ fn noticed(board: &Board, parts: &Parts, event: EndpointEvent) {
                 parts,
                 FleetMessage::Discovered(Discovery {
                     endpoint,
+                    kind: LinkKind::Mavlink,
                     link,
                     system_id,
                 }),
@@ -102,7 +104,8 @@ fn noticed(board: &Board, parts: &Parts, event: EndpointEvent) {
         .record(board.now(), None, severity, EventKind::Notice, text);
 }
 
-fn tell(parts: &Parts, message: FleetMessage) {
+/// Tells the fleet. Must not wait.
+pub fn tell(parts: &Parts, message: FleetMessage) {
     if let Some(fleet) = parts.fleet.load_full() {
         // A fleet that has just ended finds its vehicles on the board; what it misses here is heard again.
         let _ = fleet.cast(message);

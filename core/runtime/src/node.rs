@@ -5,6 +5,7 @@
 
 use crate::clock::TokioClock;
 use crate::coordinator::{Coordinator, CoordinatorMessage};
+use crate::dds_links::{DdsLinks, DdsLinksArguments};
 use crate::fleet::{Fleet, FleetMessage};
 use crate::handle::NodeHandle;
 use crate::listening;
@@ -17,9 +18,11 @@ use crate::wiring::{self, WiringError};
 use arc_swap::ArcSwapOption;
 use ractor::{Actor, ActorCell, ActorId, ActorProcessingErr, ActorRef, RpcReplyPort, SpawnErr, SupervisionEvent};
 use skein_config::NodeConfig;
+use skein_dds::Place;
 use skein_domain::exchange::Severity;
 use skein_domain::{Clock, Incarnation, NodeTime};
-use skein_link_px4::{Endpoint, EndpointArguments, EndpointSettings, LinkTable};
+use skein_link_dds::DdsLinkTable;
+use skein_link_px4::{Endpoint, EndpointArguments, EndpointSettings, LinkSettings, LinkTable};
 use std::collections::{BTreeMap, HashMap};
 use std::net::SocketAddr;
 use std::pin::Pin;
@@ -74,6 +77,7 @@ impl Node {
         config: NodeConfig,
         adapters: Vec<Adapter>,
         swarm: Option<SwarmSetup>,
+        place: Arc<Place>,
     ) -> Result<Self, NodeError> {
         // In a swarm others tell of what was before this node started.
         let began = if swarm.is_some() {
@@ -83,6 +87,7 @@ impl Node {
         };
         let clock: Arc<dyn Clock> = Arc::new(TokioClock::start_at(began));
         let endpoints = wiring::endpoints(&config)?;
+        let dds = config.flies_over_dds().then(|| (place, wiring::link_settings(&config)));
         let board = Arc::new(wiring::board(config, clock)?);
         let parts = Arc::new(Parts::default());
         let handle = NodeHandle::new(board, parts);
@@ -91,6 +96,7 @@ impl Node {
             endpoints,
             adapters,
             swarm,
+            dds,
         };
         let failed = |reason: String| NodeError::Part {
             part: "node".into(),
@@ -137,6 +143,8 @@ pub struct Parts {
     pub fleet: ArcSwapOption<ActorRef<FleetMessage>>,
     /// Links and counters of all endpoints.
     pub links: Arc<LinkTable>,
+    /// Links to vehicles over DDS.
+    pub dds_links: Arc<DdsLinkTable>,
     /// Local addresses of the endpoints that are bound, by name.
     pub bound: parking_lot::Mutex<BTreeMap<String, SocketAddr>>,
 }
@@ -156,6 +164,7 @@ enum Part {
     Coordinator,
     Observer,
     Swarm,
+    DdsLinks,
     Endpoint(usize),
     Adapter(usize),
 }
@@ -165,6 +174,8 @@ struct NodeArguments {
     endpoints: Vec<EndpointSettings>,
     adapters: Vec<Adapter>,
     swarm: Option<SwarmSetup>,
+    /// If vehicles are looked for on DDS.
+    dds: Option<(Arc<Place>, LinkSettings)>,
 }
 
 /// What the clock of a node in a swarm says when it starts: thirty days.
@@ -243,7 +254,8 @@ impl NodeState {
         let adapters = (0..self.arguments.adapters.len()).map(Part::Adapter);
         let first = [Part::Fleet, Part::Coordinator, Part::Pulse, Part::Observer];
         let swarm = self.arguments.swarm.as_ref().map(|_| Part::Swarm);
-        for part in first.into_iter().chain(swarm).chain(endpoints).chain(adapters) {
+        let dds = self.arguments.dds.as_ref().map(|_| Part::DdsLinks);
+        for part in first.into_iter().chain(swarm).chain(dds).chain(endpoints).chain(adapters) {
             self.start(myself, part).await?;
         }
         Ok(())
@@ -256,6 +268,7 @@ impl NodeState {
             Part::Coordinator => "coordinator".into(),
             Part::Observer => "observer".into(),
             Part::Swarm => "swarm".into(),
+            Part::DdsLinks => "dds-links".into(),
             Part::Endpoint(i) => self
                 .arguments
                 .endpoints
@@ -320,6 +333,16 @@ impl NodeState {
                     setup: self.arguments.swarm.clone().ok_or("not configured")?,
                 };
                 Ok(spawned(Swarm::spawn_linked(None, Swarm, arguments, parent).await)?.get_id())
+            }
+            Part::DdsLinks => {
+                let (place, settings) = self.arguments.dds.clone().ok_or("not configured")?;
+                let arguments = DdsLinksArguments {
+                    board,
+                    parts: parts.clone(),
+                    place,
+                    settings,
+                };
+                Ok(spawned(DdsLinks::spawn_linked(None, DdsLinks, arguments, parent).await)?.get_id())
             }
             Part::Endpoint(i) => {
                 let settings = self.arguments.endpoints.get(i).cloned().ok_or("not configured")?;

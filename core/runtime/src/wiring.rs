@@ -78,24 +78,29 @@ pub fn endpoints(config: &NodeConfig) -> Result<Vec<EndpointSettings>, WiringErr
                         reason: e.to_string(),
                     })?;
             let name = endpoint.name.clone().unwrap_or_else(|| endpoint.address.clone());
-            let link = LinkSettings {
-                own_system_id: config.link.own_system_id,
-                own_component_id: config.link.own_component_id,
-                lost_after_s: config.link.lost_after_s,
-                hold_for_s: config.link.hold_for_s,
-                setpoint_rate_hz: config.node.control_rate_hz,
-                rates: MessageRates {
-                    local_position_hz: config.link.position_rate_hz,
-                    ..MessageRates::default()
-                },
-                ..LinkSettings::default()
-            };
             Ok(EndpointSettings {
-                link,
+                link: link_settings(config),
                 ..EndpointSettings::new(name, address)
             })
         })
         .collect()
+}
+
+/// How links behave, whatever carries them.
+#[must_use]
+pub fn link_settings(config: &NodeConfig) -> LinkSettings {
+    LinkSettings {
+        own_system_id: config.link.own_system_id,
+        own_component_id: config.link.own_component_id,
+        lost_after_s: config.link.lost_after_s,
+        hold_for_s: config.link.hold_for_s,
+        setpoint_rate_hz: config.node.control_rate_hz,
+        rates: MessageRates {
+            local_position_hz: config.link.position_rate_hz,
+            ..MessageRates::default()
+        },
+        ..LinkSettings::default()
+    }
 }
 
 /// The safety gate.

@@ -3,9 +3,11 @@
 use crate::gateway;
 use crate::swarm::{self, SwarmError};
 use skein_config::NodeConfig;
+use skein_dds::{DdsSettings, Place};
 use skein_runtime::{Node, NodeError, NodeHandle, SwarmSetup};
 use std::net::SocketAddr;
 use std::path::PathBuf;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Why a node could not be built.
@@ -57,8 +59,17 @@ impl Running {
 /// # Errors
 /// When the configuration makes no sense, a plugin is missing or a port is not available.
 pub async fn build(config: NodeConfig) -> Result<Running, BuildError> {
-    let swarm = swarm::setup(&config.swarm)?;
-    build_in(config, swarm).await
+    let place = place(&config);
+    let swarm = swarm::setup(&config.swarm, &place)?;
+    build_at(config, swarm, place).await
+}
+
+/// Where a node is in DDS; it joins when something needs it.
+fn place(config: &NodeConfig) -> Arc<Place> {
+    Arc::new(Place::new(DdsSettings {
+        domain_id: config.dds.domain_id,
+        interfaces: config.dds.interfaces.clone(),
+    }))
 }
 
 /// The same, with the others of its swarm reached in this way.
@@ -66,6 +77,15 @@ pub async fn build(config: NodeConfig) -> Result<Running, BuildError> {
 /// # Errors
 /// As [`build`].
 pub async fn build_in(config: NodeConfig, swarm: Option<SwarmSetup>) -> Result<Running, BuildError> {
+    let place = place(&config);
+    build_at(config, swarm, place).await
+}
+
+async fn build_at(
+    config: NodeConfig,
+    swarm: Option<SwarmSetup>,
+    place: Arc<Place>,
+) -> Result<Running, BuildError> {
     let (mut web, mut adapters) = (None, Vec::new());
     if config.web.enabled {
         let address = config.web.listen;
@@ -75,7 +95,7 @@ pub async fn build_in(config: NodeConfig, swarm: Option<SwarmSetup>) -> Result<R
         web = Some(listener.local_addr().map_err(unavailable)?);
         adapters.push(gateway::adapter(listener, gateway::settings(&config)));
     }
-    let node = Node::start(config, adapters, swarm).await?;
+    let node = Node::start(config, adapters, swarm, place).await?;
     gateway::serve_others(&node.handle());
     Ok(Running { node, web })
 }

@@ -7,6 +7,7 @@ use skein_config::NodeConfig;
 use skein_link_px4::EndpointAddress;
 use std::collections::BTreeSet;
 use std::net::{TcpListener, UdpSocket};
+use std::sync::Arc;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant, SystemTime};
@@ -69,7 +70,7 @@ pub fn doctor(arguments: &DoctorArguments) -> anyhow::Result<ExitCode> {
 fn in_swarm(config: &NodeConfig, findings: &mut Vec<Finding>) {
     let settings = &config.swarm;
     let Some(id) = &settings.id else { return };
-    match swarm::setup(settings) {
+    match swarm::setup(settings, &Arc::default()) {
         Ok(_) => findings.push(Finding::Good(format!("swarm: the secret of {id} can be read"))),
         Err(error) => bad(findings, error.to_string(), "see the line above"),
     }

@@ -8,11 +8,11 @@ use skein_bus::redundant::Redundant;
 use skein_bus::seal::{SwarmKey, WeakSecret};
 use skein_bus::transport::Transport;
 use skein_config::{SwarmSettings, SwarmTransport};
+use skein_dds::Place;
 use skein_domain::NodeId;
 use skein_runtime::{OpenedTransport, SwarmSetup};
 use std::fs::OpenOptions;
 use std::io::{self, Write};
-use std::net::IpAddr;
 use std::os::unix::fs::{OpenOptionsExt, PermissionsExt};
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
@@ -54,13 +54,13 @@ pub enum SwarmError {
 ///
 /// # Errors
 /// When the secret cannot be read or is none.
-pub fn setup(settings: &SwarmSettings) -> Result<Option<SwarmSetup>, SwarmError> {
+pub fn setup(settings: &SwarmSettings, place: &Arc<Place>) -> Result<Option<SwarmSetup>, SwarmError> {
     let (Some(id), Some(file)) = (&settings.id, &settings.secret_file) else {
         return Ok(None);
     };
     let key = read_key(id, file)?;
-    let settings = settings.clone();
-    let open = Arc::new(move || open(&settings));
+    let (settings, place) = (settings.clone(), Arc::clone(place));
+    let open = Arc::new(move || open(&settings, &place));
     Ok(Some(SwarmSetup { key, open }))
 }
 
@@ -98,8 +98,8 @@ fn from_hexadecimal(text: &str) -> Option<Vec<u8>> {
 }
 
 /// The transport or the two transports of a configuration. Waits for them to begin.
-fn open(settings: &SwarmSettings) -> Result<OpenedTransport, String> {
-    let open = |which: &SwarmTransport| open_one(settings, *which);
+fn open(settings: &SwarmSettings, place: &Place) -> Result<OpenedTransport, String> {
+    let open = |which: &SwarmTransport| open_one(settings, place, *which);
     match settings.transports.as_slice() {
         [only] => open(only).map(OpenedTransport::from),
         [first, second] => {
@@ -114,7 +114,7 @@ fn open(settings: &SwarmSettings) -> Result<OpenedTransport, String> {
     }
 }
 
-fn open_one(settings: &SwarmSettings, which: SwarmTransport) -> Result<Box<dyn Transport>, String> {
+fn open_one(settings: &SwarmSettings, place: &Place, which: SwarmTransport) -> Result<Box<dyn Transport>, String> {
     let swarm = settings.id.clone().unwrap_or_default();
     let node = NodeId(settings.node.unwrap_or_default());
     match which {
@@ -129,15 +129,9 @@ fn open_one(settings: &SwarmSettings, which: SwarmTransport) -> Result<Box<dyn T
             Ok(Box::new(opened.map_err(|e| format!("swarm.zenoh: {e}"))?))
         }
         SwarmTransport::Dds => {
-            let addresses = settings.dds.interfaces.iter().map(|at| at.parse::<IpAddr>());
-            let dds = skein_bus_dds::DdsSettings {
-                domain_id: settings.dds.domain_id,
-                interfaces: addresses
-                    .collect::<Result<_, _>>()
-                    .map_err(|e| format!("swarm.dds.interfaces: {e}"))?,
-            };
-            let opened = skein_bus_dds::Dds::open(&swarm, node, &dds);
-            Ok(Box::new(opened.map_err(|e| format!("swarm.dds: {e}"))?))
+            let participant = place.participant().map_err(|e| format!("dds: {e}"))?;
+            let opened = skein_bus_dds::Dds::open(&swarm, node, participant);
+            Ok(Box::new(opened.map_err(|e| format!("dds: {e}"))?))
         }
     }
 }

@@ -11,7 +11,8 @@ use serde::Serialize;
 use skein_bus::local::Hub;
 use skein_bus::seal::SwarmKey;
 use skein_bus::transport::Transport;
-use skein_bus_dds::{Dds, DdsSettings};
+use skein_bus_dds::Dds;
+use skein_dds::DdsSettings;
 use skein_bus_zenoh::{Zenoh, ZenohSettings};
 use skein_domain::NodeId;
 use std::fmt;
@@ -176,7 +177,8 @@ fn dds(nodes: &[NodeId]) -> Result<Opened, BenchError> {
         ..DdsSettings::default()
     };
     let open = |node: &NodeId| -> Result<Box<dyn Transport>, BenchError> {
-        let transport = Dds::open(&swarm(), *node, &settings);
+        let participant = skein_dds::join(&settings).map_err(|e| BenchError::Program(e.to_string()))?;
+        let transport = Dds::open(&swarm(), *node, participant);
         Ok(Box::new(transport.map_err(|e| BenchError::Program(e.to_string()))?))
     };
     nodes.iter().map(open).collect()

@@ -323,7 +323,7 @@ transports = [{transports}]
             r#"[swarm.zenoh]
 listen = ["udp/{air}:7447"]
 multicast = true
-[swarm.dds]
+[dds]
 domain_id = 7
 interfaces = ["{air}"]
 [web]

@@ -5,6 +5,7 @@ use skein_api::ApiSettings;
 use skein_config::NodeConfig;
 use skein_runtime::{Node, NodeHandle};
 use std::net::SocketAddr;
+use std::sync::Arc;
 use tokio::net::TcpListener;
 use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
@@ -30,7 +31,7 @@ impl Served {
         config.plugins.directories = vec![plugins.path().to_owned()];
         adapt(&mut config);
         let settings = ApiSettings::from(&config.web);
-        let node = Node::start(config, Vec::new(), None).await.unwrap();
+        let node = Node::start(config, Vec::new(), None, Arc::default()).await.unwrap();
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap();
         let (stop, stopped) = oneshot::channel::<()>();
