@@ -85,10 +85,13 @@ pub struct DemoArguments {
     /// Write the figures of the flight to this file, as JSON.
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
-    /// Faults in flight: `actors` kills a plugin, a vehicle actor and the coordinator; `plugins` ends a random plugin twice a second.
-    /// The criteria stay the same.
+    /// Faults in flight: `actors` kills a plugin, a vehicle actor and the coordinator; `plugins` ends a random plugin twice a second;
+    /// `links` cuts the first of each vehicle's two links in turn (with `--link both`). The criteria stay the same.
     #[arg(long, value_enum, value_name = "WHAT", num_args = 0..=1, default_missing_value = "actors")]
     pub faults: Option<FaultPlan>,
+    /// What the vehicles are flown over: `dds` is PX4's uXRCE-DDS agent, `both` is DDS first and MAVLink when that is silent.
+    #[arg(long, value_enum, default_value_t = DemoLink::Mavlink, value_name = "LINK")]
+    pub link: DemoLink,
     /// Vehicles and dashboard only: fly it yourself.
     #[arg(long)]
     pub manual: bool,
@@ -144,6 +147,19 @@ pub enum FaultPlan {
     Actors,
     /// A random plugin (UAV models and payloads, in both isolations) twice a second.
     Plugins,
+    /// The first of each vehicle's two links, in turn.
+    Links,
+}
+
+/// What the vehicles of the demonstration are flown over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DemoLink {
+    /// MAVLink over UDP.
+    Mavlink,
+    /// The topics of PX4's uXRCE-DDS agent.
+    Dds,
+    /// DDS, and MAVLink when that is silent.
+    Both,
 }
 
 /// `skein run`

@@ -4,22 +4,25 @@
 mod drills;
 mod fleet;
 mod layout;
+mod link_cuts;
 mod referee;
 pub mod report;
 mod scenario;
 mod stage;
 mod steps;
 
-use crate::args::{DemoArguments, Scenario};
+use crate::args::{DemoArguments, DemoLink, FaultPlan, Scenario};
 use crate::build::{Running, build, plugins_beside_program};
 use crate::run::stop_asked;
 use anyhow::{Context, bail};
 use drills::Drills;
 use layout::Layout;
+use link_cuts::LinkCuts;
 use referee::Referee;
 use scenario::{Chosen, Flight, Setup};
 use skein_config::{EndpointSettings, NodeConfig, PluginSettings};
-use skein_sim::{PayloadPlan, PortPlan, SimSettings, Simulation};
+use skein_sim::{Faces, PayloadPlan, PortPlan, SimSettings, Simulation};
+use skein_sim_dds::DdsSettings;
 use stage::Stage;
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -34,6 +37,9 @@ const ENDPOINT: &str = "simulation";
 /// # Errors
 /// When the node or the simulation cannot be started, or the flight breaks off.
 pub async fn demo(arguments: DemoArguments) -> anyhow::Result<ExitCode> {
+    if arguments.faults == Some(FaultPlan::Links) && arguments.link != DemoLink::Both {
+        bail!("--faults links cuts one of two links: add --link both");
+    }
     let layout = Layout::plan(usize::from(arguments.count()), arguments.seconds.map(f64::from));
     let described = layout.describe();
     let mut setup = Setup {
@@ -44,8 +50,12 @@ pub async fn demo(arguments: DemoArguments) -> anyhow::Result<ExitCode> {
     let take_off_stagger_s = layout.take_off_stagger_s;
     let mut flight = Chosen::new(arguments.scenario, layout);
     flight.prepare(&mut setup);
+    let domain_id = setup.node.dds.domain_id;
     let running = build(setup.node).await?;
-    let simulation = simulate(setup.simulation, &running)?;
+    let simulation = simulate(setup.simulation, &running, domain_id)?;
+    if arguments.link != DemoLink::Mavlink {
+        println!("The vehicles' topics are in DDS domain {domain_id}, on this computer alone.");
+    }
     if let Some(address) = running.web_address() {
         println!("Dashboard: http://{address}");
     }
@@ -87,7 +97,7 @@ fn configuration(arguments: &DemoArguments, layout: &Layout) -> NodeConfig {
             name: Some(ENDPOINT.into()),
             address: "udp-listen://127.0.0.1:0".into(),
         }],
-        adopt: fleet::rules(arguments.count(), arguments.model.as_deref(), arguments.faults),
+        adopt: fleet::rules(arguments),
         plugins: PluginSettings {
             directories: plugin_directories(&arguments.plugins),
             ..PluginSettings::default()
@@ -95,11 +105,18 @@ fn configuration(arguments: &DemoArguments, layout: &Layout) -> NodeConfig {
         ..NodeConfig::default()
     };
     config.node.name = "demo".into();
+    config.dds.domain_id = own_domain();
     config.web.listen = SocketAddr::from(([127, 0, 0, 1], port));
     config.coordinator.take_off_stagger_s = layout.take_off_stagger_s;
     config.coordinator.transition_speed_m_s = layout::TRANSITION_SPEED_M_S;
     config.faults.enabled = arguments.faults.is_some() || arguments.manual || arguments.scenario != Scenario::Tour;
     config
+}
+
+/// A DDS domain of this demonstration's own: in the usual one there may be vehicles that are real.
+fn own_domain() -> u16 {
+    const DOMAINS: u32 = 100;
+    (std::process::id() % DOMAINS) as u16 + 1
 }
 
 /// Those asked for, and the one beside the program if it is not among them.
@@ -120,30 +137,56 @@ fn simulation(arguments: &DemoArguments) -> SimSettings {
         spacing_m: layout::SPACING_M,
         payloads: PayloadPlan::all(),
         parameters: fleet::parameters(),
+        faces: match arguments.link {
+            DemoLink::Mavlink => Faces::Mavlink,
+            DemoLink::Dds => Faces::Dds,
+            DemoLink::Both => Faces::Both,
+        },
         ..SimSettings::default()
     }
 }
 
-fn simulate(settings: SimSettings, running: &Running) -> anyhow::Result<Simulation> {
+fn simulate(settings: SimSettings, running: &Running, domain_id: u16) -> anyhow::Result<Simulation> {
     let address = running.handle().endpoint_addresses().get(ENDPOINT).copied();
     let address = address.context("the demo's endpoint is not bound")?;
-    Ok(Simulation::start(SimSettings {
+    let settings = SimSettings {
         ports: PortPlan::SendTo(address),
         ..settings
-    })?)
+    };
+    if settings.faces == Faces::Mavlink {
+        return Ok(Simulation::start(settings)?);
+    }
+    let dds = DdsSettings {
+        domain_id,
+        ..DdsSettings::default()
+    };
+    Ok(skein_sim_dds::start(settings, &dds)?)
 }
 
 async fn fly(arguments: &DemoArguments, flight: &mut Chosen, stage: &Stage<'_>) -> anyhow::Result<ExitCode> {
+    let cuts = LinkCuts::default();
     let drills = arguments
         .faults
+        .filter(|plan| *plan != FaultPlan::Links)
         .map(|plan| Drills::start(plan, stage.node.clone(), arguments.seed));
-    let flown = flight.fly(stage).await;
+    let flown = if arguments.faults == Some(FaultPlan::Links) {
+        tokio::select! {
+            flown = flight.fly(stage) => flown,
+            failed = cuts.cut_in_turn(stage) => Err(failed),
+        }
+    } else {
+        flight.fly(stage).await
+    };
     let flight_s = flown.is_ok().then(|| stage.elapsed_s());
-    let faults = drills.map_or(0, Drills::stop);
+    let faults = drills.map_or(cuts.made(), Drills::stop);
     // The last frames of the truth are in when the referee has seen one more.
     tokio::time::sleep(Duration::from_millis(100)).await;
+    let mut criteria = flight.criteria(stage.referee);
+    if arguments.faults == Some(FaultPlan::Links) {
+        criteria.extend(cuts.criteria(usize::from(arguments.count())));
+    }
     let outcome = report::Outcome {
-        criteria: flight.criteria(stage.referee),
+        criteria,
         flight_s,
         faults,
         broke_off: flown.as_ref().err(),

@@ -82,3 +82,22 @@ async fn with_a_random_plugin_ended_twice_a_second_the_criteria_still_hold() {
         );
     }
 }
+
+#[tokio::test]
+async fn over_dds_the_same_is_flown() {
+    check(&fly(&["--vehicles", "6", "--link", "dds"]).await, 6, 10);
+}
+
+#[tokio::test]
+async fn every_vehicle_flies_on_over_its_other_link_when_the_first_is_cut() {
+    let report = fly(&["--vehicles", "6", "--link", "both", "--faults", "links"]).await;
+    check(&report, 6, 13);
+    assert_eq!(report["faults"], 6);
+}
+
+#[tokio::test]
+async fn one_link_cannot_be_cut_in_turn() {
+    let mut demo = Process::skein(&["demo", "--headless", "--port", "0", "--faults", "links"]);
+    assert_ne!(demo.exit_code(Duration::from_secs(30)).await, 0);
+    assert!(demo.output().contains("--link both"), "{}", demo.output());
+}

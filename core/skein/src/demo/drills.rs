@@ -30,6 +30,8 @@ impl Drills {
         let task = match plan {
             FaultPlan::Actors => tokio::spawn(actors(node, injected.clone())),
             FaultPlan::Plugins => tokio::spawn(plugins(node, seed, injected.clone())),
+            // Cut where the vehicles are, not in the node.
+            FaultPlan::Links => tokio::spawn(async {}),
         };
         Self { task, injected }
     }

@@ -1,8 +1,8 @@
 //! What flies in the demonstration: a mixed swarm, or one model that somebody wants to see fly. Every third vehicle could host the coordinator, every third observes with a gimbal and
 //! a camera, and each has a radio.
 
-use crate::args::FaultPlan;
-use skein_config::{AdoptionRule, Isolation, PayloadRule, SystemIdSet};
+use crate::args::{DemoArguments, DemoLink, FaultPlan};
+use skein_config::{AdoptionRule, Isolation, LinkKind, PayloadRule, SystemIdSet};
 use skein_domain::SystemId;
 use skein_sim::vehicle::ParameterValue;
 
@@ -15,17 +15,25 @@ pub fn parameters() -> Vec<(String, ParameterValue)> {
 }
 
 /// The adoption rules, one per vehicle.
-pub fn rules(vehicles: u8, model: Option<&str>, faults: Option<FaultPlan>) -> Vec<AdoptionRule> {
-    let mixed = faults == Some(FaultPlan::Plugins);
-    (1..=vehicles).map(|system_id| rule(system_id, model, mixed)).collect()
+pub fn rules(arguments: &DemoArguments) -> Vec<AdoptionRule> {
+    (1..=arguments.count())
+        .map(|system_id| rule(system_id, arguments))
+        .collect()
 }
 
-fn rule(system_id: u8, model: Option<&str>, mixed_isolation: bool) -> AdoptionRule {
-    let (model, carries): (_, &[&str]) = match (model, system_id % 3) {
+fn rule(system_id: u8, arguments: &DemoArguments) -> AdoptionRule {
+    let mixed_isolation = arguments.faults == Some(FaultPlan::Plugins);
+    let (model, carries): (_, &[&str]) = match (arguments.model.as_deref(), system_id % 3) {
         (Some(model), _) => (model, &["radio"]),
         (None, 1) => ("coordinator-uav", &["radio"]),
         (None, 2) => ("observation-uav", &["gimbal", "camera", "radio"]),
         (None, _) => ("generic-uav", &["radio"]),
+    };
+    let (links, carries) = match arguments.link {
+        DemoLink::Mavlink => (vec![LinkKind::Mavlink], carries),
+        DemoLink::Both => (vec![LinkKind::Dds, LinkKind::Mavlink], carries),
+        // The simulated payloads speak MAVLink.
+        DemoLink::Dds => (vec![LinkKind::Dds], [].as_slice()),
     };
     // Half of the models and of the payloads each way, so that no kind of plugin runs in one way only.
     let isolation = |number: usize| match (mixed_isolation, (usize::from(system_id) / 3 + number) % 2) {
@@ -34,6 +42,7 @@ fn rule(system_id: u8, model: Option<&str>, mixed_isolation: bool) -> AdoptionRu
     };
     AdoptionRule {
         system_ids: SystemIdSet::one(SystemId(system_id)),
+        links,
         model: model.into(),
         // Numbers in a table of tables: nothing in it that the other form could not hold.
         model_config: serde_json::from_value(quick(model)).unwrap_or_default(),

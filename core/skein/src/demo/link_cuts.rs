@@ -1,0 +1,89 @@
+//! The faults of `--faults links`: once the formation flies its route, the first of each vehicle's two links is cut and mended again, one
+//! vehicle after the other.
+//!
+//! Must never do: cut both links of a vehicle.
+
+use super::report::{Criterion, at_least, at_most};
+use super::stage::Stage;
+use skein_domain::{FlightMode, VehicleId};
+use skein_sim::{Face, Fault};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+use tokio::time::Instant;
+
+/// How long a link stays cut.
+const CUT: Duration = Duration::from_secs(2);
+/// Until the next vehicle's turn.
+const APART: Duration = Duration::from_millis(500);
+/// How often the mode of the vehicle is looked at meanwhile.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// What was cut, and what came of it.
+#[derive(Debug, Default)]
+pub struct LinkCuts {
+    made: AtomicU64,
+    handed_over: AtomicU64,
+    left_offboard: AtomicU64,
+}
+
+impl LinkCuts {
+    /// How many links were cut.
+    pub fn made(&self) -> u64 {
+        self.made.load(Ordering::Relaxed)
+    }
+
+    /// Cuts the first link of each vehicle in turn. Ends only when it cannot.
+    pub async fn cut_in_turn(&self, stage: &Stage<'_>) -> anyhow::Error {
+        match self.cut_all(stage).await {
+            Ok(()) => std::future::pending().await,
+            Err(error) => error,
+        }
+    }
+
+    async fn cut_all(&self, stage: &Stage<'_>) -> anyhow::Result<()> {
+        while stage.node.snapshot().formation.as_ref().is_none_or(|f| f.route.is_none()) {
+            tokio::time::sleep(LOOK).await;
+        }
+        let vehicles: Vec<_> = stage.node.snapshot().vehicles.iter().map(|v| (v.id, v.system_id.0)).collect();
+        for (vehicle, system_id) in vehicles {
+            let cut = |cut| Fault::Cut { face: Face::Dds, cut };
+            let before = self.told(stage, vehicle);
+            stage.simulation.inflict(system_id, cut(true))?;
+            self.made.fetch_add(1, Ordering::Relaxed);
+            let until = Instant::now() + CUT;
+            let mut stayed = true;
+            while Instant::now() < until {
+                tokio::time::sleep(LOOK).await;
+                let fleet = stage.node.snapshot();
+                stayed &= fleet.vehicles.iter().any(|v| v.id == vehicle && v.mode == FlightMode::Offboard);
+            }
+            stage.simulation.inflict(system_id, cut(false))?;
+            self.left_offboard.fetch_add(u64::from(!stayed), Ordering::Relaxed);
+            let handed_over = self.told(stage, vehicle) > before;
+            self.handed_over.fetch_add(u64::from(handed_over), Ordering::Relaxed);
+            stage.say(&format!("vehicle {vehicle}: DDS was cut for {} s", CUT.as_secs()));
+            tokio::time::sleep(APART).await;
+        }
+        Ok(())
+    }
+
+    /// How often a vehicle was handed over to MAVLink.
+    fn told(&self, stage: &Stage<'_>, vehicle: VehicleId) -> usize {
+        let is_hand_over = |text: &str| text.contains("flown over MAVLink from now on");
+        let events = stage.node.events_after(0);
+        let told = |event: &&std::sync::Arc<skein_runtime::EventRecord>| {
+            event.vehicle == Some(vehicle) && is_hand_over(&event.text)
+        };
+        events.iter().filter(told).count()
+    }
+
+    /// What such a flight has to meet beside the others: every vehicle's link was cut, and each was flown on over the other one.
+    pub fn criteria(&self, vehicles: usize) -> Vec<Criterion> {
+        let count = |counter: &AtomicU64| Some(counter.load(Ordering::Relaxed) as f64);
+        vec![
+            at_least("links cut", count(&self.made), vehicles as f64, ""),
+            at_least("vehicles flown on over the other link", count(&self.handed_over), vehicles as f64, ""),
+            at_most("vehicles that left OFFBOARD with their link cut", count(&self.left_offboard), 0.0, ""),
+        ]
+    }
+}
