@@ -294,18 +294,19 @@ impl VehicleState {
 
     /// Writes a command's progress to the event log.
     fn record_progress(&self, id: CommandId, name: &str, progress: &CommandProgress) {
+        let words = name.replace('_', " ");
         let (severity, text) = match progress {
-            CommandProgress::Executing => (Severity::Info, format!("{}: {name} taken up", self.cell.name)),
-            CommandProgress::Done => (Severity::Info, format!("{}: {name} done", self.cell.name)),
+            CommandProgress::Executing => (Severity::Info, format!("{}: {words} taken up", self.cell.name)),
+            CommandProgress::Done => (Severity::Info, format!("{}: {words} done", self.cell.name)),
             CommandProgress::Refused {
                 refusal: Refusal::Superseded,
             } => (
                 Severity::Info,
-                format!("{}: {name} replaced by a newer command", self.cell.name),
+                format!("{}: {words} replaced by a newer command", self.cell.name),
             ),
             CommandProgress::Refused { refusal } => (
                 Severity::Warning,
-                format!("{}: {name} refused: {refusal}", self.cell.name),
+                format!("{}: {words} refused: {refusal}", self.cell.name),
             ),
         };
         let kind = EventKind::Command {
