@@ -148,6 +148,13 @@ impl Package {
 
 fn cargo() -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    // What cargo told this program of itself: build scripts look at it, and would run again whenever cargo is then called by hand.
+    for (name, _) in std::env::vars_os() {
+        let told = name.to_string_lossy();
+        if told.starts_with("CARGO_PKG_") || told.starts_with("CARGO_MANIFEST_") {
+            command.env_remove(&name);
+        }
+    }
     if std::env::var_os("CI").is_some() {
         // everything is compiled once and thrown away: keeping what a second build could reuse only costs time
         command.env("CARGO_INCREMENTAL", "0");
