@@ -12,6 +12,7 @@ mod ids;
 mod ladder_settings;
 mod operators;
 mod preflight_settings;
+mod ros2;
 pub mod settings;
 mod swarm;
 
@@ -20,6 +21,7 @@ pub use dds::{DdsSettings, LinkKind};
 pub use fences::{FenceFault, FenceFileError, ImportedFences, parse_fences, read_fence_file, to_geojson};
 pub use ids::SystemIdSet;
 pub use operators::OperatorSettings;
+pub use ros2::Ros2Settings;
 pub use settings::{
     AdoptionRule, CoordinatorSettings, EndpointSettings, Escalation, FaultSettings, FenceSettings, Isolation,
     LinkSettings, NodeConfig, NodeSettings, PayloadRule, PluginSettings, SafetySettings, WebSettings,

@@ -1,6 +1,6 @@
 //! The settings themselves, one struct per table of the file. `default.toml` says what each key is for.
 
-use crate::{DdsSettings, LinkKind, OperatorSettings, SwarmSettings, SystemIdSet};
+use crate::{DdsSettings, LinkKind, OperatorSettings, Ros2Settings, SwarmSettings, SystemIdSet};
 use serde::{Deserialize, Serialize};
 use skein_domain::{EnergySettings, FenceZone, LadderSettings, PreflightSettings};
 use std::net::SocketAddr;
@@ -30,6 +30,8 @@ pub struct NodeConfig {
     pub coordinator: CoordinatorSettings,
     /// The web API and dashboard.
     pub web: WebSettings,
+    /// The swarm on ROS 2.
+    pub ros2: Ros2Settings,
     /// Who may do what an ordinary client of the API may not.
     pub operators: Vec<OperatorSettings>,
     /// Fault injection.
