@@ -1,0 +1,140 @@
+//! Flies one vehicle by the velocities that come in: reads them, asks the node, and hears who else commands the vehicle.
+//!
+//! Must never do: ask anything that [`Steering`](super::Steering) does not say.
+
+use super::{Order, Report, Steering};
+use crate::interfaces::geometry::Twist;
+use futures_util::StreamExt;
+use parking_lot::Mutex;
+use ros2_client::Subscription;
+use skein_domain::exchange::CommandProgress;
+use skein_domain::{CommandId, FlightState, VehicleCommand, VehicleId};
+use skein_runtime::{EventKind, EventRecord, NodeHandle, Targets, VehicleSnapshot};
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::broadcast::error::RecvError;
+use tokio::time::{Instant, MissedTickBehavior};
+
+/// How often it is looked whether something is to be asked.
+const LOOK_EVERY: Duration = Duration::from_millis(50);
+/// So many of its own commands it knows again.
+const KNOWN_COMMANDS: usize = 16;
+
+struct Driver {
+    node: NodeHandle,
+    vehicle: VehicleId,
+    steering: Steering,
+    began: Instant,
+    own: VecDeque<CommandId>,
+    report: Arc<Mutex<Report>>,
+}
+
+impl Drop for Driver {
+    /// Whoever drives no more leaves the vehicle where it is.
+    fn drop(&mut self) {
+        if !self.steering.is_engaged() {
+            return;
+        }
+        let (node, vehicle) = (self.node.clone(), self.vehicle);
+        if let Ok(runtime) = tokio::runtime::Handle::try_current() {
+            runtime.spawn(async move {
+                node.command(&Targets::Vehicles(vec![vehicle]), VehicleCommand::Hold)
+                    .await;
+            });
+        }
+    }
+}
+
+/// Flies a vehicle by what comes in, as long as it is polled; how it stands is always in `report`.
+pub async fn drive(node: NodeHandle, vehicle: VehicleId, velocities: Subscription<Twist>, report: Arc<Mutex<Report>>) {
+    let (valid_s, fastest_m_s) = (node.config().ros2.cmd_vel_valid_s, node.config().safety.max_speed_m_s);
+    let mut events = node.subscribe();
+    let mut driver = Driver {
+        node,
+        vehicle,
+        steering: Steering::new(valid_s, fastest_m_s),
+        began: Instant::now(),
+        own: VecDeque::new(),
+        report,
+    };
+    let mut incoming = Box::pin(velocities.async_stream());
+    let mut look = tokio::time::interval(LOOK_EVERY);
+    look.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    loop {
+        tokio::select! {
+            // Ticks first: a flood of velocities does not keep one from expiring.
+            biased;
+            _ = look.tick() => driver.look().await,
+            event = events.recv() => match event {
+                Ok(event) => driver.hear(&event),
+                Err(RecvError::Lagged(_)) => driver.lose("too much happened to know who commands it"),
+                Err(RecvError::Closed) => return,
+            },
+            Some(velocity) = incoming.next() => {
+                if let Ok((twist, _)) = velocity {
+                    let now_s = driver.now_s();
+                    driver.steering.take(&twist, now_s);
+                }
+            }
+        }
+    }
+}
+
+impl Driver {
+    fn now_s(&self) -> f64 {
+        self.began.elapsed().as_secs_f64()
+    }
+
+    /// Somebody else's command to this vehicle takes it over.
+    fn hear(&mut self, event: &EventRecord) {
+        if event.vehicle != Some(self.vehicle) {
+            return;
+        }
+        if let EventKind::Command { id, command, progress } = &event.kind
+            && *progress == CommandProgress::Executing
+            && !self.own.contains(id)
+        {
+            self.lose(command);
+        }
+    }
+
+    fn lose(&mut self, to: &str) {
+        let now_s = self.now_s();
+        self.steering.taken_over(to, now_s);
+    }
+
+    async fn look(&mut self) {
+        let picture = self.node.snapshot();
+        let vehicle = picture.vehicles.iter().find(|v| v.id == self.vehicle);
+        if let Some(vehicle) = vehicle.filter(|v| is_lost(v)) {
+            self.lose(&vehicle.flight_state.to_string());
+        }
+        let here = vehicle.and_then(|v| v.kinematics);
+        let now_s = self.now_s();
+        if let Order::Give(command) = self.steering.decide(here.as_ref(), now_s) {
+            let targets = Targets::Vehicles(vec![self.vehicle]);
+            for receipt in self.node.command(&targets, command).await {
+                self.own.push_back(receipt.id);
+                if self.own.len() > KNOWN_COMMANDS {
+                    self.own.pop_front();
+                }
+                if let Some(refusal) = receipt.refusal {
+                    let now_s = self.now_s();
+                    self.steering.refused(&refusal, now_s);
+                }
+            }
+        }
+        *self.report.lock() = self.steering.report();
+    }
+}
+
+/// Whether a vehicle does what no velocity has it do.
+fn is_lost(vehicle: &VehicleSnapshot) -> bool {
+    let under_orders = vehicle.ladder.as_ref().is_some_and(|ladder| ladder.order.is_some());
+    let flies_otherwise = matches!(
+        vehicle.flight_state,
+        FlightState::Returning | FlightState::Landing | FlightState::PilotControl | FlightState::Faulted
+    );
+    under_orders || flies_otherwise
+}

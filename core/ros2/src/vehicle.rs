@@ -1,0 +1,211 @@
+//! One vehicle as a node of ROS 2: what it says, and the tasks that answer for it.
+//!
+//! Must never do: say an old position as a new one, or encode a picture that nobody looks at.
+
+use crate::cmd_vel::{self, Report};
+use crate::endpoints::{Place, Voice};
+use crate::interfaces::diagnostic::DiagnosticStatus;
+use crate::interfaces::geometry::{PoseStamped, TransformStamped, Twist};
+use crate::interfaces::nav::Odometry;
+use crate::interfaces::sensor::{BatteryState, CameraInfo, CompressedImage, NavSatFix};
+use crate::interfaces::skein::{GimbalState, VehicleState};
+use crate::stamp::Stamps;
+use crate::{Ros2Error, Tasks, names, picture, quality, services, translate};
+use parking_lot::Mutex;
+use ros2_client::Context;
+use skein_domain::payload::PayloadKind;
+use skein_domain::{NodeTime, VehicleId};
+use skein_runtime::{FleetSnapshot, NodeHandle, VehicleSnapshot};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
+
+struct Camera {
+    image: Voice<CompressedImage>,
+    info: Voice<CameraInfo>,
+    optical_frame: String,
+    last_sequence: u64,
+}
+
+impl Camera {
+    fn new(place: &mut Place, vehicle: &str, payload: &str) -> Result<Self, Ros2Error> {
+        let part = payload_part(payload);
+        Ok(Self {
+            image: place.voice(&format!("{part}/image_raw/compressed"), &quality::pictures())?,
+            info: place.voice(&format!("{part}/camera_info"), &quality::pictures())?,
+            optical_frame: format!("{vehicle}/{part}_optical"),
+            last_sequence: 0,
+        })
+    }
+}
+
+/// One vehicle. Its tasks end with it.
+pub struct Vehicle {
+    // Before the node: its tasks hold servers of it.
+    _tasks: Tasks,
+    id: VehicleId,
+    name: String,
+    pose: Voice<PoseStamped>,
+    odometry: Voice<Odometry>,
+    fix: Voice<NavSatFix>,
+    battery: Voice<BatteryState>,
+    state: Voice<VehicleState>,
+    gimbals: BTreeMap<String, Voice<GimbalState>>,
+    cameras: BTreeMap<String, Camera>,
+    measured: Option<NodeTime>,
+    cmd_vel: Arc<Mutex<Report>>,
+    place: Place,
+}
+
+impl Vehicle {
+    /// A node for a vehicle of this name.
+    ///
+    /// # Errors
+    /// When DDS refuses.
+    pub fn new(
+        context: &Context,
+        node: &NodeHandle,
+        runtime: &tokio::runtime::Handle,
+        id: VehicleId,
+        name: String,
+        dropped: Arc<AtomicU64>,
+    ) -> Result<Self, Ros2Error> {
+        let settings = &node.config().ros2;
+        let namespace = format!("/{}/{name}", settings.namespace);
+        let mut place = Place::new(context, &namespace, names::VEHICLE_NODE, dropped)?;
+        let (motion, status) = (quality::motion(settings.reliable_motion), quality::status());
+        let mut tasks = Tasks::new(runtime.clone());
+        let cmd_vel = Arc::new(Mutex::new(Report::default()));
+        if settings.services {
+            services::of_vehicle(&mut place, node, id, &name, &mut tasks)?;
+        }
+        if settings.cmd_vel {
+            let velocities = place.ear::<Twist>("cmd_vel", &quality::velocities())?;
+            tasks.add(cmd_vel::driver::drive(node.clone(), id, velocities, cmd_vel.clone()));
+        }
+        Ok(Self {
+            pose: place.voice("pose", &motion)?,
+            odometry: place.voice("odometry", &motion)?,
+            fix: place.voice("nav_sat_fix", &status)?,
+            battery: place.voice("battery", &status)?,
+            state: place.voice("state", &quality::latched())?,
+            gimbals: BTreeMap::new(),
+            cameras: BTreeMap::new(),
+            measured: None,
+            _tasks: tasks,
+            id,
+            name,
+            cmd_vel,
+            place,
+        })
+    }
+
+    /// Says where it is, if that is known and new; the transforms to be said with those of the others.
+    pub fn say_motion(
+        &mut self,
+        vehicle: &VehicleSnapshot,
+        fleet: &FleetSnapshot,
+        stamps: &Stamps,
+    ) -> Option<[TransformStamped; 2]> {
+        let at = vehicle.kinematics.filter(|at| Some(at.measured) != self.measured)?;
+        self.measured = Some(at.measured);
+        let origin = translate::odom_origin(vehicle, fleet.frame.as_ref());
+        self.pose.say(translate::pose_stamped(vehicle, &at, stamps));
+        let odometry = translate::odometry(vehicle, &self.name, &at, &origin, stamps);
+        let transforms = translate::transforms(&odometry, &origin);
+        self.odometry.say(odometry);
+        Some(transforms)
+    }
+
+    /// Says how it is.
+    ///
+    /// # Errors
+    /// When DDS refuses a topic of a payload that has come.
+    pub fn say_status(
+        &mut self,
+        vehicle: &VehicleSnapshot,
+        fleet: &FleetSnapshot,
+        stamps: &Stamps,
+    ) -> Result<(), Ros2Error> {
+        self.state.say(translate::state(vehicle, fleet, &self.name, stamps));
+        self.battery.say(translate::battery(vehicle, &self.name, stamps));
+        if let Some(fix) = translate::fix(vehicle, &self.name, stamps) {
+            self.fix.say(fix);
+        }
+        for payload in vehicle.payloads.iter().filter(|p| p.kind == PayloadKind::Gimbal) {
+            let Some(state) = translate::gimbal(payload, stamps) else {
+                continue;
+            };
+            let voice = match self.gimbals.entry(payload.name.clone()) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(new) => {
+                    let topic = format!("{}/state", payload_part(&payload.name));
+                    new.insert(self.place.voice(&topic, &quality::status())?)
+                }
+            };
+            voice.say(state);
+        }
+        Ok(())
+    }
+
+    /// Says the newest pictures of cameras that somebody looks at; where each was taken.
+    ///
+    /// # Errors
+    /// When DDS refuses a topic of a camera that has come.
+    pub fn say_pictures(
+        &mut self,
+        vehicle: &VehicleSnapshot,
+        node: &NodeHandle,
+        stamps: &Stamps,
+    ) -> Result<Vec<TransformStamped>, Ros2Error> {
+        let mut transforms = Vec::new();
+        for payload in vehicle.payloads.iter().filter(|p| p.kind == PayloadKind::Camera) {
+            let camera = match self.cameras.entry(payload.name.clone()) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(new) => new.insert(Camera::new(&mut self.place, &self.name, &payload.name)?),
+            };
+            let (looked_at, info_heard) = (self.place.is_heard(&camera.image), self.place.is_heard(&camera.info));
+            if !looked_at && !info_heard {
+                continue;
+            }
+            let Ok(Some(frame)) = node.payload_frame(self.id, &payload.name) else {
+                continue;
+            };
+            if frame.header.sequence == camera.last_sequence {
+                continue;
+            }
+            camera.last_sequence = frame.header.sequence;
+            let header = stamps.header(frame.header.time, &camera.optical_frame);
+            if let Some(pose) = &frame.header.pose {
+                transforms.push(picture::transform(header.clone(), &camera.optical_frame, pose));
+            }
+            camera.info.say(picture::info(header.clone(), &frame.header));
+            if let Some(data) = looked_at.then(|| picture::jpeg(&frame.header, frame.bytes())).flatten() {
+                camera.image.say(picture::compressed(header, data));
+            }
+        }
+        Ok(transforms)
+    }
+
+    /// How well it is.
+    #[must_use]
+    pub fn health(&self, vehicle: &VehicleSnapshot) -> DiagnosticStatus {
+        let report = self.cmd_vel.lock().clone();
+        let more = vec![
+            ("cmd_vel_engaged", report.engaged.to_string()),
+            ("cmd_vel_taken", report.taken.to_string()),
+            ("cmd_vel_refused", report.refused.to_string()),
+            ("cmd_vel_reason", report.reason),
+        ];
+        translate::health(vehicle, &self.name, more)
+    }
+}
+
+/// A payload's name as a part of a topic.
+fn payload_part(name: &str) -> String {
+    match names::sanitised(name) {
+        part if part.is_empty() => "payload".to_owned(),
+        part => part,
+    }
+}
