@@ -1,6 +1,7 @@
 //! From a configuration to a running node with its gateway: what `skein run`, the demo and the tests start.
 
 use crate::gateway;
+use crate::ros2;
 use crate::swarm::{self, SwarmError};
 use skein_config::NodeConfig;
 use skein_dds::{DdsSettings, Place};
@@ -94,6 +95,9 @@ async fn build_at(
         listener.set_nonblocking(true).map_err(unavailable)?;
         web = Some(listener.local_addr().map_err(unavailable)?);
         adapters.push(gateway::adapter(listener, gateway::settings(&config)));
+    }
+    if config.ros2.enabled {
+        adapters.push(ros2::adapter(place.clone()));
     }
     let node = Node::start(config, adapters, swarm, place).await?;
     gateway::serve_others(&node.handle());

@@ -14,6 +14,7 @@ mod gateway;
 pub mod logging;
 pub mod plugin;
 pub mod replay;
+mod ros2;
 pub mod run;
 pub mod simulate;
 pub mod swarm;
