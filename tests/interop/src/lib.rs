@@ -1,4 +1,4 @@
-//! Programs of others against ours: a Python environment with the real MAVSDK and pymavlink from PyPI, and their scripts run
+//! Programs of others against ours: Python environments with the real MAVSDK, pymavlink and ROS 2 from PyPI, and their scripts run
 //! with a watch on what they report and on the time they take.
 //!
 //! Must never do: stand in for the program it is to be tested against. Without Python or the packages a test fails, and says
@@ -6,7 +6,9 @@
 #![forbid(unsafe_code)]
 
 mod python;
+mod ros2;
 mod script;
 
 pub use python::{REQUIREMENTS, python};
+pub use ros2::Ros2;
 pub use script::{Script, say};

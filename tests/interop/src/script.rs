@@ -27,9 +27,16 @@ impl Script {
     /// # Errors
     /// When the environment cannot be made or the script cannot be started.
     pub fn start(name: &str, arguments: &[String], limit: Duration) -> Result<Self> {
-        let interpreter = crate::python()?;
+        Self::start_by(Command::new(crate::python()?), name, arguments, limit)
+    }
+
+    /// The same by another Python, whose command holds its environment.
+    ///
+    /// # Errors
+    /// When the script cannot be started.
+    pub fn start_by(mut python: Command, name: &str, arguments: &[String], limit: Duration) -> Result<Self> {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("python").join(name);
-        let mut child = Command::new(interpreter)
+        let mut child = python
             .arg("-u")
             .arg(&path)
             .args(arguments)
