@@ -62,7 +62,10 @@ impl NodeConfig {
             wrong("dds.domain_id".into(), "is not between 0 and 101");
         }
         if self.dds.interfaces.is_empty() {
-            wrong("dds.interfaces".into(), "name one at least: DDS would take none for all");
+            wrong(
+                "dds.interfaces".into(),
+                "name one at least: DDS would take none for all",
+            );
         }
         for (at, rule) in self.adopt.iter().enumerate() {
             let twice = rule.links.first() == rule.links.get(1);

@@ -4,7 +4,6 @@
 
 use crate::Problem;
 use serde::{Deserialize, Serialize};
-use std::net::IpAddr;
 
 /// `[ros2]`
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -12,10 +11,6 @@ use std::net::IpAddr;
 pub struct Ros2Settings {
     /// Whether vehicles and swarm are nodes of ROS 2.
     pub enabled: bool,
-    /// Domain, as `ROS_DOMAIN_ID` has it for others.
-    pub domain_id: u16,
-    /// Addresses of the network interfaces it uses; loopback unless changed here.
-    pub interfaces: Vec<String>,
     /// Namespace that everything is under.
     pub namespace: String,
     /// Poses, odometry and transforms per second and vehicle; never more than there are snapshots.
@@ -40,8 +35,6 @@ impl Default for Ros2Settings {
     fn default() -> Self {
         Self {
             enabled: false,
-            domain_id: 0,
-            interfaces: vec!["127.0.0.1".to_owned()],
             namespace: "skein".to_owned(),
             motion_rate_hz: 20.0,
             reliable_motion: false,
@@ -56,12 +49,6 @@ impl Default for Ros2Settings {
 }
 
 impl Ros2Settings {
-    /// The addresses of the interfaces; those that are none are left out.
-    #[must_use]
-    pub fn addresses(&self) -> Vec<IpAddr> {
-        self.interfaces.iter().filter_map(|at| at.parse().ok()).collect()
-    }
-
     /// Everything that is wrong with it.
     pub(crate) fn problems(&self, problems: &mut Vec<Problem>) {
         let mut wrong = |key: &str, message: String| {
@@ -70,15 +57,6 @@ impl Ros2Settings {
                 message,
             });
         };
-        if self.domain_id > 101 {
-            wrong("domain_id", "is not between 0 and 101".to_owned());
-        }
-        if self.interfaces.is_empty() || self.interfaces.iter().any(|at| at.parse::<IpAddr>().is_err()) {
-            wrong(
-                "interfaces",
-                "are IP addresses of this computer, at least one".to_owned(),
-            );
-        }
         let letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
         let begins_well = self.namespace.starts_with(|c: char| c.is_ascii_alphabetic());
         if !begins_well

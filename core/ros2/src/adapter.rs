@@ -1,4 +1,4 @@
-//! The thread that speaks: one participant and one context for all nodes of ROS 2, vehicles that come and go, and what is said at which rate.
+//! The thread that speaks: one context for all nodes of ROS 2, vehicles that come and go, and what is said at which rate.
 //!
 //! Must never do: block anything but itself, or make the nodes of many vehicles at once: each is announced to everybody.
 
@@ -8,7 +8,7 @@ use crate::swarm::Swarm;
 use crate::vehicle::Vehicle;
 use crate::{Ros2Error, names};
 use ros2_client::Context;
-use rustdds::DomainParticipantBuilder;
+use skein_dds::Place;
 use skein_domain::VehicleId;
 use skein_runtime::{FleetSnapshot, NodeHandle};
 use std::collections::BTreeMap;
@@ -46,13 +46,13 @@ impl Running {
 ///
 /// # Errors
 /// When there is no thread to be had.
-pub fn start(node: NodeHandle) -> Result<Running, Ros2Error> {
+pub fn start(node: NodeHandle, place: Arc<Place>) -> Result<Running, Ros2Error> {
     let no_thread = |reason: String| Ros2Error::Thread { reason };
     let runtime = tokio::runtime::Handle::try_current().map_err(|e| no_thread(e.to_string()))?;
     let (stop, stopped) = mpsc::channel();
     let (end, ended) = oneshot::channel();
     let speak = move || {
-        if let Err(error) = speak(&node, &runtime, &stopped) {
+        if let Err(error) = speak(&node, &place, &runtime, &stopped) {
             // Who does not wait for it does not want to know.
             let _ = end.send(error);
         }
@@ -74,17 +74,17 @@ struct Speaker<'a> {
     next_vehicle: Instant,
 }
 
-fn speak(node: &NodeHandle, runtime: &tokio::runtime::Handle, stopped: &mpsc::Receiver<()>) -> Result<(), Ros2Error> {
+fn speak(
+    node: &NodeHandle,
+    place: &Place,
+    runtime: &tokio::runtime::Handle,
+    stopped: &mpsc::Receiver<()>,
+) -> Result<(), Ros2Error> {
     permit_files();
-    let settings = &node.config().ros2;
     let start = |reason: &dyn std::fmt::Display| Ros2Error::Start {
-        domain: settings.domain_id,
         reason: reason.to_string(),
     };
-    let participant = DomainParticipantBuilder::new(settings.domain_id)
-        .with_only_networks(settings.addresses())
-        .build()
-        .map_err(|e| start(&e))?;
+    let participant = place.participant().map_err(|e| start(&e))?;
     let context = Context::from_domain_participant(participant).map_err(|e| start(&e))?;
     let dropped = Arc::new(AtomicU64::new(0));
     let mut swarm = Swarm::new(&context, node, runtime, dropped.clone())?;

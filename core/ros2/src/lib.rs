@@ -32,10 +32,8 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum Ros2Error {
     /// DDS could not begin.
-    #[error("DDS did not start in domain {domain}: {reason}")]
+    #[error("no place in DDS: {reason}")]
     Start {
-        /// Which domain.
-        domain: u16,
         /// Why.
         reason: String,
     },

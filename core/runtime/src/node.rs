@@ -255,7 +255,13 @@ impl NodeState {
         let first = [Part::Fleet, Part::Coordinator, Part::Pulse, Part::Observer];
         let swarm = self.arguments.swarm.as_ref().map(|_| Part::Swarm);
         let dds = self.arguments.dds.as_ref().map(|_| Part::DdsLinks);
-        for part in first.into_iter().chain(swarm).chain(dds).chain(endpoints).chain(adapters) {
+        for part in first
+            .into_iter()
+            .chain(swarm)
+            .chain(dds)
+            .chain(endpoints)
+            .chain(adapters)
+        {
             self.start(myself, part).await?;
         }
         Ok(())

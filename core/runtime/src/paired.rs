@@ -173,7 +173,11 @@ impl Inner {
         }
         if connected != self.connected {
             self.connected = connected;
-            let event = if connected { LinkEvent::Regained } else { LinkEvent::Lost };
+            let event = if connected {
+                LinkEvent::Regained
+            } else {
+                LinkEvent::Lost
+            };
             self.events.push_back(event);
         }
         if let Some(next) = self.better(now) {
@@ -251,7 +255,9 @@ impl Inner {
             LinkEvent::Lost => self.tell(format!("not heard over {kind}")),
             LinkEvent::Regained => self.tell(format!("heard over {kind} again")),
             LinkEvent::Rebooted => {
-                let told = self.rebooted.is_some_and(|at| self.now.seconds_since(at) < ONE_REBOOT_S);
+                let told = self
+                    .rebooted
+                    .is_some_and(|at| self.now.seconds_since(at) < ONE_REBOOT_S);
                 if !told {
                     self.rebooted = Some(self.now);
                     self.mode = None;

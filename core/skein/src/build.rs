@@ -82,11 +82,7 @@ pub async fn build_in(config: NodeConfig, swarm: Option<SwarmSetup>) -> Result<R
     build_at(config, swarm, place).await
 }
 
-async fn build_at(
-    config: NodeConfig,
-    swarm: Option<SwarmSetup>,
-    place: Arc<Place>,
-) -> Result<Running, BuildError> {
+async fn build_at(config: NodeConfig, swarm: Option<SwarmSetup>, place: Arc<Place>) -> Result<Running, BuildError> {
     let (mut web, mut adapters) = (None, Vec::new());
     if config.web.enabled {
         let address = config.web.listen;

@@ -7,9 +7,9 @@ use skein_config::NodeConfig;
 use skein_link_px4::EndpointAddress;
 use std::collections::BTreeSet;
 use std::net::{TcpListener, UdpSocket};
-use std::sync::Arc;
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime};
 
 /// Open files a node with many links and dashboards may need.

@@ -26,7 +26,7 @@ async fn swarm(vehicles: u8, domain_id: u16) -> Swarm {
     Swarm::start_with(usize::from(vehicles), |config, simulation: &mut SimSettings| {
         config.swarm.origin = Some(simulation.origin);
         config.ros2.enabled = true;
-        config.ros2.domain_id = domain_id;
+        config.dds.domain_id = domain_id;
         config.ros2.take_off_height_m = 10.0;
         simulation.starts = (1..=vehicles)
             .map(|number| VehicleStart {

@@ -24,7 +24,10 @@ fn values_that_cannot_be_are_named() {
 fn a_vehicle_is_flown_over_mavlink_unless_its_rule_says_otherwise() {
     let of = |text: &str| toml::from_str::<NodeConfig>(text).expect("it parses");
     let plain = of("[[adopt]]");
-    assert_eq!(plain.adopt.first().map(|rule| rule.links.clone()), Some(vec![LinkKind::Mavlink]));
+    assert_eq!(
+        plain.adopt.first().map(|rule| rule.links.clone()),
+        Some(vec![LinkKind::Mavlink])
+    );
     assert!(!plain.flies_over_dds());
     let both = of("[[adopt]]\nlinks = [\"dds\", \"mavlink\"]");
     assert!(both.flies_over_dds());

@@ -13,9 +13,6 @@ fn keys(text: &str) -> Vec<String> {
 #[test]
 fn senseless_values_are_refused_by_name() {
     assert!(keys("enabled = true\nnamespace = \"fleet_2\"").is_empty());
-    assert_eq!(keys("domain_id = 102"), ["ros2.domain_id"]);
-    assert_eq!(keys("interfaces = []"), ["ros2.interfaces"]);
-    assert_eq!(keys("interfaces = [\"eth0\"]"), ["ros2.interfaces"]);
     for namespace in ["", "2b", "a-b", "a__b", "_a"] {
         assert_eq!(keys(&format!("namespace = {namespace:?}")), ["ros2.namespace"]);
     }

@@ -156,17 +156,27 @@ fn the_other_link_takes_over_before_px4_misses_a_setpoint_and_the_first_one_when
     let mut flight = Flight::begin();
     flight.pass(2.0, false, true);
     assert_eq!(flight.pair.active(), LinkKind::Mavlink);
-    assert_eq!(flight.dds.0.lock().stopped, 1, "what still gets through holds no old place");
+    assert_eq!(
+        flight.dds.0.lock().stopped,
+        1,
+        "what still gets through holds no old place"
+    );
     flight.pass(STEADY_S - 0.5, true, true);
     assert_eq!(flight.pair.active(), LinkKind::Mavlink, "not yet");
     flight.pass(1.0, true, true);
     assert_eq!(flight.pair.active(), LinkKind::Dds);
     let over = flight.streamed();
     let first = over.iter().find(|(_, kind)| *kind == LinkKind::Mavlink).unwrap().0;
-    let last = over.iter().rev().find(|(at, kind)| *kind == LinkKind::Dds && *at < first);
+    let last = over
+        .iter()
+        .rev()
+        .find(|(at, kind)| *kind == LinkKind::Dds && *at < first);
     let silent_s = first.seconds_since(NodeTime::from_seconds(101.0));
     assert!(silent_s < SILENT_AT_LEAST_S + 3.0 * PERIOD_S, "{silent_s}");
-    assert!(first.seconds_since(last.unwrap().0) <= 2.0 * PERIOD_S, "no period without one");
+    assert!(
+        first.seconds_since(last.unwrap().0) <= 2.0 * PERIOD_S,
+        "no period without one"
+    );
 }
 
 #[test]
@@ -212,7 +222,9 @@ fn it_is_lost_when_neither_is_heard() {
 fn what_is_open_is_asked_again_over_the_other_link_and_answered_once() {
     let mut flight = Flight::begin();
     let request = RequestId(3);
-    flight.pair.request(flight.now, request, AutopilotCommand::EnterOffboard);
+    flight
+        .pair
+        .request(flight.now, request, AutopilotCommand::EnterOffboard);
     assert!(flight.mavlink.0.lock().requests.is_empty());
     flight.pass(1.0, false, true);
     let asked = flight.mavlink.0.lock().requests.clone();
@@ -223,7 +235,10 @@ fn what_is_open_is_asked_again_over_the_other_link_and_answered_once() {
     let result = |outcome| LinkEvent::Result { request, outcome };
     flight.dds.says(result(Err(lost.clone())));
     let is_result = |event: &LinkEvent| matches!(event, LinkEvent::Result { .. });
-    assert!(!flight.pair.take_events().iter().any(is_result), "the other one may still say yes");
+    assert!(
+        !flight.pair.take_events().iter().any(is_result),
+        "the other one may still say yes"
+    );
     flight.mavlink.says(result(Ok(())));
     flight.dds.says(result(Ok(())));
     let told: Vec<_> = flight.pair.take_events().into_iter().filter(is_result).collect();
@@ -234,7 +249,9 @@ fn what_is_open_is_asked_again_over_the_other_link_and_answered_once() {
 fn the_emergency_stop_goes_over_both_and_is_refused_by_both_or_done() {
     let flight = Flight::begin();
     let request = RequestId(4);
-    flight.pair.request(flight.now, request, AutopilotCommand::EmergencyStop);
+    flight
+        .pair
+        .request(flight.now, request, AutopilotCommand::EmergencyStop);
     for link in [&flight.dds, &flight.mavlink] {
         assert_eq!(link.0.lock().requests, [(request, AutopilotCommand::EmergencyStop)]);
     }
@@ -253,10 +270,14 @@ fn only_the_link_that_flies_says_what_mode_it_is_and_what_was_missed_is_told_aft
     let mut flight = Flight::begin();
     let offboard = changed(FlightMode::Hold, FlightMode::Offboard, true);
     flight.dds.says(offboard.clone());
-    flight.mavlink.says(changed(FlightMode::Hold, FlightMode::Offboard, false));
+    flight
+        .mavlink
+        .says(changed(FlightMode::Hold, FlightMode::Offboard, false));
     assert_eq!(flight.pair.take_events(), [offboard]);
     // the pilot takes over while DDS is silent: what MAVLink told then counted for nothing
-    flight.mavlink.says(changed(FlightMode::Offboard, FlightMode::Position, false));
+    flight
+        .mavlink
+        .says(changed(FlightMode::Offboard, FlightMode::Position, false));
     flight.mavlink.0.lock().mode = FlightMode::Position;
     flight.pass(0.1, false, true);
     flight.pair.take_events();

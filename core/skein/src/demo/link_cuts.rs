@@ -41,10 +41,22 @@ impl LinkCuts {
     }
 
     async fn cut_all(&self, stage: &Stage<'_>) -> anyhow::Result<()> {
-        while stage.node.snapshot().formation.as_ref().is_none_or(|f| f.route.is_none()) {
+        while stage
+            .node
+            .snapshot()
+            .formation
+            .as_ref()
+            .is_none_or(|f| f.route.is_none())
+        {
             tokio::time::sleep(LOOK).await;
         }
-        let vehicles: Vec<_> = stage.node.snapshot().vehicles.iter().map(|v| (v.id, v.system_id.0)).collect();
+        let vehicles: Vec<_> = stage
+            .node
+            .snapshot()
+            .vehicles
+            .iter()
+            .map(|v| (v.id, v.system_id.0))
+            .collect();
         for (vehicle, system_id) in vehicles {
             let cut = |cut| Fault::Cut { face: Face::Dds, cut };
             let before = self.told(stage, vehicle);
@@ -55,7 +67,10 @@ impl LinkCuts {
             while Instant::now() < until {
                 tokio::time::sleep(LOOK).await;
                 let fleet = stage.node.snapshot();
-                stayed &= fleet.vehicles.iter().any(|v| v.id == vehicle && v.mode == FlightMode::Offboard);
+                stayed &= fleet
+                    .vehicles
+                    .iter()
+                    .any(|v| v.id == vehicle && v.mode == FlightMode::Offboard);
             }
             stage.simulation.inflict(system_id, cut(false))?;
             self.left_offboard.fetch_add(u64::from(!stayed), Ordering::Relaxed);
@@ -82,8 +97,18 @@ impl LinkCuts {
         let count = |counter: &AtomicU64| Some(counter.load(Ordering::Relaxed) as f64);
         vec![
             at_least("links cut", count(&self.made), vehicles as f64, ""),
-            at_least("vehicles flown on over the other link", count(&self.handed_over), vehicles as f64, ""),
-            at_most("vehicles that left OFFBOARD with their link cut", count(&self.left_offboard), 0.0, ""),
+            at_least(
+                "vehicles flown on over the other link",
+                count(&self.handed_over),
+                vehicles as f64,
+                "",
+            ),
+            at_most(
+                "vehicles that left OFFBOARD with their link cut",
+                count(&self.left_offboard),
+                0.0,
+                "",
+            ),
         ]
     }
 }
