@@ -3,9 +3,9 @@
 use crate::args::LogFormat;
 use tracing_subscriber::EnvFilter;
 
-/// Parts of libraries that report the ordinary as a fault: RustDDS a participant that leaves, Zenoh a declaration that was lost on a radio. Who names them in the
+/// Parts of libraries that report the ordinary as a fault: RustDDS a participant that leaves and what goes with it, Zenoh a declaration that was lost on a radio. Who names them in the
 /// filter hears them.
-const QUIET: &str = "rustdds::rtps::writer=off,rustdds::network=off,zenoh::net::routing=off";
+const QUIET: &str = "rustdds::rtps::writer=off,rustdds::dds::pubsub=off,rustdds::network=off,zenoh::net::routing=off";
 
 /// Sets logging up for the whole process.
 ///
