@@ -212,9 +212,8 @@ impl Admission {
 
     /// A sample of the vehicle. `Some` if it can be used, which is before the verdict not yet for anything but that.
     pub fn on_sample(&mut self, name: &TopicName, encoding: Encoding, bytes: &[u8]) -> Option<Sample> {
-        let topic = Topic::of(&name.base)?;
         // Not announced, or in another version than the one that is read.
-        self.topics.get(&topic).filter(|seen| seen.version == name.version)?;
+        let topic = Topic::of(&name.base).filter(|_| self.uses(name))?;
         let read = self.read(topic, name, encoding, bytes);
         let seen = self.topics.get_mut(&topic)?;
         match read {
@@ -269,6 +268,13 @@ impl Admission {
         Ok(sample)
     }
 
+    /// Whether the vehicle is read by this topic in this version.
+    #[must_use]
+    pub fn uses(&self, name: &TopicName) -> bool {
+        let seen = Topic::of(&name.base).and_then(|topic| self.topics.get(&topic));
+        seen.is_some_and(|seen| seen.version == name.version)
+    }
+
     /// Where it stands.
     pub fn verdict(&mut self) -> Verdict {
         if let Some(mismatch) = &self.refused {
@@ -299,9 +305,8 @@ impl Admission {
         let missing = Topic::ALL
             .into_iter()
             .filter(|topic| match (topic.need(), self.topics.get(topic)) {
-                (Need::Optional, _) | (Need::Announced, Some(_)) => false,
-                (Need::Seen, Some(seen)) => seen.good < GOOD_SAMPLES,
-                (_, None) => true,
+                (Need::Optional, _) => false,
+                (Need::Seen, seen) => seen.is_none_or(|seen| seen.good < GOOD_SAMPLES),
             });
         let unread = Command::ALL
             .into_iter()
@@ -309,13 +314,15 @@ impl Admission {
         missing.map(Topic::base).chain(unread.map(Command::base)).collect()
     }
 
-    /// The releases that all definitions in use have in common.
+    /// The releases that all topics in use have in common; of one that was not heard yet its version alone tells.
     fn releases(&self) -> Vec<Release> {
-        let in_use = || self.topics.values().filter_map(|seen| seen.definition);
-        let common = Release::ALL.into_iter();
-        common
-            .filter(|release| in_use().all(|d| d.releases.contains(release)))
-            .collect()
+        let fits = |release: &Release| {
+            self.topics.iter().all(|(topic, seen)| match seen.definition {
+                Some(definition) => definition.releases.contains(release),
+                None => definitions::of(*topic, seen.version).any(|d| d.releases.contains(release)),
+            })
+        };
+        Release::ALL.into_iter().filter(fits).collect()
     }
 }
 

@@ -46,8 +46,6 @@ impl fmt::Display for Release {
 pub enum Need {
     /// Samples of it must have been seen.
     Seen,
-    /// It must be there; what is in it comes only later.
-    Announced,
     /// It may be missing.
     Optional,
 }
@@ -122,11 +120,12 @@ impl Topic {
     }
 
     /// Whether a vehicle can be flown without it.
+    ///
+    /// PX4 offers a topic from its first message on: the one of answers is not there before a command was answered. 1.15 has none of landing.
     #[must_use]
     pub fn need(self) -> Need {
         match self {
-            Self::Status | Self::LocalPosition | Self::LandDetected => Need::Seen,
-            Self::CommandAck => Need::Announced,
+            Self::Status | Self::LocalPosition => Need::Seen,
             _ => Need::Optional,
         }
     }

@@ -53,7 +53,7 @@ pub enum DdsEvent {
         /// Its system id.
         system_id: u8,
     },
-    /// Another program writes to a topic on which a vehicle takes commands or setpoints.
+    /// Another program writes to a topic on which a vehicle takes commands or setpoints, or speaks on one of its own without being an autopilot.
     ForeignPublisher {
         /// The topic.
         topic: TopicName,

@@ -100,6 +100,14 @@ impl DdsLink {
         inner.flush();
     }
 
+    pub(crate) fn doubt_clock(&self) {
+        self.inner.lock().session.doubt_clock();
+    }
+
+    pub(crate) fn refuses_all(&self) -> bool {
+        self.inner.lock().session.refuses_all()
+    }
+
     pub(crate) fn notice(&self, severity: u8, text: String) {
         self.inner.lock().session.notice(severity, text);
     }

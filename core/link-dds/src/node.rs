@@ -195,6 +195,21 @@ impl Worker {
             links,
             events,
         };
+        for vehicle in vehicles.values_mut() {
+            vehicle.begin_look();
+        }
+        for found in dds.participant.discovered_readers() {
+            let topic = &found.subscription_topic_data;
+            let who = participant(&found.reader_proxy.remote_reader_guid);
+            let Some(name) = TopicName::parse(topic.topic_name()).filter(|_| who != *me) else {
+                continue;
+            };
+            if name.direction == Direction::In
+                && let Some(vehicle) = vehicles.get_mut(&name.namespace)
+            {
+                vehicle.found_reader(&around, &name, who, topic.type_name(), &found.user_data);
+            }
+        }
         for found in dds.participant.discovered_writers() {
             let topic = &found.publication_topic_data;
             let who = participant(&found.writer_proxy.remote_writer_guid);
@@ -208,18 +223,6 @@ impl Worker {
                         vehicle.found_rival(&around, &name, found.writer_proxy.remote_writer_guid.to_bytes());
                     }
                 }
-            }
-        }
-        for found in dds.participant.discovered_readers() {
-            let topic = &found.subscription_topic_data;
-            let who = participant(&found.reader_proxy.remote_reader_guid);
-            let Some(name) = TopicName::parse(topic.topic_name()).filter(|_| who != *me) else {
-                continue;
-            };
-            if name.direction == Direction::In
-                && let Some(vehicle) = vehicles.get_mut(&name.namespace)
-            {
-                vehicle.found_reader(&around, &name, topic.type_name(), &found.user_data);
             }
         }
         for vehicle in vehicles.values_mut() {

@@ -43,6 +43,8 @@ pub struct Status {
     pub failsafe: bool,
     /// It would let itself be armed.
     pub ready_to_arm: bool,
+    /// It took off and has not landed since. PX4 tells it of an armed vehicle alone.
+    pub took_off: bool,
 }
 
 impl Status {

@@ -278,8 +278,14 @@ impl VehicleSession {
             return false;
         }
         self.connected = false;
+        self.clock.doubt();
         self.events.push(LinkEvent::Lost);
         true
+    }
+
+    /// Another one speaks as the vehicle from now on: it may have started anew.
+    pub fn doubt_clock(&mut self) {
+        self.clock.doubt();
     }
 
     /// Asks the autopilot for something; the outcome comes as an event.

@@ -53,11 +53,7 @@ impl Sources {
         }
         let silent_s = now.seconds_since(*heard);
         if silent_s > MOVED_AFTER_S {
-            *self = Self {
-                known: Some((who, now)),
-                ..Self::default()
-            };
-            return Speaker::New;
+            return self.replace(now, who);
         }
         let heard = *heard;
         let rival = match &mut self.rival {
@@ -74,6 +70,21 @@ impl Sources {
             return Speaker::Second;
         }
         Speaker::Other
+    }
+
+    /// The one that spoke so far was none: from now on this one is the vehicle.
+    pub fn replace(&mut self, now: NodeTime, who: Participant) -> Speaker {
+        *self = Self {
+            known: Some((who, now)),
+            ..Self::default()
+        };
+        Speaker::New
+    }
+
+    /// Whether two speak, and neither has been silent for long.
+    #[must_use]
+    pub fn are_two(&self) -> bool {
+        self.two
     }
 
     /// Who speaks as the vehicle, if anybody did.

@@ -4,15 +4,15 @@
 
 use super::{DdsLinkTable, participant};
 use crate::admission::{Admission, Mismatch, Verdict};
-use crate::definitions::{Command, Release, Topic};
+use crate::definitions::{self, Command, Release, Topic};
 use crate::event::{DdsEvent, EventSink};
 use crate::link::DdsLink;
 use crate::naming::{Namespace, TopicName};
-use crate::raw::{Dds, Reader};
+use crate::raw::{Dds, Raw, Reader};
 use crate::sources::{Participant, Sources, Speaker};
-use skein_domain::{NodeTime, Refusal};
+use skein_domain::{NodeTime, Refusal, VehicleId};
 use skein_link_px4::LinkSettings;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::task::{Wake, Waker};
@@ -28,6 +28,9 @@ const LOOKS_S: f64 = 0.1;
 const ERROR: u8 = 3;
 /// Programs beside us that are remembered, so that each is told once.
 const RIVALS_MAX: usize = 64;
+/// One that speaks in the vehicle's place without being an autopilot is told after so long, in seconds: of an autopilot that has just come up
+/// discovery may not have shown everything yet.
+const STRANGE_AFTER_S: f64 = 2.0;
 
 /// What a vehicle needs around it.
 pub struct Around<'a> {
@@ -79,6 +82,10 @@ pub struct Vehicle {
     ignored: Vec<Mismatch>,
     missing: Vec<&'static str>,
     rivals: BTreeSet<[u8; 16]>,
+    /// Who reads commands in this namespace, which is what tells an autopilot from a recording or a converter.
+    obeying: BTreeSet<Participant>,
+    /// Who speaks in the vehicle's place without being one, and since when.
+    strangers: BTreeMap<Participant, NodeTime>,
 }
 
 impl Vehicle {
@@ -94,7 +101,14 @@ impl Vehicle {
             ignored: Vec::new(),
             missing: Vec::new(),
             rivals: BTreeSet::new(),
+            obeying: BTreeSet::new(),
+            strangers: BTreeMap::new(),
         }
+    }
+
+    /// Discovery is about to be looked at. What it shows of readers comes before what it shows of writers.
+    pub fn begin_look(&mut self) {
+        self.obeying.clear();
     }
 
     /// Discovery shows one of its topics.
@@ -117,8 +131,14 @@ impl Vehicle {
         }
     }
 
-    /// Discovery shows that somebody reads what it is to be sent.
-    pub fn found_reader(&mut self, around: &Around<'_>, name: &TopicName, kind: &str, user: &[u8]) {
+    /// Discovery shows that somebody reads what it is to be sent. Recorders do, too: only the one that speaks has to read it as we write it.
+    pub fn found_reader(&mut self, around: &Around<'_>, name: &TopicName, who: Participant, kind: &str, user: &[u8]) {
+        if Command::of(&name.base) == Some(Command::VehicleCommand) && self.obeying.len() < RIVALS_MAX {
+            self.obeying.insert(who);
+        }
+        if self.sources.known() != Some(who) {
+            return;
+        }
         if let Err(mismatch) = self.admission.on_endpoint(name, kind, user) {
             self.ignore(around, mismatch);
         }
@@ -126,8 +146,13 @@ impl Vehicle {
 
     /// Discovery shows that another program writes to it. Noticed and told, no more: PX4 obeys whoever writes.
     pub fn found_rival(&mut self, around: &Around<'_>, name: &TopicName, guid: [u8; 16]) {
-        let new = Command::of(&name.base).is_some() && self.rivals.len() < RIVALS_MAX && self.rivals.insert(guid);
-        if !new {
+        if Command::of(&name.base).is_some() {
+            self.tell_rival(around, name, guid);
+        }
+    }
+
+    fn tell_rival(&mut self, around: &Around<'_>, name: &TopicName, guid: [u8; 16]) {
+        if self.rivals.len() >= RIVALS_MAX || !self.rivals.insert(guid) {
             return;
         }
         if let Some(link) = &self.link {
@@ -186,11 +211,15 @@ impl Vehicle {
         if let Some(link) = self.link.clone()
             && self.sources.is_one_again(around.now, around.settings.duplicate_clear_s)
         {
-            link.refuse_all(around.now, None);
-            let (namespace, system_id) = (self.namespace.clone(), link.system_id_number());
-            (around.events)(DdsEvent::DuplicateCleared { namespace, system_id });
+            self.one_again(around, &link);
         }
         read
+    }
+
+    fn one_again(&self, around: &Around<'_>, link: &DdsLink) {
+        link.refuse_all(around.now, None);
+        let (namespace, system_id) = (self.namespace.clone(), link.system_id_number());
+        (around.events)(DdsEvent::DuplicateCleared { namespace, system_id });
     }
 
     fn take(&mut self, around: &mut Around<'_>, listening: &Listening, read: &mut Read) {
@@ -202,18 +231,24 @@ impl Vehicle {
                 Err(_) => continue,
             };
             read.any = true;
-            let who = participant(&sample.writer_guid());
-            match self.sources.on_sample(around.now, who) {
+            let (guid, who) = (sample.writer_guid(), participant(&sample.writer_guid()));
+            let raw = sample.into_value();
+            match self.whose(around.now, who, &listening.name, &raw) {
                 Speaker::Known => {}
                 Speaker::New => {
                     self.begin_anew(around.now);
                     read.anew = true;
                     return;
                 }
-                Speaker::Second => self.two(around),
-                Speaker::Other => continue,
+                Speaker::Second => {
+                    self.two(around);
+                    continue;
+                }
+                Speaker::Other => {
+                    self.stranger(around, &listening.name, who, guid.to_bytes());
+                    continue;
+                }
             }
-            let raw = sample.into_value();
             let sample = self.admission.on_sample(&listening.name, raw.encoding, &raw.bytes);
             if let (Some(link), Some(sample)) = (&self.link, sample) {
                 link.receive(around.now, &sample);
@@ -223,16 +258,57 @@ impl Vehicle {
         listening.notice.arrived.store(true, Ordering::Release);
     }
 
+    /// Who has spoken. Only an autopilot can be the vehicle in place of another, or a second one: nobody who plays back a recording, translates
+    /// messages or writes nonsense takes a vehicle out of the air.
+    fn whose(&mut self, now: NodeTime, who: Participant, name: &TopicName, raw: &Raw) -> Speaker {
+        match self.sources.known() {
+            Some(known) if known != who => {
+                if !self.is_autopilot(who, name, raw) {
+                    Speaker::Other
+                } else if self.obeying.contains(&known) {
+                    self.sources.on_sample(now, who)
+                } else {
+                    self.sources.replace(now, who)
+                }
+            }
+            _ => self.sources.on_sample(now, who),
+        }
+    }
+
+    /// It reads commands, and says what can be true.
+    fn is_autopilot(&self, who: Participant, name: &TopicName, raw: &Raw) -> bool {
+        let topic = Topic::of(&name.base).filter(|_| self.obeying.contains(&who));
+        let definition = topic.and_then(|topic| definitions::by_size(topic, name.version, raw.bytes.len()));
+        definition.is_some_and(|definition| definition.read(raw.encoding, &raw.bytes).is_ok())
+    }
+
+    fn stranger(&mut self, around: &Around<'_>, name: &TopicName, who: Participant, guid: [u8; 16]) {
+        if self.obeying.contains(&who) || !self.admission.uses(name) {
+            return;
+        }
+        if self.strangers.len() >= RIVALS_MAX && !self.strangers.contains_key(&who) {
+            return;
+        }
+        let since = *self.strangers.entry(who).or_insert(around.now);
+        if around.now.seconds_since(since) > STRANGE_AFTER_S {
+            self.tell_rival(around, name, guid);
+        }
+    }
+
     /// Another one speaks: the first, one that was started anew, or another vehicle. It is looked at like any other.
     fn begin_anew(&mut self, now: NodeTime) {
         self.admission = Admission::default();
         self.since = now;
-        self.link = None;
+        if let Some(link) = self.link.take() {
+            link.doubt_clock();
+        }
         self.refused = None;
         self.ignored.clear();
         self.missing.clear();
+        self.strangers.clear();
     }
 
+    /// Of one that is not admitted yet this is told when it is.
     fn two(&mut self, around: &Around<'_>) {
         let Some(link) = &self.link else { return };
         let system_id = link.system_id_number();
@@ -276,8 +352,14 @@ impl Vehicle {
 
     fn admit(&mut self, around: &mut Around<'_>, system_id: u8, releases: Vec<Release>) {
         let known = around.links.get(&self.namespace);
-        if let Some(link) = known.filter(|link| link.system_id_number() == system_id) {
-            self.link = Some(link);
+        if let Some(link) = known.clone().filter(|link| link.system_id_number() == system_id) {
+            self.link = Some(Arc::clone(&link));
+            if self.sources.are_two() {
+                self.two(around);
+            } else if link.refuses_all() {
+                // Of the two that there were this one is left.
+                self.one_again(around, &link);
+            }
             return;
         }
         let writers = match around.dds.writers(&self.namespace) {
@@ -285,6 +367,11 @@ impl Vehicle {
             // Tried again with the next look at discovery.
             Err(error) => return tracing::warn!(namespace = %self.namespace, %error, "a vehicle cannot be written to"),
         };
+        if let Some(old) = known {
+            // Its topics are another vehicle's now, which must not get what is meant for this one.
+            let vehicle = VehicleId(u16::from(old.system_id_number()));
+            old.refuse_all(around.now, Some(Refusal::LinkLost { vehicle }));
+        }
         let namespace = self.namespace.clone();
         let link = Arc::new(DdsLink::new(
             around.settings,
@@ -306,5 +393,8 @@ impl Vehicle {
             system_id,
             releases,
         });
+        if self.sources.are_two() {
+            self.two(around);
+        }
     }
 }

@@ -25,6 +25,7 @@ each!(state::VehicleStatus1_15, state::VehicleStatus1, state::VehicleStatus4 => 
     nav_state: message.nav_state,
     failsafe: message.failsafe,
     ready_to_arm: message.pre_flight_checks_pass,
+    took_off: message.takeoff_time != 0,
 }));
 
 each!(estimate::VehicleLocalPosition1_15, estimate::VehicleLocalPosition1 => |message| Self::Local(LocalPosition {

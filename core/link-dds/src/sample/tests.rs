@@ -71,6 +71,7 @@ fn places_modes_and_attitudes_are_checked() {
             nav_state,
             failsafe: false,
             ready_to_arm: true,
+            took_off: false,
         })
     };
     assert_eq!(field(status(14, 1)), None);

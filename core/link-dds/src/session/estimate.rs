@@ -43,7 +43,9 @@ pub struct Estimate {
     position_time: NodeTime,
     measured_us: u64,
     has_attitude: bool,
+    /// By its detector of landings, and by its status, which is coarser.
     on_ground: Option<bool>,
+    not_taken_off: Option<bool>,
 }
 
 impl Estimate {
@@ -78,6 +80,7 @@ impl Estimate {
         self.telemetry.armed = status.armed();
         self.telemetry.ready_to_arm = Some(status.ready_to_arm);
         self.telemetry.heard.system_status = now;
+        self.not_taken_off = Some(!status.took_off);
         self.telemetry.landed = self.landed();
     }
 
@@ -90,7 +93,7 @@ impl Estimate {
 
     /// PX4 tells over MAVLink that it takes off or lands while it is in the mode for it and not on the ground.
     fn landed(&self) -> LandedState {
-        match (self.on_ground, self.telemetry.mode) {
+        match (self.on_ground.or(self.not_taken_off), self.telemetry.mode) {
             (None, _) => LandedState::Unknown,
             (Some(true), _) => LandedState::OnGround,
             (Some(false), FlightMode::TakeOff) => LandedState::TakingOff,

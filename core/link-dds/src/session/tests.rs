@@ -90,6 +90,21 @@ fn offboard_is_entered_when_the_stream_has_run_and_arming_is_confirmed_by_the_st
 }
 
 #[test]
+fn one_that_has_no_topic_for_landing_tells_by_its_status() {
+    let mut rig = Rig::new(Autopilot {
+        tells_of_landing: false,
+        ..Autopilot::default()
+    });
+    rig.run(1.0, |_| {});
+    assert_eq!(rig.session.read(rig.now).0.landed, LandedState::OnGround);
+    rig.fly();
+    assert_eq!(rig.session.read(rig.now).0.landed, LandedState::InAir);
+    rig.autopilot.flying = false;
+    rig.run(0.5, |_| {});
+    assert_eq!(rig.session.read(rig.now).0.landed, LandedState::OnGround);
+}
+
+#[test]
 fn what_is_left_out_of_a_setpoint_is_not_a_number() {
     let mut rig = Rig::new(Autopilot::default());
     rig.feed_forward = Some(VelocityNed::new(0.1, 0.0, 0.0));

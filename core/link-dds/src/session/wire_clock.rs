@@ -53,6 +53,7 @@ pub struct WireClock {
     before_us: Option<i64>,
     window: NodeTime,
     candidate: Option<Candidate>,
+    doubted: bool,
     sync_us: Option<i64>,
     round_trip_s: Option<f64>,
 }
@@ -66,7 +67,7 @@ impl WireClock {
             return Tick::Steady;
         };
         if (ahead_us - known).abs() <= OFF_US {
-            self.candidate = None;
+            (self.candidate, self.doubted) = (None, false);
             if now.seconds_since(self.window) >= WINDOW_S {
                 (self.before_us, self.now_us, self.window) = (self.now_us, Some(ahead_us), now);
             } else {
@@ -148,10 +149,18 @@ impl WireClock {
         }
     }
 
-    /// The stamp for a message that is sent now; 0, which PX4 takes for the time of receipt, as long as its clock is not known.
+    /// Whoever is heard next may have another clock.
+    pub fn doubt(&mut self) {
+        self.doubted = true;
+    }
+
+    /// The stamp for a message that is sent now; 0, which PX4 takes for the time of receipt, as long as its clock is not known or may be another.
     #[must_use]
     pub fn stamp_us(&self, now: NodeTime) -> u64 {
-        let Some(ahead) = self.ahead_us() else { return 0 };
+        let sure = !self.doubted && self.candidate.is_none();
+        let Some(ahead) = self.ahead_us().filter(|_| sure) else {
+            return 0;
+        };
         now.0.saturating_add_signed(ahead)
     }
 }
@@ -210,6 +219,21 @@ mod tests {
         }
         assert_eq!(hear(&mut clock, 14.0, 16.0, 3.0), []);
         assert!((clock.offset_s().unwrap() - 2.999).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_clock_that_may_be_another_stamps_nothing() {
+        let mut clock = WireClock::default();
+        assert_eq!(hear(&mut clock, 10.0, 12.0, 3.0), []);
+        assert_ne!(clock.stamp_us(at(12.0)), 0);
+        clock.doubt();
+        assert_eq!(clock.stamp_us(at(14.0)), 0);
+        clock.on_stamp(at(14.0), at(16.995).0);
+        assert_ne!(clock.stamp_us(at(14.0)), 0, "it is the same");
+        clock.on_stamp(at(14.1), at(1.0).0);
+        assert_eq!(clock.stamp_us(at(14.1)), 0);
+        assert_eq!(hear(&mut clock, 14.1, 15.0, -13.1), [Tick::Restarted]);
+        assert!((clock.stamp_us(at(15.0)) as f64 * 1e-6 - 1.9).abs() < 0.01);
     }
 
     #[test]

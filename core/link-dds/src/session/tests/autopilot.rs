@@ -24,6 +24,8 @@ pub struct Autopilot {
     pub silent: bool,
     /// It is in the air.
     pub flying: bool,
+    /// It has a topic for that; 1.15 has none.
+    pub tells_of_landing: bool,
     pub setpoint: Option<(OffboardControlMode, TrajectorySetpoint)>,
     pub setpoints_before_offboard: u32,
     pub heard: Vec<VehicleCommand>,
@@ -40,6 +42,7 @@ impl Default for Autopilot {
             refuses: false,
             silent: false,
             flying: false,
+            tells_of_landing: true,
             setpoint: None,
             setpoints_before_offboard: 0,
             heard: Vec::new(),
@@ -119,10 +122,6 @@ impl Autopilot {
                     valid: true,
                     place,
                 }),
-                Sample::Landed(Landed {
-                    stamp_us,
-                    landed: !self.flying,
-                }),
                 Sample::Status(Status {
                     stamp_us,
                     system_id: 7,
@@ -130,8 +129,15 @@ impl Autopilot {
                     nav_state: self.nav_state,
                     failsafe: false,
                     ready_to_arm: true,
+                    took_off: self.flying,
                 }),
             ]);
+            if self.tells_of_landing {
+                samples.push(Sample::Landed(Landed {
+                    stamp_us,
+                    landed: !self.flying,
+                }));
+            }
         }
         samples.extend(self.answers.drain(..).map(Sample::Ack));
         samples
