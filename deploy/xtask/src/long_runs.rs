@@ -16,8 +16,9 @@ const SEEDS: &str = "10000..13000";
 /// Inputs per property; the tests themselves ask for 256.
 const CASES: &str = "20000";
 /// Crates whose properties feed bytes or text from outside.
-const TAKE_FOREIGN_INPUT: [&str; 5] = [
+const TAKE_FOREIGN_INPUT: [&str; 6] = [
     "skein-link-px4",
+    "skein-link-dds",
     "skein-config",
     "skein-domain",
     "skein-plugin-abi",

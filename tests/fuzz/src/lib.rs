@@ -2,3 +2,4 @@
 #![forbid(unsafe_code)]
 
 pub mod drive;
+pub mod drive_dds;
