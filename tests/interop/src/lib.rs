@@ -1,14 +1,16 @@
-//! Programs of others against ours: Python environments with the real MAVSDK, pymavlink and ROS 2 from PyPI, and their scripts run
-//! with a watch on what they report and on the time they take.
+//! Programs of others against ours: Python environments with the real MAVSDK, pymavlink, Cyclone DDS and ROS 2 from PyPI, and their
+//! scripts run with a watch on what they report and on the time they take.
 //!
 //! Must never do: stand in for the program it is to be tested against. Without Python or the packages a test fails, and says
 //! what is missing.
 #![forbid(unsafe_code)]
 
+mod peer;
 mod python;
 mod ros2;
 mod script;
 
-pub use python::{REQUIREMENTS, python};
+pub use peer::{Peer, Told};
+pub use python::{CYCLONE, Environment, MAVSDK, python, python_of};
 pub use ros2::Ros2;
 pub use script::{Script, say};

@@ -1,33 +1,65 @@
-//! The Python environment `tests/.venv-mavsdk`: made once, used again as long as the pinned versions stay the same.
+//! Python environments `tests/.venv-*`: made once, used again as long as the pinned versions stay the same.
 
 use anyhow::{Context, Result, bail};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What is installed, pinned.
-pub const REQUIREMENTS: &[&str] = &["mavsdk==4.1.0", "pymavlink==2.4.50"];
+/// One environment: packages that are used together.
+#[derive(Debug)]
+pub struct Environment {
+    /// Part of its folder's name.
+    pub name: &'static str,
+    /// What is installed, pinned.
+    pub requirements: &'static [&'static str],
+    /// What must be there then.
+    pub modules: &'static str,
+}
+
+/// Clients of MAVLink.
+pub const MAVSDK: Environment = Environment {
+    name: "mavsdk",
+    requirements: &["mavsdk==4.1.0", "pymavlink==2.4.50"],
+    modules: "mavsdk, pymavlink",
+};
+
+/// DDS beside ROS 2.
+pub const CYCLONE: Environment = Environment {
+    name: "cyclonedds",
+    requirements: &["cyclonedds==11.0.1"],
+    modules: "cyclonedds.domain",
+};
+
+/// The Python of the environment for MAVLink; see [`python_of`].
+///
+/// # Errors
+/// As there.
+pub fn python() -> Result<PathBuf> {
+    python_of(&MAVSDK)
+}
 
 /// The environment's Python; makes the environment if there is none with these versions.
 ///
 /// # Errors
 /// When Python 3 or its `venv` module is missing, or a package cannot be installed.
-pub fn python() -> Result<PathBuf> {
+pub fn python_of(wanted: &Environment) -> Result<PathBuf> {
+    let Environment { name, requirements, .. } = wanted;
     let tests = Path::new(env!("CARGO_MANIFEST_DIR"))
         .parent()
         .context("the crate lies in tests/")?;
-    let environment = tests.join(".venv-mavsdk");
+    let environment = tests.join(format!(".venv-{name}"));
     let interpreter = environment.join("bin/python");
     let marker = environment.join("requirements.installed");
-    let wanted = REQUIREMENTS.join("\n");
+    let pinned = requirements.join("\n");
     // Several tests may come here at once, in one process or in many.
-    let lock = File::create(tests.join(".venv-mavsdk.lock")).context("cannot create the lock of the environment")?;
+    let lock =
+        File::create(tests.join(format!(".venv-{name}.lock"))).context("cannot create the lock of the environment")?;
     lock.lock().context("cannot lock the environment")?;
-    if fs::read_to_string(&marker).is_ok_and(|found| found == wanted) && works(&interpreter) {
+    if fs::read_to_string(&marker).is_ok_and(|found| found == pinned) && works(&interpreter, wanted.modules) {
         return Ok(interpreter);
     }
     crate::say(&format!(
-        "making the Python environment {} with {REQUIREMENTS:?}",
+        "making the Python environment {} with {requirements:?}",
         environment.display()
     ));
     if environment.exists() {
@@ -37,15 +69,15 @@ pub fn python() -> Result<PathBuf> {
         .context("python3 with its venv module is needed")?;
     run(Command::new(&interpreter)
         .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"])
-        .args(REQUIREMENTS))?;
-    fs::write(&marker, wanted).context("cannot note the installed versions")?;
+        .args(*requirements))?;
+    fs::write(&marker, pinned).context("cannot note the installed versions")?;
     Ok(interpreter)
 }
 
-/// Whether both packages can be imported.
-fn works(interpreter: &Path) -> bool {
+/// Whether the modules can be imported.
+fn works(interpreter: &Path, modules: &str) -> bool {
     Command::new(interpreter)
-        .args(["-c", "import mavsdk, pymavlink"])
+        .args(["-c", &format!("import {modules}")])
         .status()
         .is_ok_and(|status| status.success())
 }
