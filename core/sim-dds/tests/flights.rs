@@ -52,7 +52,6 @@ fn one_flies_there_by_setpoints_survives_their_end_and_lands() {
     let above = rig.local(1);
     let there = LocalPositionNed::new(above.north_m + 4.0, above.east_m - 3.0, above.down_m - 1.0);
     rig.fly_to(&mut pilots, &[there]);
-    assert_eq!(rig.truth(1).offboard_gap_s.map(|gap_s| gap_s < 1.0), Some(true));
 
     rig.stop_stream(&mut pilots[0]);
     rig.fly_until(&mut pilots, "the failsafe acts", |rig| rig.truth(1).failsafe);
@@ -105,16 +104,15 @@ fn a_cut_face_is_lost_and_regained_and_the_other_stays() {
     let cut = |face, cut| Fault::Cut { face, cut };
     rig.simulation.inflict(1, cut(Face::Dds, true)).unwrap();
     rig.fly_until(&mut pilots, "its failsafe acts", |rig| rig.truth(1).failsafe);
-    rig.fly_until(&mut pilots, "the link is lost", |rig| !rig.is_connected(1));
-    assert!(pilots[0].events.contains(&LinkEvent::Lost));
+    rig.until_told(&mut pilots, 0, &LinkEvent::Lost);
+    assert!(!rig.is_connected(1));
     until_frames_come(&listener, &mut rig, &mut pilots);
     let refused = rig.ask(&mut pilots, 0, AutopilotCommand::Land);
     assert!(matches!(refused, Err(Refusal::LinkLost { .. })), "{refused:?}");
 
     rig.simulation.inflict(1, cut(Face::Mavlink, true)).unwrap();
     rig.simulation.inflict(1, cut(Face::Dds, false)).unwrap();
-    rig.fly_until(&mut pilots, "the link is regained", |rig| rig.is_connected(1));
-    assert!(pilots[0].events.contains(&LinkEvent::Regained));
+    rig.until_told(&mut pilots, 0, &LinkEvent::Regained);
     until_silent(&listener, &mut rig, &mut pilots);
     assert_eq!(rig.ask(&mut pilots, 0, AutopilotCommand::EnterOffboard), Ok(()));
     // Through bad air as well.

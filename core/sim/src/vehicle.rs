@@ -25,6 +25,7 @@ mod position_control;
 mod receive;
 mod telemetry;
 mod topics;
+mod truth;
 
 pub use channel::{LinkKind, Outbox};
 pub use parameters::ParameterValue;
@@ -32,7 +33,6 @@ pub use parameters::ParameterValue;
 use crate::airframe::Airframe;
 use crate::faces::Face;
 use crate::settings::SimSettings;
-use crate::truth::VehicleTruth;
 use crate::wind::Wander;
 use crate::wire::{CommandRequest, Sender};
 use battery::{Battery, BatteryLevel};
@@ -281,7 +281,7 @@ impl Vehicle {
         self.stalled_s = stalled_s;
     }
 
-    /// From now on [`VehicleTruth::offboard_gap_recent_s`] counts anew.
+    /// From now on [`crate::VehicleTruth::offboard_gap_recent_s`] counts anew.
     pub fn forget_recent_gap(&mut self) {
         self.offboard.forget_recent_gap();
     }
@@ -564,49 +564,6 @@ impl Vehicle {
             FlightMode::TakeOff => LandedState::TakingOff,
             FlightMode::Land => LandedState::Landing,
             _ => LandedState::InAir,
-        }
-    }
-
-    /// Where it really is about the simulation's origin.
-    fn true_position(&self) -> PositionNed {
-        self.swarm.position(&self.start.geodetic(&self.body.position.into()))
-    }
-
-    /// What is really the case.
-    #[must_use]
-    pub fn truth(&self) -> VehicleTruth {
-        let geodetic = self.start.geodetic(&self.body.position.into());
-        let in_offboard = self.commander.is_armed() && self.commander.mode() == FlightMode::Offboard;
-        VehicleTruth {
-            system_id: self.identity.system_id,
-            alive: true,
-            position: self.swarm.position(&geodetic),
-            geodetic,
-            velocity: self.body.velocity.into(),
-            acceleration: self.body.acceleration.into(),
-            yaw_rad: self.body.yaw_rad,
-            tilt_rad: self.body.tilt_rad(),
-            armed: self.commander.is_armed(),
-            landed: self.landed_state(),
-            touches_ground: self.body.on_ground,
-            height_m: -self.body.position.z,
-            mode: self.commander.mode(),
-            failsafe: self.commander.in_failsafe(),
-            estimate_error: self.estimator.error().into(),
-            local_origin: self.swarm.position(&self.own_frame().origin),
-            battery: self.battery.charge(),
-            offboard_gap_s: in_offboard.then(|| self.offboard.age_s(self.time_s)),
-            offboard_gap_max_s: self.offboard.gap_max_s,
-            offboard_gap_sender_max_s: self.offboard.gap_sender_max_s,
-            offboard_gap_recent_s: self.offboard.gap_recent_s,
-            setpoints: self.offboard.accepted,
-            setpoints_refused: self.offboard.refused,
-            touch_down_max_m_s: self.body.touch_down_max_m_s,
-            mode_changes: self.commander.changes().clone(),
-            gimbal: self.gimbal_truth(),
-            camera: self.camera_truth(),
-            radio: self.radio_truth(),
-            mission: self.mission.places().clone(),
         }
     }
 }

@@ -4,11 +4,12 @@
 
 use crate::python::{Environment, python_of};
 use anyhow::{Context, Result, bail};
+use parking_lot::{Condvar, Mutex};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, Command, Stdio};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// What it has told.
@@ -55,7 +56,7 @@ impl Peer {
                 take(&telling.0, &line);
                 telling.1.notify_all();
             }
-            telling.0.lock().unwrap_or_else(PoisonError::into_inner).ended = true;
+            telling.0.lock().ended = true;
             telling.1.notify_all();
         });
         Ok(Self { child, input, told })
@@ -77,32 +78,30 @@ impl Peer {
     /// When it does not in time, or the script has ended.
     pub fn wait<T>(&self, limit: Duration, what: &str, mut probe: impl FnMut(&Told) -> Option<T>) -> Result<T> {
         let end = Instant::now() + limit;
-        let mut told = self.told.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut told = self.told.0.lock();
         loop {
             if let Some(found) = probe(&told) {
                 return Ok(found);
             }
-            let left = end.saturating_duration_since(Instant::now());
-            if told.ended || left.is_zero() {
+            if told.ended || Instant::now() >= end {
                 let (truth, ended) = (&told.truth, told.ended);
                 bail!("waited {limit:?} in vain for {what} (the script has ended: {ended}); {truth}");
             }
-            let woken = self.told.1.wait_timeout(told, left);
-            told = woken.unwrap_or_else(PoisonError::into_inner).0;
+            self.told.1.wait_until(&mut told, end);
         }
     }
 
     /// The truth about one of whom it tells; null if there is none.
     #[must_use]
     pub fn truth(&self, who: &str) -> Value {
-        let told = self.told.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let told = self.told.0.lock();
         told.truth[who].clone()
     }
 
     /// All reports so far.
     #[must_use]
     pub fn reports(&self) -> Vec<Value> {
-        let told = self.told.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let told = self.told.0.lock();
         told.reports.clone()
     }
 }
@@ -113,7 +112,7 @@ fn take(told: &Mutex<Told>, line: &str) {
         crate::say(&format!("    {line}"));
         return;
     };
-    let mut told = told.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut told = told.lock();
     if report["truth"].is_object() {
         told.truth = report["truth"].clone();
     } else {

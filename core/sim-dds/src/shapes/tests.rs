@@ -18,6 +18,12 @@ const PLACE: Geodetic = Geodetic {
 };
 
 fn all() -> Vec<Published> {
+    let mut all = condition();
+    all.extend(motion());
+    all
+}
+
+fn condition() -> Vec<Published> {
     let stamp_us = STAMP_US;
     vec![
         Published::Status(StatusReport {
@@ -30,6 +36,33 @@ fn all() -> Vec<Published> {
             failsafe: false,
             checks_pass: true,
         }),
+        Published::Landed(LandedReport { stamp_us, landed: true }),
+        Published::Battery(BatteryReport {
+            stamp_us,
+            voltage_v: 15.5,
+            current_a: 4.0,
+            consumed_mah: 250.0,
+            charge: 0.75,
+            remaining_s: 600.0,
+            warning: 0,
+        }),
+        Published::Timesync(TimesyncReport {
+            stamp_us,
+            offset_us: 1_699_999_987_654_322,
+        }),
+        Published::Answer(Answer {
+            stamp_us,
+            command: 400,
+            result: 0,
+            to_system: 245,
+            to_component: 300,
+        }),
+    ]
+}
+
+fn motion() -> Vec<Published> {
+    let stamp_us = STAMP_US;
+    vec![
         Published::Local(LocalReport {
             stamp_us,
             horizontal_valid: true,
@@ -57,16 +90,6 @@ fn all() -> Vec<Published> {
             accuracy_vertical_m: 0.5,
             dead_reckoning: false,
         }),
-        Published::Landed(LandedReport { stamp_us, landed: true }),
-        Published::Battery(BatteryReport {
-            stamp_us,
-            voltage_v: 15.5,
-            current_a: 4.0,
-            consumed_mah: 250.0,
-            charge: 0.75,
-            remaining_s: 600.0,
-            warning: 0,
-        }),
         Published::Gnss(GnssReport {
             stamp_us,
             fixed: true,
@@ -83,17 +106,6 @@ fn all() -> Vec<Published> {
             position_m: Vector3::zeros(),
             count: 1,
         }),
-        Published::Timesync(TimesyncReport {
-            stamp_us,
-            offset_us: 1_699_999_987_654_322,
-        }),
-        Published::Answer(Answer {
-            stamp_us,
-            command: 400,
-            result: 0,
-            to_system: 245,
-            to_component: 300,
-        }),
     ]
 }
 
@@ -105,19 +117,19 @@ fn of(topic: Topic, release: Release) -> &'static Definition {
 
 fn says(read: &Sample) -> bool {
     let degrees = |place: Geodetic| (place.latitude_deg, place.longitude_deg, place.altitude_amsl_m);
-    let whole = |places: [Geodetic; 1]| places.map(degrees) == [degrees(PLACE)];
+    let there = |place: Geodetic| degrees(place) == degrees(PLACE);
     match read {
         Sample::Status(s) => (s.system_id, s.nav_state, s.failsafe) == (7, 14, false) && s.armed() && s.ready_to_arm,
         Sample::Local(s) => {
             s.position_m == [1.0, -2.0, -3.0]
                 && s.velocity_m_s == [0.5, 0.25, -0.125]
-                && s.origin().is_some_and(|origin| whole([origin]))
+                && s.origin().is_some_and(there)
                 && s.valid.horizontal
                 && s.valid.velocity_vertical
                 && s.accuracy_m == [0.25, 0.5]
                 && !s.dead_reckoning
         }
-        Sample::Global(s) => s.valid && whole([s.place]),
+        Sample::Global(s) => s.valid && there(s.place),
         Sample::Attitude(s) => {
             let [w, x, y, z] = s.quaternion.map(f64::from);
             let q = UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(w, x, y, z));
@@ -130,8 +142,8 @@ fn says(read: &Sample) -> bool {
                 && (s.voltage_v, s.current_a, s.remaining) == (15.5, 4.0, 0.75)
                 && (s.discharged_mah, s.time_remaining_s) == (250.0, 600.0)
         }
-        Sample::Gnss(s) => s.has_fix() && s.satellites == 16 && s.horizontal_accuracy_m == 0.5 && whole([s.place]),
-        Sample::Home(s) => s.valid && whole([s.place]),
+        Sample::Gnss(s) => s.has_fix() && s.satellites == 16 && s.horizontal_accuracy_m == 0.5 && there(s.place),
+        Sample::Home(s) => s.valid && there(s.place),
         Sample::Timesync(s) => s.source == 2 && s.offset_us == 1_699_999_987_654_322,
         Sample::Ack(s) => (s.command, s.result, s.target_system, s.target_component) == (400, 0, 245, 300),
     }

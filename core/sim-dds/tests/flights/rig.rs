@@ -230,6 +230,13 @@ impl Rig {
         self.pursue(pilots, what, |rig, _| done(rig));
     }
 
+    /// The same until one's link has told something.
+    pub fn until_told(&mut self, pilots: &mut [Pilot], index: usize, event: &LinkEvent) {
+        self.pursue(pilots, "the link tells it", |_, pilots| {
+            pilots[index].events.contains(event)
+        });
+    }
+
     fn pursue(&mut self, pilots: &mut [Pilot], what: &str, mut done: impl FnMut(&Self, &[Pilot]) -> bool) {
         let begun = Instant::now();
         loop {

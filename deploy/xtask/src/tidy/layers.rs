@@ -5,7 +5,7 @@ use crate::workspace::{Package, Workspace};
 
 /// The crates of `core` from the binary to the words; each may depend on what stands below it.
 /// Names of crates that are not built yet keep their place.
-const ORDER: [&str; 18] = [
+const ORDER: [&str; 19] = [
     "skein",
     "skein-api",
     "skein-runtime",
