@@ -48,16 +48,13 @@ fn noticed(board: &Board, parts: &Parts, event: EndpointEvent) {
             source,
             ..
         } => {
-            let (endpoint, system_id) = (source.endpoint.to_string(), SystemId(system_id));
-            return tell(
-                parts,
-                FleetMessage::Discovered(Discovery {
-                    endpoint,
-                    kind: LinkKind::Mavlink,
-                    link,
-                    system_id,
-                }),
-            );
+            let discovery = Discovery {
+                endpoint: source.endpoint.to_string(),
+                kind: LinkKind::Mavlink,
+                link,
+                system_id: SystemId(system_id),
+            };
+            return tell(parts, FleetMessage::Discovered(discovery));
         }
         EndpointEvent::Duplicate {
             system_id,

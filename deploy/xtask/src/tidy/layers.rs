@@ -5,15 +5,17 @@ use crate::workspace::{Package, Workspace};
 
 /// The crates of `core` from the binary to the words; each may depend on what stands below it.
 /// Names of crates that are not built yet keep their place.
-const ORDER: [&str; 19] = [
+const ORDER: [&str; 21] = [
     "skein",
     "skein-api",
+    "skein-ros2",
     "skein-runtime",
     "skein-sim-dds",
     "skein-link-dds",
     "skein-link-px4",
     "skein-bus-zenoh",
     "skein-bus-dds",
+    "skein-dds",
     "skein-bus",
     "skein-recorder",
     "skein-plugin-host",
