@@ -211,6 +211,81 @@ fn garbage_moved_nothing(before: &Value, report: &Value) -> Result<()> {
     Ok(())
 }
 
+/// What the script reports in this order; each is held against what is the case.
+const PHASES: [&str; 13] = [
+    "graph",
+    "rates",
+    "ground",
+    "refusals",
+    "up",
+    "there",
+    "steering",
+    "steered",
+    "expired",
+    "garbage",
+    "formed",
+    "following",
+    "down",
+];
+
+fn rates_are_as_set(report: &Value, vehicles: u8) -> Result<()> {
+    let rate = |topic: &str| number(&report["rates"][format!("/skein/uav_1/{topic}")]);
+    // 20 and 2 a second; a busy machine may give less.
+    ensure!((5.0..25.0).contains(&rate("pose")?), "{report}");
+    ensure!((0.6..3.0).contains(&rate("battery")?), "{report}");
+    ensure!(report["diagnostics"] == u64::from(vehicles) + 1, "{report}");
+    Ok(())
+}
+
+fn is_there(report: &Value) -> Result<()> {
+    let there = place(&report["poses"]["uav_1"]["position"])?;
+    let off_m = there.distance_m(&place(&report["goal"])?);
+    ensure!(off_m < 1.0, "{off_m:.2} m off its goal: {report}");
+    Ok(())
+}
+
+fn is_formed(report: &Value) -> Result<()> {
+    ensure!(report["members"].as_array().is_some_and(|m| m.len() == 3), "{report}");
+    let told = &report["told"];
+    ensure!(told[0] == "wedge" && told[1] == report["members"], "{report}");
+    Ok(())
+}
+
+/// Holds what is reported of one phase against what is the case.
+fn judge(phase: &str, report: &Value, before: &Value, swarm: &Swarm, vehicles: u8) -> Result<()> {
+    match phase {
+        "graph" => everything_is_seen(report, vehicles),
+        "rates" => rates_are_as_set(report, vehicles),
+        "refusals" => refusals_have_reasons(report),
+        "ground" | "up" | "down" => all_agree(report, swarm, vehicles),
+        "there" => all_agree(report, swarm, vehicles).and_then(|()| is_there(report)),
+        "steered" => was_steered(before, report),
+        "garbage" => garbage_moved_nothing(before, report),
+        "formed" => is_formed(report),
+        "expired" => {
+            ensure!(number(&report["after_s"])? < 10.0, "{report}");
+            Ok(())
+        }
+        "following" => {
+            let behind_2 = report["members"] == serde_json::json!([2, 1]) && report["leader"] == 2;
+            ensure!(behind_2, "{report}");
+            Ok(())
+        }
+        // Where it begins from.
+        _ => Ok(()),
+    }
+}
+
+/// The script's next report; none when it has ended well.
+async fn next(mut script: Script) -> Result<(Script, Option<Value>)> {
+    let (script, report) = tokio::task::spawn_blocking(move || {
+        let report = script.report();
+        (script, report)
+    })
+    .await?;
+    Ok((script, report?))
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn rclpy_of_jazzy_sees_commands_and_steers_the_swarm() -> Result<()> {
     let (vehicles, domain_id) = (3, fresh_domain());
@@ -221,75 +296,22 @@ async fn rclpy_of_jazzy_sees_commands_and_steers_the_swarm() -> Result<()> {
     swarm.ready().await;
     let (mut phases, mut before) = (Vec::new(), Value::Null);
     loop {
-        let (back, report) = tokio::task::spawn_blocking(move || {
-            let report = script.report();
-            (script, report)
-        })
-        .await?;
+        let (back, report) = next(script).await?;
         script = back;
-        let Some(report) = report? else { break };
+        let Some(report) = report else { break };
         let phase = report["phase"].as_str().context("a phase")?.to_owned();
-        match phase.as_str() {
-            "graph" => everything_is_seen(&report, vehicles)?,
-            "rates" => {
-                let rate = |topic: &str| number(&report["rates"][format!("/skein/uav_1/{topic}")]);
-                // 20 and 2 a second; a busy machine may give less.
-                ensure!((5.0..25.0).contains(&rate("pose")?), "{report}");
-                ensure!((0.6..3.0).contains(&rate("battery")?), "{report}");
-                ensure!(report["diagnostics"] == u64::from(vehicles) + 1, "{report}");
-            }
-            "refusals" => refusals_have_reasons(&report)?,
-            "ground" | "up" | "there" | "down" => all_agree(&report, &swarm, vehicles)?,
-            "steering" => {}
-            "steered" => was_steered(&before, &report)?,
-            "expired" => ensure!(number(&report["after_s"])? < 10.0, "{report}"),
-            "garbage" => garbage_moved_nothing(&before, &report)?,
-            "formed" => {
-                ensure!(report["members"].as_array().is_some_and(|m| m.len() == 3), "{report}");
-                ensure!(
-                    report["told"][0] == "wedge" && report["told"][1] == report["members"],
-                    "{report}"
-                );
-            }
-            "following" => ensure!(
-                report["members"] == serde_json::json!([2, 1]) && report["leader"] == 2,
-                "{report}"
-            ),
-            other => anyhow::bail!("unknown phase {other}"),
-        }
-        if phase == "there" {
-            let there = place(&report["poses"]["uav_1"]["position"])?;
-            let off_m = there.distance_m(&place(&report["goal"])?);
-            ensure!(off_m < 1.0, "{off_m:.2} m off its goal: {report}");
-        }
+        judge(&phase, &report, &before, &swarm, vehicles).with_context(|| phase.clone())?;
         before = report;
         phases.push(phase);
     }
-    let expected = [
-        "graph",
-        "rates",
-        "ground",
-        "refusals",
-        "up",
-        "there",
-        "steering",
-        "steered",
-        "expired",
-        "garbage",
-        "formed",
-        "following",
-        "down",
-    ];
-    ensure!(phases == expected, "{phases:?}");
+    ensure!(phases == PHASES, "{phases:?}");
     // Another program that comes when all is over sees everything too.
-    let mut late = citizen(&ros2, domain_id, "look", vehicles, Duration::from_secs(120))?;
-    let seen = tokio::task::spawn_blocking(move || -> Result<Value> {
-        let graph = late.report()?.context("a report")?;
-        while late.report()?.is_some() {}
-        Ok(graph)
-    })
-    .await??;
-    everything_is_seen(&seen, vehicles)?;
+    let late = citizen(&ros2, domain_id, "look", vehicles, Duration::from_secs(120))?;
+    let (mut late, seen) = next(late).await?;
+    everything_is_seen(&seen.context("a report")?, vehicles)?;
+    while let (back, Some(_)) = next(late).await? {
+        late = back;
+    }
     swarm.stop().await;
     Ok(())
 }

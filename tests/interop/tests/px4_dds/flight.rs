@@ -73,7 +73,7 @@ fn fly(peer: &Peer, flown: &mut Flown, who: &str) -> Result<()> {
     says_the_truth(peer, flown, who)?;
     let early = flown.ask(AutopilotCommand::TakeOff { height_m: 5.0 })?;
     ensure!(matches!(early, Err(Refusal::NotPermitted { .. })), "{early:?}");
-    let over = flown.to_offboard()?;
+    let over = flown.enter_offboard()?;
     let in_the_air = flown.ask(AutopilotCommand::Disarm)?;
     let Err(Refusal::Autopilot { result, .. }) = in_the_air else {
         anyhow::bail!("{in_the_air:?}")

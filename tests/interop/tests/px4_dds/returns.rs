@@ -18,7 +18,7 @@ fn flies_again(flown: &mut Flown) -> Result<()> {
         flown.link.stream_state() == StreamState::Stopped,
         "nothing of before is sent"
     );
-    flown.to_offboard().map(|_| ())
+    flown.enter_offboard().map(|_| ())
 }
 
 /// It is silent, whatever the link was doing; what was streamed is not offered any more.
@@ -35,7 +35,7 @@ fn one_that_starts_anew_is_taken_back_also_in_another_release() -> Result<()> {
     let skein = Skein::start(domain)?;
     first.say(&vehicle("it", domain, "px4_1", "1.15", 5, &json!({})))?;
     let mut flown = skein.vehicle("px4_1", 5)?;
-    flown.to_offboard()?;
+    flown.enter_offboard()?;
     // Its computer starts anew: another participant after a while, its clock and its place from the beginning.
     first.say(&json!({"do": "stop", "who": "it"}))?;
     is_lost(&mut flown)?;

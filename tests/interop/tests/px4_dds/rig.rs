@@ -218,7 +218,7 @@ impl Flown {
     }
 
     /// From the ground into OFFBOARD at five metres above where it stands.
-    pub fn to_offboard(&mut self) -> Result<[f64; 3]> {
+    pub fn enter_offboard(&mut self) -> Result<[f64; 3]> {
         let ready =
             |t: &Telemetry, _: &[LinkEvent]| t.ready_to_arm == Some(true) && t.local.is_some() && t.global.is_some();
         let local = self.until("it is ready", ready)?.local.context("a position")?;

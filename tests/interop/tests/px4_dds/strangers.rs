@@ -14,7 +14,7 @@ fn flying() -> Result<(u16, Peer, Skein, Flown, [f64; 3])> {
     let skein = Skein::start(domain)?;
     peer.say(&vehicle("it", domain, "px4_1", "1.18", 6, &json!({})))?;
     let mut flown = skein.vehicle("px4_1", 6)?;
-    let over = flown.to_offboard()?;
+    let over = flown.enter_offboard()?;
     Ok((domain, peer, skein, flown, over))
 }
 
