@@ -9,6 +9,7 @@ mod manifests;
 mod sources;
 #[cfg(test)]
 mod tests;
+mod tiers;
 
 use crate::workspace::Workspace;
 use anyhow::{Context, Result, ensure};
@@ -86,6 +87,7 @@ pub fn check(workspace: &Workspace) -> Result<()> {
     findings.extend(sources::messages(&files));
     findings.extend(manifests::check(workspace, &files));
     findings.extend(layers::check(workspace));
+    findings.extend(tiers::check(workspace));
     findings.extend(documents::check(workspace, &files));
     let findings = exceptions::apply(&workspace.root, findings)?;
     sources::long_files(&files)

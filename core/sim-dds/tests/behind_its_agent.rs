@@ -1,7 +1,7 @@
 //! Simulated vehicles on DDS, found, admitted and flown by the link that flies real ones: another participant of a domain of their own.
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
-#[path = "flights/rig.rs"]
+#[path = "behind_its_agent/rig.rs"]
 mod rig;
 
 use rig::{Pilot, Rig, calm};

@@ -1,0 +1,44 @@
+//! Which tests run in which tier: cargo selects tests by name alone, so that one name in two tiers would run both in each.
+
+use super::Finding;
+use crate::artifacts::is_tier_or_fixture;
+use crate::workspace::{Package, Workspace};
+use std::collections::BTreeMap;
+
+/// Names every test file of an ordinary crate that has the name of a tier's.
+pub fn check(workspace: &Workspace) -> Vec<Finding> {
+    let (tiers, others): (Vec<_>, Vec<_>) = workspace
+        .packages
+        .iter()
+        .partition(|package| is_tier_or_fixture(&package.folder));
+    let taken: BTreeMap<&str, &Package> = tiers
+        .into_iter()
+        .flat_map(|package| tests(package).map(move |name| (name, package)))
+        .collect();
+    let mut findings = Vec::new();
+    for package in others {
+        let alike = tests(package).filter_map(|name| taken.get(name).map(|tier| finding(package, name, tier)));
+        findings.extend(alike);
+    }
+    findings
+}
+
+fn tests(package: &Package) -> impl Iterator<Item = &str> {
+    let tests = package
+        .targets
+        .iter()
+        .filter(|target| target.kind.iter().any(|kind| kind == "test"));
+    tests.map(|target| target.name.as_str())
+}
+
+fn finding(package: &Package, name: &str, tier: &Package) -> Finding {
+    Finding {
+        path: format!("{}/tests/{name}.rs", package.folder),
+        line: 0,
+        rule: "tiers",
+        what: format!(
+            "{} has a test of this name too: call it otherwise, or both run in both tiers",
+            tier.folder
+        ),
+    }
+}
