@@ -128,7 +128,7 @@ test('a vehicle has a page: charts that move, its events, its facts, what it car
   await expect(summary(page)).toContainText('1 of 1 done', { timeout: 60_000 });
   const height = own.locator('figure').filter({ hasText: 'Height above launch' }).locator('figcaption b');
   await expect.poll(async () => Number.parseFloat((await height.textContent()) ?? '0')).toBeGreaterThan(8);
-  await expect(own.getByRole('list')).toContainText('take_off done');
+  await expect(own.getByRole('list')).toContainText('take off done');
 
   await page.getByRole('link', { name: 'Vehicle after this' }).click();
   await expect(page.getByRole('region', { name: 'Vehicle 3' })).toBeVisible();
