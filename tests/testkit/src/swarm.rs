@@ -7,8 +7,9 @@ use skein::Running;
 use skein_config::{AdoptionRule, EndpointSettings, NodeConfig};
 use skein_domain::{FlightState, VehicleCommand};
 use skein_runtime::{FleetSnapshot, NodeHandle, Targets};
-use skein_sim::{PortPlan, SimSettings, Simulation};
+use skein_sim::{PortPlan, SimSettings, Simulation, TruthFrame};
 use std::net::{Ipv4Addr, SocketAddr};
+use std::sync::Arc;
 use std::time::Duration;
 
 /// Name of the endpoint that the vehicles send to.
@@ -78,6 +79,18 @@ impl Swarm {
     #[must_use]
     pub fn simulation(&self) -> &Simulation {
         &self.simulation
+    }
+
+    /// What is really the case after all that the node has been told by now: the simulation publishes the truth a moment after it speaks.
+    ///
+    /// # Panics
+    /// If the simulation publishes nothing more.
+    pub async fn truth_now(&self) -> Arc<TruthFrame> {
+        let before = self.simulation.truth().sequence;
+        eventually(patience(), "the next frame of the truth", async || {
+            Some(self.simulation.truth()).filter(|truth| truth.sequence > before)
+        })
+        .await
     }
 
     /// Where API and dashboard listen.

@@ -30,7 +30,7 @@ fn settled(fleet: &FleetSnapshot) -> bool {
 /// What must be so after every fault: nobody left OFFBOARD, nobody went without setpoints, the formation stands.
 async fn undisturbed(swarm: &Swarm, what: &str) {
     swarm.until(what, Duration::from_secs(5), settled).await;
-    let truth = swarm.simulation().truth();
+    let truth = swarm.truth_now().await;
     for vehicle in &truth.vehicles {
         assert_eq!(
             vehicle.mode,
@@ -135,7 +135,7 @@ async fn a_model_that_fails_for_ever_is_given_up_and_its_autopilot_holds() {
             given_up(fleet) && fleet.vehicles[1].mode == FlightMode::Hold
         })
         .await;
-    let truth = swarm.simulation().truth();
+    let truth = swarm.truth_now().await;
     assert_eq!(
         truth.vehicle(1).expect("is simulated").mode,
         FlightMode::Offboard,

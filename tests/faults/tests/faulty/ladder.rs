@@ -263,7 +263,7 @@ async fn the_emergency_stop_takes_two_steps_and_stops_motors_in_flight() {
             one.is_some_and(|v| !v.armed && v.stopped)
         })
         .await;
-    let truth = swarm.simulation().truth();
+    let truth = swarm.truth_now().await;
     assert!(!truth.vehicle(1).expect("is simulated").armed);
     assert!(
         truth.vehicle(2).expect("is simulated").height_m > 4.0,

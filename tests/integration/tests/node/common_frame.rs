@@ -23,7 +23,7 @@ fn position(truth: &TruthFrame, system_id: u8) -> PositionNed {
 async fn a_formation_holds_whatever_each_vehicle_calls_its_origin() {
     let swarm = Swarm::start_with(4, |_, sim| sim.starts = starts()).await;
     let fleet = swarm.take_off(15.0).await;
-    let truth = swarm.simulation().truth();
+    let truth = swarm.truth_now().await;
     for vehicle in &truth.vehicles {
         let origin = vehicle.local_origin;
         assert!(
@@ -47,7 +47,7 @@ async fn a_formation_holds_whatever_each_vehicle_calls_its_origin() {
                     .all(|v| v.tracking_error_m.is_some_and(|m| m < 0.4))
         })
         .await;
-    let truth = swarm.simulation().truth();
+    let truth = swarm.truth_now().await;
     let leader = position(&truth, 1);
     let mut places: Vec<f64> = (1..=4).map(|id| position(&truth, id).east_m - leader.east_m).collect();
     places.sort_by(f64::total_cmp);

@@ -73,7 +73,7 @@ async fn a_shape_kept_by_directions_stays_as_it_is_behind_a_leader_that_moves() 
         .await;
 
     // Out and, after a corner, off to the side: directions do not turn with it.
-    let leader = swarm.simulation().truth().vehicle(1).unwrap().position;
+    let leader = swarm.truth_now().await.vehicle(1).unwrap().position;
     let corner = |north: f64, east: f64| json!({ "north_m": leader.north_m + north, "east_m": leader.east_m + east, "down_m": leader.down_m });
     let route = json!({ "route": { "waypoints": [corner(40.0, 0.0), corner(40.0, 30.0)], "speed_m_s": 4.0, "corner_radius_m": 8.0 } });
     put(&swarm, "/api/v1/formation/route", &route).await;
@@ -93,7 +93,7 @@ async fn a_shape_kept_by_directions_stays_as_it_is_behind_a_leader_that_moves() 
     println!("worst {off_m:.2} m off its place while moving, {near_m:.2} m from each other");
     assert!(off_m < MOVING_M, "{off_m} m off its place");
     assert!(near_m > 3.0, "{near_m} m from each other");
-    let truth = swarm.simulation().truth();
+    let truth = swarm.truth_now().await;
     let came_m = truth.vehicle(1).unwrap().position.horizontal_distance_m(&leader);
     assert!(came_m > 45.0, "the leader has moved {came_m} m");
     swarm

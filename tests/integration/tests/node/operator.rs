@@ -59,7 +59,7 @@ async fn whoever_is_told_to_hold_holds_whatever_the_formation_does() {
     for id in 1..=5 {
         assert_eq!(state(&fleet, id), FlightState::Holding, "vehicle {id}");
     }
-    let truth = swarm.simulation().truth();
+    let truth = swarm.truth_now().await;
     assert!(
         truth.vehicles.iter().all(|v| v.velocity.norm() < 0.5),
         "all stand still"

@@ -110,7 +110,7 @@ async fn only_a_permitted_operator_has_a_vehicle_armed_in_spite_of_a_red_item() 
             fleet.vehicles[0].flight_state == FlightState::Holding
         })
         .await;
-    assert!(!swarm.simulation().truth().vehicle(1).unwrap().touches_ground);
+    assert!(!swarm.truth_now().await.vehicle(1).unwrap().touches_ground);
     on_record(&swarm);
     in_flight_nothing_is_asked_of_the_ground(&swarm);
     swarm.stop().await;

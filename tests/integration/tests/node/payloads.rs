@@ -213,7 +213,7 @@ async fn payloads_are_attached_and_detached_in_flight() {
             fleet.vehicles[0].payloads.is_empty()
         })
         .await;
-    assert!(swarm.simulation().truth().vehicles[0].offboard_gap_sender_max_s < 0.2);
+    assert!(swarm.truth_now().await.vehicles[0].offboard_gap_sender_max_s < 0.2);
     swarm.stop().await;
 }
 

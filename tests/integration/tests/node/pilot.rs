@@ -62,13 +62,13 @@ async fn the_pilot_takes_a_vehicle_out_and_the_others_close_up() {
 
 /// Vehicle 3 gets no setpoint for two seconds, and the pilot's mode stands.
 async fn nothing_is_streamed(swarm: &Swarm) {
-    let before = swarm.simulation().truth().vehicle(3).expect("is simulated").setpoints;
+    let before = swarm.truth_now().await.vehicle(3).expect("is simulated").setpoints;
     // Two seconds of flight in which a stream would show.
     let later = swarm.node().now().plus_seconds(2.0);
     swarm
         .until("two more seconds", Duration::ZERO, |fleet| fleet.time > later)
         .await;
-    let truth = swarm.simulation().truth();
+    let truth = swarm.truth_now().await;
     let vehicle = truth.vehicle(3).expect("is simulated");
     assert_eq!(
         vehicle.setpoints, before,

@@ -212,7 +212,7 @@ fn began_together(setpoints: &Setpoints, start: NodeTime) {
 }
 
 async fn anew_while_moving(swarm: &Swarm, setpoints: &mut Setpoints, planned_m: f64) {
-    let moving = swarm.simulation().truth();
+    let moving = swarm.truth_now().await;
     let fastest = moving.vehicles.iter().map(|v| v.velocity.norm()).fold(0.0, f64::max);
     assert!(fastest > 1.5, "they are under way: {fastest} m/s");
     let fleet = swarm.node().snapshot();
@@ -230,7 +230,7 @@ async fn anew_while_moving(swarm: &Swarm, setpoints: &mut Setpoints, planned_m: 
     setpoints
         .until(swarm, 5.0, "the new trajectories", |fleet| fleet.time >= over)
         .await;
-    let truth = swarm.simulation().truth();
+    let truth = swarm.truth_now().await;
     let slowest = truth
         .vehicles
         .iter()
@@ -298,7 +298,7 @@ async fn a_route_is_put_on_the_vehicle_that_flies_it() {
         })
         .await;
     let points = progress(&swarm)[0]["upload"]["points"].as_u64().unwrap();
-    let truth = swarm.simulation().truth();
+    let truth = swarm.truth_now().await;
     let held = truth.vehicle(1).unwrap().mission.clone();
     assert_eq!(held.len() as u64, points, "every point is there");
     assert!(

@@ -108,7 +108,7 @@ async fn a_model_is_exchanged_in_flight_and_goes_back_if_it_must() {
             },
         )
         .await;
-    for vehicle in &swarm.simulation().truth().vehicles {
+    for vehicle in &swarm.truth_now().await.vehicles {
         assert!(
             vehicle.offboard_gap_sender_max_s < 0.2,
             "{}",
