@@ -29,8 +29,9 @@ const STEADY_S: f64 = 5.0;
 const MODE_AGE_S: f64 = 1.5;
 /// Both links tell of one restart of the autopilot within so long, in seconds.
 const ONE_REBOOT_S: f64 = 10.0;
-/// `MAV_SEVERITY_WARNING`.
+/// `MAV_SEVERITY_WARNING` and `MAV_SEVERITY_INFO`.
 const WARNING: u8 = 4;
+const INFO: u8 = 6;
 
 /// A request whose outcome is open.
 #[derive(Debug)]
@@ -49,6 +50,8 @@ struct One {
 }
 
 struct Inner {
+    /// As the link numbers it, for what is refused.
+    vehicle: VehicleId,
     /// The first flies, if it can.
     order: [LinkKind; 2],
     links: Vec<One>,
@@ -57,7 +60,9 @@ struct Inner {
     pending: BTreeMap<RequestId, Pending>,
     events: VecDeque<LinkEvent>,
     taps: Vec<Weak<dyn MessageTap>>,
+    /// What was told last of mode and arming.
     mode: Option<FlightMode>,
+    armed: Option<bool>,
     /// When what the new link says of mode and arming counts.
     look_again: Option<NodeTime>,
     rebooted: Option<NodeTime>,
@@ -80,6 +85,7 @@ impl PairedLink {
     pub fn new(order: [LinkKind; 2], kind: LinkKind, link: Arc<dyn VehicleLink>) -> Self {
         let system_id = link.system_id();
         let inner = Inner {
+            vehicle: VehicleId(u16::from(system_id.0)),
             order,
             links: vec![One {
                 kind,
@@ -92,6 +98,7 @@ impl PairedLink {
             events: VecDeque::new(),
             taps: Vec::new(),
             mode: None,
+            armed: None,
             look_again: None,
             rebooted: None,
             now: NodeTime::default(),
@@ -116,13 +123,14 @@ impl PairedLink {
         }
         if let Some(at) = there {
             inner.links.remove(at);
+            inner.nobody_answers(kind);
         }
         inner.links.push(One {
             kind,
             link,
             steady_since: None,
         });
-        inner.tell(format!("it is heard over {kind} as well"));
+        inner.tell(INFO, format!("it is heard over {kind} as well"));
         true
     }
 
@@ -154,11 +162,22 @@ impl Inner {
         self.of(LinkKind::Mavlink).cloned().or_else(|| self.active())
     }
 
-    fn tell(&mut self, text: String) {
-        self.events.push_back(LinkEvent::StatusText {
-            severity: WARNING,
-            text,
-        });
+    fn tell(&mut self, severity: u8, text: String) {
+        self.events.push_back(LinkEvent::StatusText { severity, text });
+    }
+
+    /// The link of this kind is gone, and with it the answers that it owed.
+    fn nobody_answers(&mut self, kind: LinkKind) {
+        let owed: Vec<RequestId> = self
+            .pending
+            .iter()
+            .filter(|(_, pending)| pending.asked.contains(&kind))
+            .map(|(request, _)| *request)
+            .collect();
+        for request in owed {
+            let lost = Refusal::LinkLost { vehicle: self.vehicle };
+            self.on_result(kind, request, Err(lost));
+        }
     }
 
     /// Looks who is heard, and hands over if it has to be.
@@ -216,7 +235,7 @@ impl Inner {
             }
         }
         self.look_again = Some(now.plus_seconds(MODE_AGE_S));
-        self.tell(format!("flown over {to} from now on, no more over {from}"));
+        self.tell(WARNING, format!("flown over {to} from now on, no more over {from}"));
     }
 
     /// What changed while one link was silent and the other only stood by is news all the same.
@@ -226,8 +245,12 @@ impl Inner {
         }
         self.look_again = None;
         let Some(link) = self.active() else { return };
-        let (to, before) = (link.read(now).0.mode, self.mode.replace(link.read(now).0.mode));
-        if let Some(from) = before.filter(|from| *from != to) {
+        let telemetry = link.read(now).0;
+        let (to, armed) = (telemetry.mode, telemetry.armed);
+        if self.armed.replace(armed).is_some_and(|before| before != armed) {
+            self.events.push_back(LinkEvent::ArmedChanged { armed });
+        }
+        if let Some(from) = self.mode.replace(to).filter(|from| *from != to) {
             self.events.push_back(LinkEvent::ModeChanged {
                 from,
                 to,
@@ -252,15 +275,15 @@ impl Inner {
     fn take(&mut self, kind: LinkKind, event: LinkEvent) {
         match event {
             LinkEvent::Result { request, outcome } => self.on_result(kind, request, outcome),
-            LinkEvent::Lost => self.tell(format!("not heard over {kind}")),
-            LinkEvent::Regained => self.tell(format!("heard over {kind} again")),
+            LinkEvent::Lost => self.tell(WARNING, format!("not heard over {kind}")),
+            LinkEvent::Regained => self.tell(INFO, format!("heard over {kind} again")),
             LinkEvent::Rebooted => {
                 let told = self
                     .rebooted
                     .is_some_and(|at| self.now.seconds_since(at) < ONE_REBOOT_S);
                 if !told {
                     self.rebooted = Some(self.now);
-                    self.mode = None;
+                    (self.mode, self.armed) = (None, None);
                     self.events.push_back(LinkEvent::Rebooted);
                 }
             }
@@ -269,9 +292,11 @@ impl Inner {
                 self.mode = Some(to);
                 self.events.push_back(event);
             }
-            LinkEvent::ArmedChanged { .. } | LinkEvent::Stream(_) | LinkEvent::ClockJumped { .. }
-                if kind == self.active =>
-            {
+            LinkEvent::ArmedChanged { armed } if kind == self.active => {
+                self.armed = Some(armed);
+                self.events.push_back(event);
+            }
+            LinkEvent::Stream(_) | LinkEvent::ClockJumped { .. } if kind == self.active => {
                 self.events.push_back(event);
             }
             // The link that stands by sees the same changes.
@@ -373,11 +398,9 @@ impl VehicleLink for PairedLink {
     }
 
     fn send_payload(&self, now: NodeTime, message: &MavlinkMessage) -> Result<(), Refusal> {
-        let link = self.inner.lock().mavlink();
-        let lost = Refusal::LinkLost {
-            vehicle: VehicleId(u16::from(self.system_id.0)),
-        };
-        link.ok_or(lost)?.send_payload(now, message)
+        let inner = self.inner.lock();
+        let lost = Refusal::LinkLost { vehicle: inner.vehicle };
+        inner.mavlink().ok_or(lost)?.send_payload(now, message)
     }
 }
 

@@ -17,6 +17,7 @@ struct Scene {
     lost_after_s: f64,
     rate_hz: f32,
     mode: FlightMode,
+    armed: bool,
     events: Vec<LinkEvent>,
     requests: Vec<(RequestId, AutopilotCommand)>,
     streamed: Vec<NodeTime>,
@@ -61,6 +62,7 @@ impl VehicleLink for Scripted {
         };
         let telemetry = Telemetry {
             mode: scene.mode,
+            armed: scene.armed,
             ..Telemetry::default()
         };
         (telemetry, health)
@@ -284,6 +286,35 @@ fn only_the_link_that_flies_says_what_mode_it_is_and_what_was_missed_is_told_aft
     flight.pass(2.5, false, true);
     let taken_over = changed(FlightMode::Offboard, FlightMode::Position, false);
     assert!(flight.pair.take_events().contains(&taken_over));
+}
+
+#[test]
+fn whoever_was_disarmed_while_its_link_was_silent_is_told_to_be() {
+    let mut flight = Flight::begin();
+    flight.dds.says(LinkEvent::ArmedChanged { armed: true });
+    flight.mavlink.0.lock().armed = true;
+    flight.pair.take_events();
+    flight.mavlink.says(LinkEvent::ArmedChanged { armed: false });
+    flight.mavlink.0.lock().armed = false;
+    flight.pass(0.1, false, true);
+    flight.pair.take_events();
+    flight.pass(2.5, false, true);
+    let disarmed = LinkEvent::ArmedChanged { armed: false };
+    assert!(flight.pair.take_events().contains(&disarmed));
+}
+
+#[test]
+fn what_a_link_owed_that_another_one_replaces_is_refused() {
+    let mut flight = Flight::begin();
+    let request = RequestId(6);
+    flight.pair.request(flight.now, request, AutopilotCommand::Land);
+    flight.pass(3.0, false, false);
+    flight.pair.take_events();
+    let new = Scripted::new();
+    new.heard(flight.now);
+    assert!(flight.pair.attach(flight.now, LinkKind::Dds, new));
+    let refused = |event: &LinkEvent| matches!(event, LinkEvent::Result { request: r, outcome: Err(Refusal::LinkLost { .. }) } if *r == request);
+    assert!(flight.pair.take_events().iter().any(refused));
 }
 
 #[test]
