@@ -3,8 +3,13 @@
 //!
 //! Must never do: reach into a node. Each is asked through its handle, and judged by what its simulator knows.
 
+mod referee;
+
+pub use referee::Nearest;
+
 use crate::{eventually, patience, plugins_dir, skein_binary};
 use parking_lot::Mutex;
+use referee::Referee;
 use skein::Running;
 use skein_bus::local::{Hub, Local};
 use skein_bus::seal::SwarmKey;
@@ -51,7 +56,7 @@ pub struct Flock {
     cuts: Cuts,
     folder: PathBuf,
     adapt: fn(&mut NodeConfig),
-    nearest_m: Arc<Mutex<f64>>,
+    referee: Arc<Mutex<Referee>>,
 }
 
 impl Flock {
@@ -66,7 +71,7 @@ impl Flock {
             cuts: Cuts::default(),
             folder,
             adapt,
-            nearest_m: Arc::new(Mutex::new(f64::INFINITY)),
+            referee: Arc::default(),
         };
         for member in members {
             let place = Place {
@@ -132,17 +137,10 @@ impl Flock {
 
     /// Begins to look how near the vehicles come to each other: from when they are up.
     pub fn judge(&self) {
-        let latest: Arc<Mutex<BTreeMap<u8, TruthFrame>>> = Arc::default();
         for (node, place) in &self.places {
             let Some(simulation) = &place.simulation else { continue };
-            let (latest, nearest, node) = (latest.clone(), self.nearest_m.clone(), *node);
-            let observe = move |frame: &TruthFrame| {
-                let mut latest = latest.lock();
-                latest.insert(node, frame.clone());
-                let now_m = smallest_distance_m(latest.values());
-                let mut nearest = nearest.lock();
-                *nearest = nearest.min(now_m);
-            };
+            let (referee, node) = (self.referee.clone(), *node);
+            let observe = move |frame: &TruthFrame| referee.lock().see(node, frame);
             simulation
                 .observe(Box::new(observe))
                 .unwrap_or_else(|error| panic!("{error}"));
@@ -151,8 +149,8 @@ impl Flock {
 
     /// The smallest distance between two vehicles of which one was off the ground, since it was first asked to be looked at.
     #[must_use]
-    pub fn nearest_m(&self) -> f64 {
-        *self.nearest_m.lock()
+    pub fn nearest(&self) -> Nearest {
+        self.referee.lock().nearest().clone()
     }
 
     /// Ends a node as if its computer failed: nobody is told. Its vehicle is left to its autopilot.
@@ -289,21 +287,6 @@ fn simulation(node: u8, address: Option<SocketAddr>) -> Simulation {
         ..SimSettings::default()
     };
     Simulation::start(settings).unwrap_or_else(|error| panic!("no simulation: {error}"))
-}
-
-fn smallest_distance_m<'a>(frames: impl Iterator<Item = &'a TruthFrame>) -> f64 {
-    let all: Vec<_> = frames.flat_map(|frame| &frame.vehicles).filter(|v| v.alive).collect();
-    let mut nearest_m = f64::INFINITY;
-    for (i, a) in all.iter().enumerate() {
-        for b in all
-            .iter()
-            .skip(i + 1)
-            .filter(|b| !(a.touches_ground && b.touches_ground))
-        {
-            nearest_m = nearest_m.min(a.position.distance_m(&b.position));
-        }
-    }
-    nearest_m
 }
 
 /// A place at the hub whose ways may be cut.
