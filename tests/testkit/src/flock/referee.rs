@@ -36,7 +36,14 @@ impl fmt::Display for Nearest {
             write!(
                 f,
                 " {} in {:?} at {:.2} {:.2} {:.2} m with {:.2} {:.2} {:.2} m/s;",
-                vehicle.system_id, vehicle.mode, at.north_m, at.east_m, at.down_m, speed.north_m_s, speed.east_m_s, speed.down_m_s
+                vehicle.system_id,
+                vehicle.mode,
+                at.north_m,
+                at.east_m,
+                at.down_m,
+                speed.north_m_s,
+                speed.east_m_s,
+                speed.down_m_s
             )?;
         }
         Ok(())
