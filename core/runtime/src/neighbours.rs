@@ -18,6 +18,11 @@ const TRACK_UNCERTAINTY_M: f64 = 2.0;
 const AIRCRAFT_UNCERTAINTY_M: f64 = 30.0;
 /// So hard an autopilot brakes that has lost its setpoints, at most, in metres per second squared.
 const HARDEST_BRAKING_M_S2: f64 = 7.0;
+/// When one that has just fallen silent may have begun to brake: not yet, on the way, or at once, as a share of the time since.
+const STARTS_TO_BRAKE: [f64; 3] = [1.0, 0.5, 0.0];
+/// How hard it may have turned aside meanwhile, in metres per second squared, and how far at most, in metres.
+const TURNS_ASIDE_M_S2: f64 = 3.0;
+const TURNS_ASIDE_MAX_M: f64 = 1.5;
 /// A vehicle not heard for so long, in seconds, hears us no more than we hear it: without setpoints its autopilot stops it.
 const STOPS_AFTER_S: f64 = 2.0;
 /// By then it has come as far as it came before in so many seconds: half a second's way, if it braked at once, and two, if it went on for a
@@ -80,7 +85,9 @@ pub fn vehicle(entry: &PeerEntry, now: NodeTime) -> Vec<Neighbour> {
         return vec![known];
     }
     if silent_s <= STOPS_AFTER_S {
-        return vec![known, braked(&known, silent_s, now)];
+        return STARTS_TO_BRAKE
+            .map(|share| braking(&known, silent_s, share, now))
+            .to_vec();
     }
     let heights_m: &[f64] = if entry.airborne { &COLUMN_M } else { &[0.0] };
     let speed_m_s = known.velocity.norm();
@@ -110,17 +117,25 @@ pub fn vehicle(entry: &PeerEntry, now: NodeTime) -> Vec<Neighbour> {
         .collect()
 }
 
-/// Where it is if it has braked as hard as it can since it was heard: who flies behind it would see it far ahead, where it would be if it
-/// had flown on.
-fn braked(known: &Neighbour, silent_s: f64, now: NodeTime) -> Neighbour {
+/// Where it is if, since it was heard, it flew on for this share of the time, and then braked as hard as it can: who flies behind it would see
+/// it far ahead, where it would be if it had flown on all the time.
+///
+/// It may have turned aside as well, but not by much: if it were looked for wherever it could have got to, those beside it would be driven out of their ways,
+/// into those of others who do not see that.
+fn braking(known: &Neighbour, silent_s: f64, flown_on: f64, now: NodeTime) -> Neighbour {
     let speed_m_s = known.velocity.norm();
-    let braking_s = silent_s.min(speed_m_s / HARDEST_BRAKING_M_S2);
+    let (flown_s, since_s) = (flown_on * silent_s, (1.0 - flown_on) * silent_s);
+    let braking_s = since_s.min(speed_m_s / HARDEST_BRAKING_M_S2);
     let left = 1.0 - HARDEST_BRAKING_M_S2 * braking_s / speed_m_s.max(1e-6);
+    let aside_m = (0.5 * TURNS_ASIDE_M_S2 * silent_s * silent_s).min(TURNS_ASIDE_MAX_M);
     Neighbour {
         // The mean speed while it brakes.
-        position: known.position.after(&known.velocity, braking_s * 0.5 * (1.0 + left)),
+        position: known
+            .position
+            .after(&known.velocity, flown_s + braking_s * 0.5 * (1.0 + left)),
         velocity: (known.velocity.vector() * left).into(),
         measured: now,
+        uncertainty_m: known.uncertainty_m + aside_m,
         cooperation: Cooperation::DoesNot,
         ..*known
     }

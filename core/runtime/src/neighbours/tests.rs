@@ -56,8 +56,12 @@ fn who_has_just_fallen_silent_has_flown_on_or_braked() {
     let north = entry(VelocityNed::new(7.0, 0.0, 0.0));
     let seen = after(&north, 0.6);
     assert!(seen.iter().all(|n| n.cooperation == Cooperation::DoesNot));
-    let [on, braked] = seen[..] else { panic!("{seen:?}") };
-    assert_eq!((on.velocity.north_m_s, on.measured), (7.0, at_s(HEARD_S)));
+    let [on, halfway, braked] = seen[..] else {
+        panic!("{seen:?}")
+    };
+    assert_eq!((on.velocity.north_m_s, on.position.north_m), (7.0, 10.0 + 0.6 * 7.0));
+    // 7 m/s² for 0.3 s.
+    assert!((halfway.velocity.north_m_s - 4.9).abs() < 1e-9, "{halfway:?}");
     // 7 m/s² for 0.6 s.
     assert!((braked.velocity.north_m_s - 2.8).abs() < 1e-9, "{braked:?}");
     assert!(
@@ -66,8 +70,10 @@ fn who_has_just_fallen_silent_has_flown_on_or_braked() {
     );
     // It does not fly backwards.
     let seen = after(&north, 1.5);
-    assert!((seen[1].position.north_m - 13.5).abs() < 1e-9, "{seen:?}");
-    assert_eq!(seen[1].velocity, VelocityNed::default());
+    assert!((seen[2].position.north_m - 13.5).abs() < 1e-9, "{seen:?}");
+    assert_eq!(seen[2].velocity, VelocityNed::default());
+    // And does not drive those beside it away.
+    assert!(seen.iter().all(|n| n.uncertainty_m < 2.0), "{seen:?}");
 }
 
 #[test]

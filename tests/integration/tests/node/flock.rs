@@ -98,7 +98,11 @@ async fn all_free(flock: &Flock, at: u8) {
         fleet.vehicles.len() == 4 && fleet.vehicles.iter().all(is_free)
     };
     let what = "all free for the coordinator";
-    flock.until(leads, what, Duration::from_secs(10), free).await;
+    let seen = flock.until(leads, what, Duration::from_secs(10), free).await;
+    // What it plans with is of the control period before the picture.
+    let later = seen.time.plus_seconds(0.5);
+    let still = move |fleet: &FleetSnapshot| fleet.time > later && free(fleet);
+    flock.until(leads, what, Duration::from_secs(10), still).await;
 }
 
 async fn form(flock: &Flock, at: u8, shape: Shape) {
