@@ -448,6 +448,8 @@ pub struct PublishedState {
 /// All vehicles at one control period.
 #[derive(Debug, Clone, Default)]
 pub struct PeerSnapshot {
+    /// When that control period began: what was known of them then is in here.
+    pub made: NodeTime,
     /// By ascending id.
     pub entries: Vec<PeerEntry>,
     /// Everything in the air as the separation filter wants it, ours and not ours.

@@ -170,6 +170,7 @@ fn publish(board: &Board, entries: Vec<PeerEntry>, now: NodeTime) {
         anchor
     };
     board.peers.store(Arc::new(PeerSnapshot {
+        made: now,
         entries,
         surroundings,
         anchor,

@@ -217,6 +217,7 @@ impl Swarm {
         let all: Vec<_> = entries.iter().flat_map(|e| steering::neighbour(e, now)).collect();
         let surroundings = Surroundings::new(&all, &gate.avoidance(), now);
         let peers = PeerSnapshot {
+            made: now,
             entries,
             surroundings,
             anchor: None,

@@ -254,6 +254,7 @@ impl<'a> World<'a> {
         let led = entries.iter().find_map(|e| e.anchor);
         let anchor = self.ground.anchor(led.as_ref(), now);
         self.peers = PeerSnapshot {
+            made: now,
             entries,
             surroundings,
             anchor,

@@ -87,9 +87,7 @@ pub fn plan(input: &PlanInput, peers: &PeerSnapshot) -> Result<Formation, Refusa
     let able = capabilities(&members, peers, &input.limits);
     let invalid = |e: formation::FormationError| Refusal::InvalidValue { detail: e.to_string() };
     let slots = formation::anchored_slots(&input.request, members.len()).map_err(invalid)?;
-    if slots.len() > 1 {
-        input.gate.formation(formation::smallest_separation_m(&slots))?;
-    }
+    spaced(input, &slots)?;
     let basis = Basis::now(input, leader, peers)?;
     let together = slowest(&able);
     let from = present_offsets(input, &members, leader, &basis, peers)?;
@@ -130,6 +128,18 @@ pub fn plan(input: &PlanInput, peers: &PeerSnapshot) -> Result<Formation, Refusa
         min_distance_m: planned.min_distance_m,
         max_speed_m_s: together.max_speed_m_s * limits::TURN_SPEED_SHARE,
     })
+}
+
+/// Whether the places are far enough apart. Who is alone may be joined by others: the spacing is looked at as if there were two.
+fn spaced(input: &PlanInput, slots: &[OffsetFrd]) -> Result<(), Refusal> {
+    let of_two = (slots.len() < 2).then(|| formation::anchored_slots(&input.request, 2));
+    let places = match &of_two {
+        Some(Ok(places)) => places,
+        // A list of places for one vehicle.
+        Some(Err(_)) => return Ok(()),
+        None => slots,
+    };
+    input.gate.formation(formation::smallest_separation_m(places))
 }
 
 /// Members whose camera is to look out and cannot from their places.

@@ -142,6 +142,19 @@ fn a_change_starts_from_the_slots_not_from_what_was_measured() {
 }
 
 #[test]
+fn a_spacing_nobody_may_join_at_is_refused_to_who_is_alone_too() {
+    let asked = |spacing_m| FormationRequest::new(Shape::Line, spacing_m);
+    let refused = plan(&input(asked(0.5), None), &peers(1)).expect_err("too close");
+    assert!(matches!(refused, Refusal::InvalidValue { .. }), "{refused}");
+    plan(&input(asked(5.0), None), &peers(1)).expect("is flown by one");
+    let free = FormationRequest {
+        offsets: Some(vec![OffsetFrd::default()]),
+        ..FormationRequest::new(Shape::Free, 0.5)
+    };
+    plan(&input(free, None), &peers(1)).expect("one place is far from no other");
+}
+
+#[test]
 fn tasks_that_do_not_change_keep_their_version() {
     let nobody = BTreeSet::new();
     let peers = peers(4);

@@ -13,6 +13,10 @@ use std::time::Duration;
 
 /// Longest wait for another node to take the office.
 const OFFICE_WITHIN: Duration = Duration::from_secs(3);
+/// Longest wait for a control period that begins after something was asked.
+const PICTURE_WITHIN: Duration = Duration::from_millis(500);
+/// How often it is looked for.
+const PICTURE_POLL: Duration = Duration::from_millis(2);
 /// Longest wait for another node's answer to a request of the API.
 const API_WITHIN: Duration = Duration::from_secs(20);
 
@@ -123,6 +127,18 @@ impl NodeHandle {
             .await
     }
 
+    /// Plans are made from the picture of a control period, and whoever asks for one may have seen what came after it (the last vehicle
+    /// has just come up): waits for a picture that has it all. A node too busy for that plans with what it has.
+    pub(super) async fn picture_of_now(&self) {
+        let asked = self.board.now();
+        let fresh = async {
+            while self.board.peers.load().made < asked {
+                tokio::time::sleep(PICTURE_POLL).await;
+            }
+        };
+        let _ = tokio::time::timeout(PICTURE_WITHIN, fresh).await;
+    }
+
     pub(super) async fn coordinate<T: Send + 'static>(
         &self,
         message: impl FnOnce(RpcReplyPort<Result<T, Refusal>>) -> CoordinatorMessage,
@@ -134,6 +150,7 @@ impl NodeHandle {
             return Err(no_coordinator());
         }
         let coordinator = self.parts.coordinator.load_full().ok_or_else(not_running)?;
+        self.picture_of_now().await;
         match coordinator.call(message, Some(PLAN_WITHIN)).await {
             Ok(CallResult::Success(answer)) => answer,
             Ok(CallResult::Timeout) => Err(Refusal::TimedOut {

@@ -65,6 +65,7 @@ impl NodeHandle {
                 reply,
             }))
         };
+        self.picture_of_now().await;
         match coordinator.call(message, Some(PLAN_WITHIN)).await {
             Ok(CallResult::Success(answer)) => answer,
             Ok(CallResult::Timeout) => against(Refusal::TimedOut {
