@@ -53,12 +53,13 @@ impl CoordinatorState {
         self.generation += 1;
         self.flights_version += 1;
         self.regrouping = false;
-        self.bereaved = None;
         if self.term.is_none() {
+            self.bereaved = None;
             return false;
         }
         self.joins.clear();
         self.settled = is_settled(&self.board.coordination.lock(), self.board.now());
+        // Two may have claimed one term at once, and the one who keeps the office renews it: whom it succeeded is missed all the same.
         if let Some(missed) = role.bereaved.filter(|_| had_none) {
             let since = self.board.now();
             let formation = self.board.coordination.lock().formation.clone();

@@ -138,6 +138,10 @@ impl SwarmState {
             cut_off: present == 0 && self.had_company,
             observer: before.observer,
         };
+        if role.acting.is_some() && before.acting.is_none() {
+            // What it decides comes a moment later: until then nobody is to think that there is no coordinator.
+            self.board.see_coordinator();
+        }
         if role != before {
             swarm.role.store(Arc::new(role));
             if role.cut_off && !before.cut_off && role.acting.is_none() {
