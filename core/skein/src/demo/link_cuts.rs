@@ -13,10 +13,16 @@ use tokio::time::Instant;
 
 /// How long a link stays cut.
 const CUT: Duration = Duration::from_secs(2);
+/// On a busy computer a link may fall silent by itself, and flies again only after some steady seconds: so long its cut waits for that.
+const BACK_WITHIN: Duration = Duration::from_secs(12);
 /// Until the next vehicle's turn.
 const APART: Duration = Duration::from_millis(500);
 /// How often the mode of the vehicle is looked at meanwhile.
 const LOOK: Duration = Duration::from_millis(50);
+/// What is told when a vehicle changes its link, and to which.
+const FLOWN_OVER: &str = "flown over ";
+const TO_DDS: &str = "flown over DDS";
+const TO_MAVLINK: &str = "flown over MAVLink";
 
 /// What was cut, and what came of it.
 #[derive(Debug, Default)]
@@ -59,7 +65,8 @@ impl LinkCuts {
             .collect();
         for (vehicle, system_id) in vehicles {
             let cut = |cut| Fault::Cut { face: Face::Dds, cut };
-            let before = self.told(stage, vehicle);
+            flown_over_dds(stage, vehicle).await;
+            let before = told(stage, vehicle, TO_MAVLINK).len();
             stage.simulation.inflict(system_id, cut(true))?;
             self.made.fetch_add(1, Ordering::Relaxed);
             let until = Instant::now() + CUT;
@@ -74,22 +81,12 @@ impl LinkCuts {
             }
             stage.simulation.inflict(system_id, cut(false))?;
             self.left_offboard.fetch_add(u64::from(!stayed), Ordering::Relaxed);
-            let handed_over = self.told(stage, vehicle) > before;
+            let handed_over = told(stage, vehicle, TO_MAVLINK).len() > before;
             self.handed_over.fetch_add(u64::from(handed_over), Ordering::Relaxed);
             stage.say(&format!("vehicle {vehicle}: DDS was cut for {} s", CUT.as_secs()));
             tokio::time::sleep(APART).await;
         }
         Ok(())
-    }
-
-    /// How often a vehicle was handed over to MAVLink.
-    fn told(&self, stage: &Stage<'_>, vehicle: VehicleId) -> usize {
-        let is_hand_over = |text: &str| text.contains("flown over MAVLink from now on");
-        let events = stage.node.events_after(0);
-        let told = |event: &&std::sync::Arc<skein_runtime::EventRecord>| {
-            event.vehicle == Some(vehicle) && is_hand_over(&event.text)
-        };
-        events.iter().filter(told).count()
     }
 
     /// What such a flight has to meet beside the others: every vehicle's link was cut, and each was flown on over the other one.
@@ -110,5 +107,24 @@ impl LinkCuts {
                 "",
             ),
         ]
+    }
+}
+
+/// What a vehicle was told of with these words, in order.
+fn told(stage: &Stage<'_>, vehicle: VehicleId, words: &str) -> Vec<String> {
+    let events = stage.node.events_after(0);
+    let of_it = events.iter().filter(|e| e.vehicle == Some(vehicle));
+    of_it
+        .map(|e| e.text.clone())
+        .filter(|text| text.contains(words))
+        .collect()
+}
+
+/// Waits until a vehicle is flown over the link that is to be cut. Who was never handed over flies over it from the start.
+async fn flown_over_dds(stage: &Stage<'_>, vehicle: VehicleId) {
+    let until = Instant::now() + BACK_WITHIN;
+    let over_dds = || (told(stage, vehicle, FLOWN_OVER).last()).is_none_or(|text| text.contains(TO_DDS));
+    while !over_dds() && Instant::now() < until {
+        tokio::time::sleep(LOOK).await;
     }
 }
