@@ -4,7 +4,7 @@ use crate::bare::BareLoopSettings;
 use crate::error::BenchError;
 use crate::generator::LoadGeneratorSettings;
 use crate::process::{Machine, Part, Scheduling};
-use crate::program::Program;
+use crate::program::{Program, Setup};
 use crate::report::{FleetBenchReport, LoadFigures, WindowFigures};
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
@@ -86,7 +86,7 @@ pub fn run_fleet_bench(args: &FleetBenchArgs) -> Result<FleetBenchReport, BenchE
 }
 
 async fn program_window(args: &FleetBenchArgs) -> Result<WindowFigures, BenchError> {
-    let program = Program::start(&args.program, &args.plugins, args.scheduling).await?;
+    let program = Program::start(&Setup::plain(&args.program, &args.plugins, args.scheduling)).await?;
     let mut generator = start_generator(args, program.endpoint)?;
     program.take_off(args.vehicles).await?;
     let figures = window(args, &program.part, &mut generator).await;

@@ -83,7 +83,7 @@ impl GapLog {
 }
 
 /// The value that the given share of a sorted list does not exceed (nearest rank); zero for none.
-fn percentile_ms(sorted_us: &[u32], share: f64) -> f64 {
+pub(crate) fn percentile_ms(sorted_us: &[u32], share: f64) -> f64 {
     let rank = (share * sorted_us.len() as f64).ceil() as usize;
     sorted_us
         .get(rank.saturating_sub(1))

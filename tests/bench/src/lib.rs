@@ -5,6 +5,8 @@
 //!
 //! The transports of the swarm's bus are measured beside each other in one process ([`run_bus_bench`]).
 //!
+//! Latencies through ROS 2 and DDS, beside rclpy programs, and what ROS 2 costs ([`run_ros2_bench`]).
+//!
 //! The cost of plugins' calls is measured from inside, in a program of their own ([`run_plugin_bench`]).
 //!
 //! Must never do: reach into the program measured. What counts is what leaves its sockets and what the system charges it.
@@ -22,6 +24,7 @@ mod plugin;
 mod process;
 mod program;
 mod report;
+mod ros2;
 mod swarm;
 mod wire;
 
@@ -33,5 +36,7 @@ pub use fleet::{FleetBenchArgs, run_fleet_bench};
 pub use generator::{LoadGeneratorSettings, run_load_generator};
 pub use plugin::{CallFigures, PluginBenchArgs, PluginBenchReport, run_plugin_bench};
 pub use process::Scheduling;
+pub use program::VehicleLink;
 pub use report::{FleetBenchReport, Gaps, LoadFigures, SideFigures, Spread, WindowFigures};
+pub use ros2::{CostFigures, Latency, Ros2BenchArgs, Ros2BenchReport, Shown, run_ros2_bench};
 pub use swarm::{SwarmBenchArgs, SwarmBenchReport, run_swarm_bench};

@@ -44,7 +44,7 @@ impl Part {
         scheduling: Scheduling,
         errors: Stdio,
     ) -> Result<Self, BenchError> {
-        let mut command = match scheduling {
+        let command = match scheduling {
             Scheduling::Ordinary => Command::new(program),
             Scheduling::RealTime { priority } => {
                 // It becomes the program, so that the process measured is the right one.
@@ -53,6 +53,16 @@ impl Part {
                 command
             }
         };
+        Self::start_by(name, command, arguments, errors)
+    }
+
+    /// The same by a command that holds the program and its environment.
+    pub fn start_by(
+        name: &'static str,
+        mut command: Command,
+        arguments: &[&str],
+        errors: Stdio,
+    ) -> Result<Self, BenchError> {
         let started = command
             .args(arguments)
             .stdin(Stdio::piped())
@@ -61,7 +71,7 @@ impl Part {
             .kill_on_drop(true)
             .spawn();
         let mut child = started.map_err(|source| BenchError::Start {
-            program: program.to_owned(),
+            program: command.as_std().get_program().into(),
             source,
         })?;
         let gone = || BenchError::Child {

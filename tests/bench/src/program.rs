@@ -7,6 +7,7 @@ use hyper::body::Bytes;
 use hyper::header::{CONTENT_TYPE, HOST};
 use hyper::{Method, Request, StatusCode};
 use hyper_util::rt::TokioIo;
+use serde::Serialize;
 use serde_json::{Value, json};
 use std::fs::File;
 use std::net::SocketAddr;
@@ -26,35 +27,86 @@ const LOG_TAIL: usize = 2000;
 /// The running program.
 pub(crate) struct Program {
     pub part: Part,
+    /// Where it hears vehicles over MAVLink.
     pub endpoint: SocketAddr,
     web: SocketAddr,
     files: TempDir,
 }
 
-fn configuration(plugins: &Path) -> String {
-    let plugins = plugins.display().to_string();
-    format!(
-        "[plugins]\ndirectories = [{plugins:?}]\n\n\
-         [coordinator]\ntake_off_stagger_s = 0.02\n\n\
-         [web]\nlisten = \"127.0.0.1:0\"\n\n\
-         [[endpoints]]\nname = \"bench\"\naddress = \"udp-listen://127.0.0.1:0\"\n\n\
-         [[adopt]]\nmodel = \"generic-uav\"\n"
-    )
+/// What vehicles are flown over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum VehicleLink {
+    /// MAVLink over UDP.
+    Mavlink,
+    /// PX4's topics behind its agent.
+    Dds,
+}
+
+/// How the program is set up.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Setup<'a> {
+    /// Which file.
+    pub program: &'a Path,
+    /// Where its plugins are.
+    pub plugins: &'a Path,
+    /// How it is scheduled.
+    pub scheduling: Scheduling,
+    /// What its vehicles are flown over.
+    pub link: VehicleLink,
+    /// Its domain in DDS, if it is to be there.
+    pub dds_domain: u16,
+    /// Whether it shows itself to ROS 2.
+    pub ros2: bool,
+}
+
+impl<'a> Setup<'a> {
+    /// Vehicles over MAVLink, no ROS 2.
+    pub fn plain(program: &'a Path, plugins: &'a Path, scheduling: Scheduling) -> Self {
+        Self {
+            program,
+            plugins,
+            scheduling,
+            link: VehicleLink::Mavlink,
+            dds_domain: 0,
+            ros2: false,
+        }
+    }
+
+    fn configuration(&self) -> String {
+        let plugins = self.plugins.display().to_string();
+        let vehicles = match self.link {
+            VehicleLink::Mavlink => {
+                "[[endpoints]]\nname = \"bench\"\naddress = \"udp-listen://127.0.0.1:0\"\n\n\
+                 [[adopt]]\nmodel = \"generic-uav\"\n"
+            }
+            VehicleLink::Dds => "[[adopt]]\nmodel = \"generic-uav\"\nlinks = [\"dds\"]\n",
+        };
+        let (domain, ros2) = (self.dds_domain, self.ros2);
+        format!(
+            "[plugins]\ndirectories = [{plugins:?}]\n\n\
+             [coordinator]\ntake_off_stagger_s = 0.02\n\n\
+             [dds]\ndomain_id = {domain}\n\n\
+             [ros2]\nenabled = {ros2}\n\n\
+             [web]\nlisten = \"127.0.0.1:0\"\n\n\
+             {vehicles}"
+        )
+    }
 }
 
 impl Program {
     /// Starts it and reads from its first lines where it listens.
-    pub async fn start(program: &Path, plugins: &Path, scheduling: Scheduling) -> Result<Self, BenchError> {
+    pub async fn start(setup: &Setup<'_>) -> Result<Self, BenchError> {
         let files = TempDir::with_prefix("skein-bench-").map_err(BenchError::system("temporary directory"))?;
         let config = files.path().join("node.toml");
-        std::fs::write(&config, configuration(plugins)).map_err(BenchError::system("temporary file"))?;
+        std::fs::write(&config, setup.configuration()).map_err(BenchError::system("temporary file"))?;
         let log = File::create(files.path().join("log")).map_err(BenchError::system("temporary file"))?;
         let config = config.display().to_string();
         let part = Part::start(
             "program under test",
-            program,
+            setup.program,
             &["run", "--config", &config],
-            scheduling,
+            setup.scheduling,
             Stdio::from(log),
         )?;
         let nowhere = SocketAddr::from(([0, 0, 0, 0], 0));
@@ -64,7 +116,8 @@ impl Program {
             web: nowhere,
             files,
         };
-        while program.endpoint == nowhere || program.web == nowhere {
+        let has_endpoint = setup.link == VehicleLink::Mavlink;
+        while program.web == nowhere || (has_endpoint && program.endpoint == nowhere) {
             let line = match program.part.line().await {
                 Ok(line) => line,
                 Err(e) => return Err(program.failed(&e.to_string())),
