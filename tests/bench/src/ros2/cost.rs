@@ -57,7 +57,7 @@ pub(crate) struct Costs<'a> {
 
 /// Whoever plays the vehicles, as long as it is held.
 enum Vehicles {
-    Mavlink(Part),
+    Mavlink(Box<Part>),
     Dds(Box<Px4Side>),
 }
 
@@ -86,7 +86,7 @@ impl<'a> Costs<'a> {
         let setup = self.args.setup(link, domain, shown != Shown::Off);
         let program = Program::start(&setup).await?;
         let played = match link {
-            VehicleLink::Mavlink => Vehicles::Mavlink(self.generator(&program, vehicles)?),
+            VehicleLink::Mavlink => Vehicles::Mavlink(Box::new(self.generator(&program, vehicles)?)),
             VehicleLink::Dds => Vehicles::Dds(Box::new(Px4Side::start(vehicles, domain)?)),
         };
         let mut listener = None;
