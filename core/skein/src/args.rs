@@ -310,6 +310,18 @@ pub enum Bench {
         #[arg(long)]
         json: bool,
     },
+    /// Latencies through ROS 2 and DDS beside rclpy programs in the same run; what ROS 2 takes with 1, 10 and 50 vehicles.
+    Ros2 {
+        /// The Python of an environment with rclpy, `bin/python` in it; `cargo xtask bench ros2` makes one.
+        #[arg(long, value_name = "PROGRAM")]
+        python: PathBuf,
+        /// Length of the window of latencies in seconds; costs take a third of it each.
+        #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u32).range(3..))]
+        seconds: u32,
+        /// Print the report as JSON.
+        #[arg(long)]
+        json: bool,
+    },
     /// Part of `fleet`: the load generator, as its own process.
     #[command(hide = true)]
     LoadGenerator {

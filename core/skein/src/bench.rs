@@ -1,8 +1,8 @@
 //! `skein bench`: hands over to the bench library, which measures this program from outside, as its own child processes.
 
 use skein_bench::{
-    AssignmentBenchArgs, BusBenchArgs, FleetBenchArgs, SwarmBenchArgs, run_assignment_bench, run_bus_bench,
-    run_fleet_bench, run_swarm_bench,
+    AssignmentBenchArgs, BusBenchArgs, FleetBenchArgs, Ros2BenchArgs, SwarmBenchArgs, run_assignment_bench,
+    run_bus_bench, run_fleet_bench, run_ros2_bench, run_swarm_bench,
 };
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -56,6 +56,21 @@ pub fn swarm(vehicles: u16, json: bool) -> anyhow::Result<ExitCode> {
 /// When a transport does not open, or its nodes do not find each other.
 pub fn bus(nodes: u16, seconds: u32, json: bool) -> anyhow::Result<ExitCode> {
     let report = run_bus_bench(&BusBenchArgs { nodes, seconds })?;
+    if json {
+        println!("{}", serde_json::to_string_pretty(&report)?);
+    } else {
+        print!("{report}");
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Latencies through ROS 2 and DDS, and what ROS 2 takes.
+///
+/// # Errors
+/// When a child process cannot be started, ends, or does not find the others.
+pub fn ros2(python: PathBuf, seconds: u32, json: bool) -> anyhow::Result<ExitCode> {
+    let program = std::env::current_exe()?;
+    let report = run_ros2_bench(&Ros2BenchArgs::new(python, seconds, program))?;
     if json {
         println!("{}", serde_json::to_string_pretty(&report)?);
     } else {

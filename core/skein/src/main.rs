@@ -66,6 +66,7 @@ fn bench(what: Bench) -> anyhow::Result<ExitCode> {
         Bench::Assignment { python, json } => skein::bench::assignment(python, json),
         Bench::Swarm { vehicles, json } => skein::bench::swarm(vehicles, json),
         Bench::Bus { nodes, seconds, json } => skein::bench::bus(nodes, seconds, json),
+        Bench::Ros2 { python, seconds, json } => skein::bench::ros2(python, seconds, json),
         Bench::LoadGenerator { settings } => skein::bench::load_generator(&settings),
         Bench::BareLoop { settings } => skein::bench::bare_loop(&settings),
     }

@@ -1,11 +1,12 @@
 //! `bench`: what the program takes, each figure beside something plain that is measured in the same run: a bare loop that only
-//! receives, parses and sends; distances of all pairs; SciPy's assignments.
+//! receives, parses and sends; distances of all pairs; SciPy's assignments; rclpy beside rclpy.
 //!
 //! Must never do: judge. It prints figures; the tests hold the limits.
 
 use crate::workspace::Workspace;
 use crate::{browser, demo, ui};
 use anyhow::{Context, Result, ensure};
+use skein_tests_interop::Ros2;
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
@@ -13,9 +14,18 @@ use std::process::{Command, ExitCode};
 /// How many vehicles the decisions of a whole swarm are measured for.
 const SWARMS: [&str; 2] = ["200", "1000"];
 
-/// Builds the release program, measures a call into a plugin, a swarm's decisions, its bus, assignments and the dashboard, and becomes `skein bench fleet`.
+/// The first argument that asks for the figures of ROS 2 alone.
+const ROS2: &str = "ros2";
+
+/// Builds the release program, measures a call into a plugin, a swarm's decisions, its bus, assignments, ROS 2 and the dashboard, and becomes
+/// `skein bench fleet`. With `ros2` first it measures that alone, and what follows goes on to `skein bench ros2`.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Result<ExitCode> {
     demo::build(workspace)?;
+    if let Some((_, arguments)) = arguments.split_first().filter(|(first, _)| *first == ROS2) {
+        let python = Ros2::jazzy()?.python();
+        ros2(&workspace.target.join("release/skein"), &python, arguments)?;
+        return Ok(ExitCode::SUCCESS);
+    }
     let built = workspace
         .cargo()
         .args(["build", "--release", "-p", "bench-echo"])
@@ -33,6 +43,10 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Result<ExitCode> {
             measure(&binary, &["bench", "assignment", "--python", &python])?;
         }
         Err(error) => println!("no assignments beside SciPy's: {error:#}"),
+    }
+    match Ros2::jazzy() {
+        Ok(found) => ros2(&binary, &found.python(), &[])?,
+        Err(error) => println!("no figures of ROS 2: {error:#}"),
     }
     ui(workspace, &binary)?;
     let error = Command::new(&binary).args(["bench", "fleet"]).args(arguments).exec();
@@ -54,6 +68,14 @@ fn ui(workspace: &Workspace, binary: &Path) -> Result<()> {
         .status()?;
     ensure!(measured.success(), "the dashboard could not be measured: see above");
     Ok(())
+}
+
+/// Between rclpy programs and through Skein.
+fn ros2(binary: &Path, python: &Path, arguments: &[String]) -> Result<()> {
+    let python = python.to_string_lossy();
+    let more = arguments.iter().map(String::as_str);
+    let all: Vec<&str> = ["bench", ROS2, "--python", &python].into_iter().chain(more).collect();
+    measure(binary, &all)
 }
 
 fn measure(binary: &Path, arguments: &[&str]) -> Result<()> {

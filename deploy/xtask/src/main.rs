@@ -65,9 +65,9 @@ enum Task {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<String>,
     },
-    /// Measures the program beside plain loops and SciPy; arguments go on to `skein bench fleet`.
+    /// Measures the program beside plain loops, SciPy and rclpy; arguments go on to `skein bench fleet`. `bench ros2` measures ROS 2 alone.
     Bench {
-        /// For example `--vehicles 100 --seconds 10`.
+        /// For example `--vehicles 100 --seconds 10`, or `ros2 --seconds 30`.
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<String>,
     },
