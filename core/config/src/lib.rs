@@ -17,7 +17,7 @@ pub mod settings;
 mod swarm;
 
 pub use check::Problem;
-pub use dds::{DdsSettings, LinkKind};
+pub use dds::{DdsPeer, DdsPeerError, DdsSettings, LinkKind};
 pub use fences::{FenceFault, FenceFileError, ImportedFences, parse_fences, read_fence_file, to_geojson};
 pub use ids::SystemIdSet;
 pub use operators::OperatorSettings;

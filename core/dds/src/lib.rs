@@ -6,6 +6,14 @@
 //! DDS, and for ROS 2.
 #![forbid(unsafe_code)]
 
+mod announcement;
+mod herald;
+mod multicast;
+mod peer;
+mod rounds;
+
+pub use peer::{CALLED_PER_HOST, Peer};
+
 use parking_lot::Mutex;
 use rustdds::{DomainParticipant, DomainParticipantBuilder};
 use serde::{Deserialize, Serialize};
@@ -21,8 +29,11 @@ pub const LAST_DOMAIN_ID: u16 = 101;
 pub struct DdsSettings {
     /// The DDS domain, 101 at most: only participants of one domain hear each other. What `ROS_DOMAIN_ID` is elsewhere.
     pub domain_id: u16,
-    /// Addresses of this host's interfaces whose networks are used; by multicast others are found there. With loopback alone, nobody beyond this host is.
+    /// Addresses of this host's interfaces whose networks are used; without peers, others are found there by multicast. With loopback alone, nobody beyond
+    /// this host is.
     pub interfaces: Vec<IpAddr>,
+    /// Whoever is told of this node by unicast. If there is any, multicast is left alone: nothing is expected from it, and nobody is told to use it.
+    pub peers: Vec<Peer>,
 }
 
 impl Default for DdsSettings {
@@ -31,6 +42,7 @@ impl Default for DdsSettings {
         Self {
             domain_id: 0,
             interfaces: vec![IpAddr::V4(Ipv4Addr::LOCALHOST)],
+            peers: Vec::new(),
         }
     }
 }
@@ -44,15 +56,29 @@ pub enum JoinError {
     /// No interface is named: DDS would take that for all.
     #[error("no interface is named")]
     NoInterface,
+    /// A peer can't be one.
+    #[error("{} is no address of one host", .0.address)]
+    Peer(Peer),
+    /// Multicast can't be left alone, because a program has a port of it for itself.
+    #[error("a port of multicast of domain {domain_id} is taken: {reason}")]
+    Multicast {
+        /// The domain.
+        domain_id: u16,
+        /// What the system says.
+        reason: String,
+    },
+    /// Peers can't be told of the participant.
+    #[error("peers can't be told of this node: {0}")]
+    Herald(String),
     /// DDS could not begin.
     #[error("DDS did not start: {0}")]
     Start(String),
 }
 
-/// A new participant. Waits until its threads have started.
+/// A new participant. Waits until its threads have started; with peers also while others on this host start.
 ///
 /// # Errors
-/// The settings name no domain or no interface, or DDS can't begin.
+/// The settings name no domain, no interface or a peer that can't be one, or DDS can't begin.
 pub fn join(settings: &DdsSettings) -> Result<DomainParticipant, JoinError> {
     if settings.domain_id > LAST_DOMAIN_ID {
         return Err(JoinError::Domain(settings.domain_id));
@@ -60,6 +86,23 @@ pub fn join(settings: &DdsSettings) -> Result<DomainParticipant, JoinError> {
     if settings.interfaces.is_empty() {
         return Err(JoinError::NoInterface);
     }
+    if let Some(peer) = settings.peers.iter().find(|peer| !peer.can_be()) {
+        return Err(JoinError::Peer(*peer));
+    }
+    if settings.peers.is_empty() {
+        return build(settings);
+    }
+    let kept = multicast::Kept::wait(settings.domain_id).map_err(|error| JoinError::Multicast {
+        domain_id: settings.domain_id,
+        reason: error.to_string(),
+    })?;
+    let participant = build(settings)?;
+    drop(kept);
+    herald::begin(&participant, settings).map_err(|error| JoinError::Herald(error.to_string()))?;
+    Ok(participant)
+}
+
+fn build(settings: &DdsSettings) -> Result<DomainParticipant, JoinError> {
     DomainParticipantBuilder::new(settings.domain_id)
         .with_only_networks(settings.interfaces.iter().copied())
         .build()
@@ -113,16 +156,30 @@ impl Place {
 
 #[cfg(test)]
 mod tests {
-    use super::{DdsSettings, JoinError, Place, join};
+    use super::{DdsSettings, JoinError, Peer, Place, join};
     use rustdds::RTPSEntity;
+    use std::net::Ipv4Addr;
 
     #[test]
     fn what_can_not_be_is_said_before_anything_starts() {
-        let with = |domain_id, interfaces| DdsSettings { domain_id, interfaces };
+        let with = |domain_id, interfaces| DdsSettings {
+            domain_id,
+            interfaces,
+            peers: Vec::new(),
+        };
         let here = DdsSettings::default().interfaces;
         let refused = |settings: &DdsSettings| join(settings).map(|_| ()).unwrap_err();
         assert_eq!(refused(&with(102, here)), JoinError::Domain(102));
         assert_eq!(refused(&with(1, Vec::new())), JoinError::NoInterface);
+        let peer = Peer {
+            address: Ipv4Addr::BROADCAST,
+            port: None,
+        };
+        let peers = DdsSettings {
+            peers: vec![peer],
+            ..DdsSettings::default()
+        };
+        assert_eq!(refused(&peers), JoinError::Peer(peer));
     }
 
     #[test]

@@ -3,8 +3,8 @@
 use crate::gateway;
 use crate::ros2;
 use crate::swarm::{self, SwarmError};
-use skein_config::NodeConfig;
-use skein_dds::{DdsSettings, Place};
+use skein_config::{DdsPeer, NodeConfig};
+use skein_dds::{DdsSettings, Peer, Place};
 use skein_runtime::{Node, NodeError, NodeHandle, SwarmSetup};
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -67,9 +67,14 @@ pub async fn build(config: NodeConfig) -> Result<Running, BuildError> {
 
 /// Where a node is in DDS; it joins when something needs it.
 fn place(config: &NodeConfig) -> Arc<Place> {
+    let peer = |peer: &DdsPeer| Peer {
+        address: peer.address,
+        port: peer.port,
+    };
     Arc::new(Place::new(DdsSettings {
         domain_id: config.dds.domain_id,
         interfaces: config.dds.interfaces.clone(),
+        peers: config.dds.peers.iter().map(peer).collect(),
     }))
 }
 
