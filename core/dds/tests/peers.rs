@@ -2,11 +2,11 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 use rustdds::policy::{History, Reliability};
-use rustdds::{QosPolicyBuilder, TopicKind};
+use rustdds::{QosPolicyBuilder, RTPSEntity, TopicKind};
 use skein_dds::{DdsSettings, Peer};
 use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Read};
-use std::net::Ipv4Addr;
+use std::net::{Ipv4Addr, UdpSocket};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::time::{Duration, Instant};
@@ -53,6 +53,7 @@ fn a_participant() {
     );
     let writer = publisher.create_datawriter_no_key_cdr::<u32>(&topic, None).unwrap();
     let mut reader = subscriber.create_datareader_no_key_cdr::<u32>(&topic, None).unwrap();
+    println!("\n{number} met {number}");
     let (open, ended) = mpsc::channel::<()>();
     std::thread::spawn(move || {
         let _ = std::io::stdin().read_to_end(&mut Vec::new());
@@ -111,13 +112,24 @@ impl Participants {
         });
     }
 
+    /// Ends one without a word.
+    fn kill(&mut self, at: usize) {
+        let mut process = self.running.remove(at);
+        process.kill().unwrap();
+        process.wait().unwrap();
+    }
+
     /// Waits until each of these has heard each other one.
-    fn meet(&mut self, numbers: std::ops::Range<u32>) {
-        let began = Instant::now();
+    fn meet(&mut self, numbers: &[u32]) {
         let pairs = numbers
-            .clone()
-            .flat_map(|one| numbers.clone().map(move |other| (one, other)));
-        let mut missing: BTreeSet<(u32, u32)> = pairs.filter(|(one, other)| one != other).collect();
+            .iter()
+            .flat_map(|one| numbers.iter().map(|other| (*one, *other)));
+        self.wait_for(pairs.filter(|(one, other)| one != other).collect());
+    }
+
+    /// Waits until all of this has been said: who heard whom; of two equal numbers, that this one is there.
+    fn wait_for(&mut self, mut missing: BTreeSet<(u32, u32)>) {
+        let began = Instant::now();
         missing.retain(|pair| !self.met.contains(pair));
         while !missing.is_empty() {
             let left = PATIENCE.saturating_sub(began.elapsed());
@@ -127,7 +139,7 @@ impl Participants {
             self.met.insert(pair);
             missing.remove(&pair);
         }
-        println!("{numbers:?} have met after {:?}", began.elapsed());
+        println!("after {:?}", began.elapsed());
     }
 }
 
@@ -147,5 +159,64 @@ fn twenty_participants_of_one_host_find_each_other() {
     for number in 0..20 {
         participants.start(79, number, "127.0.0.1");
     }
-    participants.meet(0..20);
+    participants.meet(&(0..20).collect::<Vec<u32>>());
+}
+
+#[test]
+fn one_that_names_a_port_is_enough_and_who_comes_back_is_found_again() {
+    let domain = 76;
+    // Nothing is there: only so that it leaves multicast alone.
+    let nobody = "127.0.0.1:9";
+    let mut participants = Participants::none();
+    // RustDDS itself finds the first twelve participants of this host: those are taken.
+    let port = |id: u16| 7410 + 250 * domain + 2 * id;
+    let taken: Vec<UdpSocket> = (0..12)
+        .map(|id| UdpSocket::bind((Ipv4Addr::UNSPECIFIED, port(id))).unwrap())
+        .collect();
+    participants.start(domain, 0, nobody);
+    participants.wait_for(BTreeSet::from([(0, 0)]));
+    let first = format!("127.0.0.1:{}", port(12));
+    participants.start(domain, 1, &first);
+    participants.meet(&[0, 1]);
+    participants.kill(1);
+    participants.start(domain, 2, &first);
+    participants.meet(&[0, 2]);
+    drop(taken);
+}
+
+#[test]
+fn the_herald_ends_with_its_participant() {
+    let settings = DdsSettings {
+        domain_id: 75,
+        peers: vec![Peer {
+            address: Ipv4Addr::LOCALHOST,
+            port: None,
+        }],
+        ..DdsSettings::default()
+    };
+    let participant = skein_dds::join(&settings).unwrap();
+    // It has to have met its participant to be told of the end.
+    let far = UdpSocket::bind((Ipv4Addr::LOCALHOST, 7410 + 250 * 75 + 2 * 31)).unwrap();
+    far.set_read_timeout(Some(PATIENCE)).unwrap();
+    let mut told = [0; 2000];
+    let length = far.recv(&mut told).unwrap();
+    assert!(told[..length].starts_with(b"RTPS"));
+    assert_eq!(told[8..20], participant.guid().to_bytes()[..12]);
+    assert_eq!(heralds(), 1);
+    drop(participant);
+    let began = Instant::now();
+    while heralds() > 0 {
+        assert!(began.elapsed() < Duration::from_secs(30), "the herald goes on");
+        std::thread::yield_now();
+    }
+}
+
+/// How many threads of this process are heralds.
+fn heralds() -> usize {
+    let threads = std::fs::read_dir("/proc/self/task").unwrap().map_while(Result::ok);
+    let name = |thread: std::fs::DirEntry| std::fs::read_to_string(thread.path().join("comm"));
+    threads
+        .filter_map(|thread| name(thread).ok())
+        .filter(|name| name.trim() == "dds herald")
+        .count()
 }
