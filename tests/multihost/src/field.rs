@@ -2,7 +2,7 @@
 //!
 //! Must never do: wait for anything without an end, or end a flight without having looked at the whole truth.
 
-use crate::host::{FENCE_M, Host, Plan, SEPARATION_M, Transport};
+use crate::host::{DDS_GROUP_PORTS, FENCE_M, Host, Plan, SEPARATION_M, Transport};
 use crate::judge::{self, Nearest, Track};
 use crate::net::Network;
 use crate::relay::Relay;
@@ -88,10 +88,14 @@ impl Field {
         let network = Network::make(count, seed)
             .unwrap_or_else(|error| panic!("the hosts' networks cannot be made, so nothing is shown: {error:#}"));
         let folder = tempfile::tempdir().expect("a folder");
+        if plans.iter().any(|plan| plan.transport == Transport::DdsPeers) {
+            for port in DDS_GROUP_PORTS {
+                network.relay().close_port(port);
+            }
+        }
         let hosts = (1..=count)
             .zip(plans)
-            .zip(network.hosts())
-            .map(|((number, plan), place)| Host::start(number, plan, place.clone(), folder.path()))
+            .map(|(number, plan)| Host::start(number, plan, &network, folder.path()))
             .collect();
         Self { hosts, network, folder }
     }

@@ -3,12 +3,13 @@
 //! Must never do: tell a node anything that it would not be told in the field.
 
 use crate::judge::Track;
-use crate::net::Namespace;
+use crate::net::{Namespace, Network};
 use crate::operator::Operator;
 use serde_json::Value;
 use skein_testkit::{Process, plugins_dir, skein_binary};
 use std::fmt::Write as _;
 use std::fs::Permissions;
+use std::net::Ipv4Addr;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -31,13 +32,19 @@ const FAKETIME: &str = "/usr/lib/x86_64-linux-gnu/faketime/libfaketimeMT.so.1";
 /// The file in a host's folder by which its clock is stepped.
 const CLOCK: &str = "clock";
 
+/// The swarm's domain, and the ports of its multicast.
+const DDS_DOMAIN: u16 = 7;
+pub(crate) const DDS_GROUP_PORTS: [u16; 2] = [7400 + 250 * DDS_DOMAIN, 7401 + 250 * DDS_DOMAIN];
+
 /// How the nodes of a swarm reach each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Transport {
     /// Zenoh, found by multicast.
     Zenoh,
-    /// DDS.
+    /// DDS, found by multicast.
     Dds,
+    /// DDS, through an air that does not carry DDS' multicast; every host names all.
+    DdsPeers,
     /// DDS stands in for Zenoh.
     Both,
 }
@@ -67,6 +74,8 @@ pub struct Host {
     number: u8,
     plan: Plan,
     namespace: Namespace,
+    /// All hosts' addresses in the air.
+    all: Vec<Ipv4Addr>,
     folder: PathBuf,
     node: Option<Process>,
     /// What nodes that have ended said.
@@ -93,13 +102,16 @@ impl Host {
     /// # Panics
     /// If it cannot.
     #[must_use]
-    pub fn start(number: u8, plan: Plan, namespace: Namespace, all: &Path) -> Self {
-        let folder = all.join(format!("host-{number}"));
+    pub fn start(number: u8, plan: Plan, network: &Network, folders: &Path) -> Self {
+        let hosts = network.hosts();
+        let namespace = hosts.get(usize::from(number) - 1).expect("there is such a host");
+        let folder = folders.join(format!("host-{number}"));
         std::fs::create_dir_all(&folder).expect("a folder for the host");
         let mut host = Self {
             number,
             plan,
-            namespace,
+            namespace: namespace.clone(),
+            all: hosts.iter().map(|host| host.air).collect(),
             track: Track::new(number, folder.join("truth.jsonl")),
             folder,
             node: None,
@@ -296,8 +308,12 @@ impl Host {
         let plugins = plugins_dir();
         let transports = match self.plan.transport {
             Transport::Zenoh => "\"zenoh\"",
-            Transport::Dds => "\"dds\"",
+            Transport::Dds | Transport::DdsPeers => "\"dds\"",
             Transport::Both => "\"zenoh\", \"dds\"",
+        };
+        let peers: Vec<String> = match self.plan.transport {
+            Transport::DdsPeers => self.all.iter().map(ToString::to_string).collect(),
+            _ => Vec::new(),
         };
         let apart = self.plan.apart;
         let mut text = format!(
@@ -324,8 +340,9 @@ transports = [{transports}]
 listen = ["udp/{air}:7447"]
 multicast = true
 [dds]
-domain_id = 7
+domain_id = {DDS_DOMAIN}
 interfaces = ["{air}"]
+peers = {peers:?}
 [web]
 listen = "{manage}:8080"
 [plugins]
