@@ -1,147 +1,15 @@
-"""An ordinary program of ROS 2 meets the swarm: looks at nodes, topics and services, listens, commands, steers by velocity.
+"""An ordinary program of ROS 2 meets the swarm: looks at nodes, topics and services, listens, commands, steers by velocity."""
 
-Prints what it does; a line `REPORT {...}` holds what it sees at that moment. Ends with a failure as soon as something does not come.
-"""
-
-import json
 import math
-import os
 import sys
 import time
 
-import rclpy
-from geometry_msgs.msg import PoseStamped, Twist
-from diagnostic_msgs.msg import DiagnosticArray
-from nav_msgs.msg import Odometry
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
-from sensor_msgs.msg import BatteryState, CameraInfo, CompressedImage, NavSatFix
-from skein_msgs.msg import Formation, GimbalState, VehicleState
+from geometry_msgs.msg import Twist
 from skein_msgs.srv import Follow, GoTo, PointGimbal, SetFormation, TakeOff
 from std_srvs.srv import SetBool, Trigger
 
-PATIENCE_S = float(os.environ.get("SKEIN_TEST_PATIENCE_S", "60"))
-LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-
-
-def report(phase, **facts):
-    print("REPORT " + json.dumps({"phase": phase, **facts}), flush=True)
-
-
-class Citizen:
-    def __init__(self, vehicles):
-        self.node = rclpy.create_node("citizen")
-        self.vehicles = vehicles
-        self.latest = {}
-        self.count = {}
-        self.clients = {}
-        for vehicle in vehicles:
-            base = f"/skein/{vehicle}"
-            self.hear(PoseStamped, f"{base}/pose", qos_profile_sensor_data)
-            self.hear(Odometry, f"{base}/odometry", qos_profile_sensor_data)
-            self.hear(NavSatFix, f"{base}/nav_sat_fix", 10)
-            self.hear(BatteryState, f"{base}/battery", 10)
-            self.hear(VehicleState, f"{base}/state", LATCHED)
-        self.hear(Formation, "/skein/formation", LATCHED)
-        self.hear(DiagnosticArray, "/diagnostics", 10)
-
-    def hear(self, kind, topic, quality):
-        def keep(message):
-            self.latest[topic] = message
-            self.count[topic] = self.count.get(topic, 0) + 1
-
-        self.node.create_subscription(kind, topic, keep, quality)
-
-    def spin(self, seconds):
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
-            rclpy.spin_once(self.node, timeout_sec=0.02)
-
-    def wait(self, what, condition, limit_s=PATIENCE_S):
-        end = time.monotonic() + limit_s
-        while not condition():
-            if time.monotonic() > end:
-                sys.exit(f"FAILED: waited {limit_s} s in vain: {what}")
-            rclpy.spin_once(self.node, timeout_sec=0.05)
-
-    def message(self, vehicle, topic):
-        return self.latest.get(f"/skein/{vehicle}/{topic}")
-
-    def state(self, vehicle):
-        message = self.message(vehicle, "state")
-        return message.flight_state if message else None
-
-    def call(self, kind, name, **fields):
-        if name not in self.clients:
-            self.clients[name] = self.node.create_client(kind, name)
-            if not self.clients[name].wait_for_service(timeout_sec=PATIENCE_S):
-                sys.exit(f"FAILED: no service {name}")
-        # The first answer to a program that has just started may get lost: asked again, as any program would.
-        for attempt in range(3):
-            future = self.clients[name].call_async(kind.Request(**fields))
-            end = time.monotonic() + 20
-            while not future.done() and time.monotonic() < end:
-                rclpy.spin_once(self.node, timeout_sec=0.05)
-            if future.done():
-                print(f"{name}: {future.result()}")
-                return future.result()
-            print(f"{name}: no answer, attempt {attempt + 1}")
-        sys.exit(f"FAILED: no answer of {name}")
-
-    def must(self, kind, name, **fields):
-        """Asks until it is taken up: shortly after the start a vehicle may not be ready yet, or another flight not be over."""
-        end = time.monotonic() + PATIENCE_S
-        while True:
-            answer = self.call(kind, name, **fields)
-            if answer.success:
-                return answer
-            if time.monotonic() > end:
-                sys.exit(f"FAILED: {name} refused: {answer.message}")
-            self.spin(1)
-
-    def poses(self):
-        found = {}
-        for vehicle in self.vehicles:
-            pose, odometry, fix = (self.message(vehicle, t) for t in ("pose", "odometry", "nav_sat_fix"))
-            battery = self.message(vehicle, "battery")
-            q = pose.pose.orientation
-            found[vehicle] = {
-                "stamp_age_s": time.time() - pose.header.stamp.sec - pose.header.stamp.nanosec * 1e-9,
-                "frame": pose.header.frame_id,
-                "position": [pose.pose.position.x, pose.pose.position.y, pose.pose.position.z],
-                "yaw": math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z)),
-                "odometry_frames": [odometry.header.frame_id, odometry.child_frame_id],
-                "speed": math.dist(
-                    (0, 0, 0),
-                    (odometry.twist.twist.linear.x, odometry.twist.twist.linear.y, odometry.twist.twist.linear.z),
-                ),
-                "forward": odometry.twist.twist.linear.x,
-                "fix": [fix.latitude, fix.longitude, fix.altitude, fix.status.status],
-                "battery": [battery.voltage, battery.percentage],
-            }
-        return found
-
-    def heard_all(self):
-        topics = ("pose", "odometry", "nav_sat_fix", "battery", "state")
-        return all(self.message(v, t) is not None for v in self.vehicles for t in topics)
-
-    def graph(self):
-        nodes = sorted(ns.rstrip("/") + "/" + name for name, ns in self.node.get_node_names_and_namespaces())
-        topics = {name: types for name, types in self.node.get_topic_names_and_types()}
-        services = {name: types for name, types in self.node.get_service_names_and_types()}
-        return nodes, topics, services
-
-    def see(self):
-        wanted = ["/skein/swarm"] + [f"/skein/{v}/vehicle" for v in self.vehicles]
-
-        def all_there():
-            nodes, _, services = self.graph()
-            return all(n in nodes for n in wanted) and all(f"/skein/{v}/go_to" in services for v in self.vehicles)
-
-        self.wait("all nodes", all_there)
-        self.wait("all is heard", self.heard_all)
-        self.wait("diagnostics", lambda: "/diagnostics" in self.latest)
-        nodes, topics, services = self.graph()
-        report("graph", nodes=nodes, topics=topics, services=services)
+from ros2_program import run
+from ros2_reports import report
 
 
 def look(citizen):
@@ -271,23 +139,14 @@ def down(citizen):
     report("down", poses=citizen.poses())
 
 
-def main():
-    mode, vehicles = sys.argv[1], sys.argv[2:]
-    rclpy.init()
-    citizen = Citizen(vehicles)
-    if mode == "look":
-        look(citizen)
-    else:
-        look(citizen)
-        refusals(citizen, vehicles[0])
-        up(citizen)
-        go(citizen)
-        steer(citizen)
-        form(citizen)
-        down(citizen)
-    print("done", flush=True)
-    # Without taking everything apart: that is not what is looked at here.
-    os._exit(0)
+def fly(citizen):
+    look(citizen)
+    refusals(citizen, citizen.vehicles[0])
+    up(citizen)
+    go(citizen)
+    steer(citizen)
+    form(citizen)
+    down(citizen)
 
 
-main()
+run({"look": look, "fly": fly}[sys.argv[1]], sys.argv[2:])

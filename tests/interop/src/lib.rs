@@ -11,6 +11,6 @@ mod ros2;
 mod script;
 
 pub use peer::{Peer, Told};
-pub use python::{CYCLONE, Environment, MAVSDK, python, python_of};
+pub use python::{CYCLONE, CYCLONE_ON_LOOPBACK, Environment, MAVSDK, python, python_of};
 pub use ros2::Ros2;
 pub use script::{Script, say};

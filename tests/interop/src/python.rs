@@ -30,6 +30,11 @@ pub const CYCLONE: Environment = Environment {
     modules: "cyclonedds.domain",
 };
 
+/// The configuration of Cyclone DDS (its `CYCLONEDDS_URI`) by which it uses loopback alone and finds others without multicast.
+pub const CYCLONE_ON_LOOPBACK: &str = r#"<CycloneDDS><Domain><General><Interfaces><NetworkInterface name="lo" multicast="false"/></Interfaces>
+<AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex>
+<Peers><Peer address="127.0.0.1"/></Peers></Discovery></Domain></CycloneDDS>"#;
+
 /// The Python of the environment for MAVLink; see [`python_of`].
 ///
 /// # Errors

@@ -8,32 +8,66 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What a program of ROS 2 needs, pinned: the packages' names without their beginning, and their versions in Jazzy.
-const JAZZY: &[(&str, &str)] = &[
-    ("rclpy", "7.1.6"),
-    ("rmw-fastrtps-cpp", "8.4.3"),
-    ("std-msgs", "5.3.6"),
-    ("geometry-msgs", "5.3.6"),
-    ("sensor-msgs", "5.3.6"),
-    ("nav-msgs", "5.3.6"),
-    ("diagnostic-msgs", "5.3.6"),
-    ("std-srvs", "5.3.6"),
-    ("rosidl-default-generators", "1.6.0"),
-];
+/// A release of ROS 2 with what a program of it needs and what building an interface package takes besides, pinned: the packages' names without
+/// what they begin with, and their versions.
+struct Distribution {
+    name: &'static str,
+    begins: &'static str,
+    packages: &'static [(&'static str, &'static str)],
+}
 
-/// What building an interface package needs besides.
-const TO_BUILD: &[(&str, &str)] = &[
-    ("rosidl-core-generators", "0.2.0"),
-    ("ament-package", "0.16.4"),
-    ("ament-cmake", "2.5.4"),
-    ("ament-cmake-include-directories", "2.5.4"),
-    ("ament-cmake-export-targets", "2.5.4"),
-    ("ament-cmake-ros", "0.12.0"),
-    ("ament-cmake-gmock", "2.5.4"),
-    ("ament-cmake-gtest", "2.5.4"),
-    ("ament-cmake-pytest", "2.5.4"),
-    ("python-cmake-module", "0.11.1"),
-];
+const JAZZY: Distribution = Distribution {
+    name: "jazzy",
+    begins: "ros-jazzy-",
+    packages: &[
+        ("rclpy", "7.1.6"),
+        ("rmw-fastrtps-cpp", "8.4.3"),
+        ("std-msgs", "5.3.6"),
+        ("geometry-msgs", "5.3.6"),
+        ("sensor-msgs", "5.3.6"),
+        ("nav-msgs", "5.3.6"),
+        ("diagnostic-msgs", "5.3.6"),
+        ("std-srvs", "5.3.6"),
+        ("rosidl-default-generators", "1.6.0"),
+        ("rosidl-core-generators", "0.2.0"),
+        ("ament-package", "0.16.4"),
+        ("ament-cmake", "2.5.4"),
+        ("ament-cmake-include-directories", "2.5.4"),
+        ("ament-cmake-export-targets", "2.5.4"),
+        ("ament-cmake-ros", "0.12.0"),
+        ("ament-cmake-gmock", "2.5.4"),
+        ("ament-cmake-gtest", "2.5.4"),
+        ("ament-cmake-pytest", "2.5.4"),
+        ("python-cmake-module", "0.11.1"),
+    ],
+};
+
+const KILTED: Distribution = Distribution {
+    name: "kilted",
+    begins: "ros-",
+    packages: &[
+        ("rclpy", "9.1.2"),
+        ("rmw-fastrtps-cpp", "9.3.3"),
+        ("std-msgs", "5.5.1"),
+        ("geometry-msgs", "5.5.1"),
+        ("sensor-msgs", "5.5.1"),
+        ("nav-msgs", "5.5.1"),
+        ("diagnostic-msgs", "5.5.1"),
+        ("std-srvs", "5.5.1"),
+        ("rosidl-default-generators", "1.7.1"),
+        ("rosidl-core-generators", "0.3.1"),
+        ("ament-package", "0.17.2"),
+        ("ament-cmake", "2.7.3"),
+        ("ament-cmake-include-directories", "2.7.3"),
+        ("ament-cmake-export-targets", "2.7.3"),
+        ("ament-cmake-ros", "0.14.5"),
+        ("ament-cmake-ros-core", "0.14.5"),
+        ("ament-cmake-gmock", "2.7.3"),
+        ("ament-cmake-gtest", "2.7.3"),
+        ("ament-cmake-pytest", "2.7.3"),
+        ("python-cmake-module", "0.11.1"),
+    ],
+};
 
 const TOOLS: &[&str] = &["catkin_pkg==1.1.1", "numpy==2.4.6", "cmake==4.4.4", "ninja==1.13.2"];
 
@@ -55,28 +89,39 @@ impl Ros2 {
     /// # Errors
     /// When Python 3 is missing, or something cannot be installed or built.
     pub fn jazzy() -> Result<Self> {
-        let packages: Vec<String> = JAZZY
-            .iter()
-            .chain(TO_BUILD)
-            .map(|(name, version)| format!("ros-jazzy-{name}=={version}"))
-            .chain(TOOLS.iter().map(|name| (*name).to_owned()))
-            .collect();
-        Self::prepared("jazzy", &packages)
+        Self::prepared(&JAZZY)
     }
 
-    fn prepared(distribution: &str, packages: &[String]) -> Result<Self> {
-        let tests = Path::new(env!("CARGO_MANIFEST_DIR"))
-            .parent()
-            .context("the crate lies in tests/")?;
+    /// Kilted; makes the environment if there is none.
+    ///
+    /// # Errors
+    /// When Python 3 is missing, or something cannot be installed or built.
+    pub fn kilted() -> Result<Self> {
+        Self::prepared(&KILTED)
+    }
+
+    fn prepared(distribution: &Distribution) -> Result<Self> {
+        let Distribution { name, begins, packages } = distribution;
+        let packages: Vec<String> = packages
+            .iter()
+            .map(|(package, version)| format!("{begins}{package}=={version}"))
+            .chain(TOOLS.iter().map(|name| (*name).to_owned()))
+            .collect();
+        let own = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let tests = own.parent().context("the crate lies in tests/")?;
         // One that lies elsewhere already is taken as it is.
-        let environment = std::env::var_os(format!("SKEIN_ROS2_{}", distribution.to_uppercase()))
-            .map_or_else(|| tests.join(format!(".venv-ros2-{distribution}")), PathBuf::from);
+        let environment = std::env::var_os(format!("SKEIN_ROS2_{}", name.to_uppercase()))
+            .map_or_else(|| tests.join(format!(".venv-ros2-{name}")), PathBuf::from);
         let this = Self { environment };
-        let interfaces = tests
-            .parent()
-            .context("tests/ lies in the repository")?
-            .join("deploy/ros2/skein_msgs");
-        let wanted = format!("{}\n{}", packages.join("\n"), definitions(&interfaces)?);
+        let repository = tests.parent().context("tests/ lies in the repository")?;
+        // Two are not on PyPI: what the tests take of them is built too.
+        let interfaces = [
+            repository.join("deploy/ros2/skein_msgs"),
+            own.join("ros2/tf2_msgs"),
+            own.join("ros2/vision_msgs"),
+        ];
+        let texts = interfaces.iter().map(|package| definitions(package));
+        let wanted = format!("{}\n{}", packages.join("\n"), texts.collect::<Result<String>>()?);
         let lock = File::create(this.environment.with_extension("lock"))
             .context("cannot create the lock of the environment")?;
         lock.lock().context("cannot lock the environment")?;
@@ -95,8 +140,11 @@ impl Ros2 {
             .context("python3 with its venv module is needed")?;
         run(Command::new(this.python())
             .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"])
-            .args(packages))?;
-        this.build(&interfaces)?;
+            .args(&packages))?;
+        this.correct()?;
+        for package in &interfaces {
+            this.build(package)?;
+        }
         ensure!(this.works(), "the environment does not work");
         fs::write(&marker, wanted).context("cannot note what is installed")?;
         Ok(this)
@@ -131,23 +179,14 @@ impl Ros2 {
         self.prepare(&mut command, 0);
         command.args([
             "-c",
-            "import rclpy, nav_msgs.msg, diagnostic_msgs.msg, std_srvs.srv, skein_msgs.srv, skein_msgs.msg",
+            "import rclpy, nav_msgs.msg, diagnostic_msgs.msg, std_srvs.srv, skein_msgs.srv, skein_msgs.msg, tf2_msgs.msg, vision_msgs.msg",
         ]);
         command.status().is_ok_and(|status| status.success())
     }
 
     /// Builds an interface package and installs it.
     fn build(&self, package: &Path) -> Result<()> {
-        crate::say("building the interface package");
-        let includes = Command::new(self.python())
-            .args([
-                "-c",
-                "import sysconfig, numpy; print(numpy.get_include()); print(sysconfig.get_paths()['include'])",
-            ])
-            .output()
-            .context("cannot ask Python for its folders")?;
-        let includes = String::from_utf8_lossy(&includes.stdout).into_owned();
-        self.correct(&includes.lines().collect::<Vec<_>>())?;
+        crate::say(&format!("building {}", package.display()));
         let folder = tempfile::tempdir().context("cannot make a folder to build in")?;
         let path = std::env::join_paths(
             std::iter::once(self.environment.join("bin"))
@@ -174,7 +213,16 @@ impl Ros2 {
     }
 
     /// Puts this machine's folders in the place of those that the wheels were built with.
-    fn correct(&self, by: &[&str]) -> Result<()> {
+    fn correct(&self) -> Result<()> {
+        let includes = Command::new(self.python())
+            .args([
+                "-c",
+                "import sysconfig, numpy; print(numpy.get_include()); print(sysconfig.get_paths()['include'])",
+            ])
+            .output()
+            .context("cannot ask Python for its folders")?;
+        let includes = String::from_utf8_lossy(&includes.stdout).into_owned();
+        let by: Vec<&str> = includes.lines().collect();
         for package in fs::read_dir(self.share())? {
             let Ok(files) = fs::read_dir(package?.path().join("cmake")) else {
                 continue;
@@ -184,7 +232,7 @@ impl Ros2 {
                 let Ok(text) = fs::read_to_string(&file) else { continue };
                 let corrected = BUILT_WITH
                     .iter()
-                    .zip(by)
+                    .zip(&by)
                     .fold(text.clone(), |text, (was, is)| text.replace(was, is));
                 if corrected != text {
                     fs::write(&file, corrected)?;
@@ -199,7 +247,10 @@ impl Ros2 {
 fn definitions(package: &Path) -> Result<String> {
     let mut files = vec![package.join("CMakeLists.txt"), package.join("package.xml")];
     for folder in ["msg", "srv"] {
-        for entry in fs::read_dir(package.join(folder))? {
+        let Ok(entries) = fs::read_dir(package.join(folder)) else {
+            continue;
+        };
+        for entry in entries {
             files.push(entry?.path());
         }
     }

@@ -12,7 +12,7 @@ use skein_domain::{AutopilotCommand, Clock, LocalPositionNed, NodeTime, Refusal,
 use skein_link_dds::definitions::Release;
 use skein_link_dds::{DdsArguments, DdsEvent, DdsLink, DdsLinkTable, DdsNode};
 use skein_link_px4::LinkSettings;
-use skein_tests_interop::{CYCLONE, Peer, say};
+use skein_tests_interop::{CYCLONE, CYCLONE_ON_LOOPBACK, Peer, say};
 use std::net::{IpAddr, Ipv4Addr};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -24,11 +24,6 @@ pub const PATIENCE: Duration = Duration::from_secs(40);
 const PERIOD: Duration = Duration::from_millis(20);
 /// Where the vehicles are launched: latitude, longitude in degrees, metres above the sea.
 pub const PLACE: [f64; 3] = [47.397_742, 8.545_594, 488.0];
-/// Loopback alone, others found without multicast.
-const CYCLONE_ON_LOOPBACK: &str = r#"<CycloneDDS><Domain><General><Interfaces><NetworkInterface name="lo" multicast="false"/></Interfaces>
-<AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex>
-<Peers><Peer address="127.0.0.1"/></Peers></Discovery></Domain></CycloneDDS>"#;
-
 /// A domain for one test.
 pub fn domain() -> u16 {
     static GIVEN: AtomicU32 = AtomicU32::new(0);
