@@ -76,6 +76,14 @@ impl Tier {
         }
     }
 
+    /// What its tests are told besides: those that are ignored for their length run where the tier is named, and with `--all`.
+    fn only_when_whole(self, whole: bool) -> &'static [&'static str] {
+        match self {
+            Self::Interop if whole => &["--include-ignored"],
+            _ => &[],
+        }
+    }
+
     /// The crate that holds the tier, if it is one.
     fn package(self) -> Option<&'static str> {
         match self {
@@ -110,15 +118,14 @@ pub fn run(workspace: &Workspace, tiers: &[Tier], long_ones_too: bool) -> Result
         report.check("dashboard built", "run `cargo xtask build-ui`", || ui::build(workspace));
     }
     let built = build_all(workspace, &mut report);
+    let whole = !everything || long_ones_too;
     for tier in &tiers {
         match (tier, &built) {
             (_, None) => report.left_out(tier.name(), "the workspace does not compile"),
             (Tier::Unit, Some(built)) => unit(workspace, &mut report, built),
             (Tier::Ui, Some(built)) => browser_tests(workspace, &mut report, built),
-            (Tier::Multihost, Some(built)) => {
-                multihost(workspace, &mut report, built, everything, !everything || long_ones_too);
-            }
-            (_, Some(built)) => crate_tier(workspace, &mut report, *tier, built),
+            (Tier::Multihost, Some(built)) => multihost(workspace, &mut report, built, everything, whole),
+            (_, Some(built)) => crate_tier(workspace, &mut report, *tier, built, whole),
         }
     }
     if let (true, Some(built)) = (long_ones_too, &built) {
@@ -216,25 +223,34 @@ fn multihost(workspace: &Workspace, report: &mut Report, built: &Built, may_be_l
         Err(error) => {
             report.check("multihost: hosts", advice, || Err(error));
         }
-        Ok(()) if whole => crate_tier(workspace, report, Tier::Multihost, built),
+        Ok(()) if whole => crate_tier(workspace, report, Tier::Multihost, built, whole),
         Ok(()) => {
             let targets = SHORT_OF_MULTIHOST.iter().flat_map(|name| ["--test", name]);
             let targets = std::iter::once("--workspace").chain(targets).map(str::to_owned);
-            run_tier(workspace, report, Tier::Multihost, built, targets.collect());
+            run_tier(workspace, report, Tier::Multihost, built, targets.collect(), &[]);
         }
     }
 }
 
-fn crate_tier(workspace: &Workspace, report: &mut Report, tier: Tier, built: &Built) {
+fn crate_tier(workspace: &Workspace, report: &mut Report, tier: Tier, built: &Built, whole: bool) {
     if let Some(package) = tier.package().and_then(|name| workspace.package(name)) {
-        run_tier(workspace, report, tier, built, artifacts::tier_targets(package));
+        let targets = artifacts::tier_targets(package);
+        run_tier(workspace, report, tier, built, targets, tier.only_when_whole(whole));
     }
 }
 
-fn run_tier(workspace: &Workspace, report: &mut Report, tier: Tier, built: &Built, targets: Vec<String>) {
+fn run_tier(
+    workspace: &Workspace,
+    report: &mut Report,
+    tier: Tier,
+    built: &Built,
+    targets: Vec<String>,
+    arguments: &[&str],
+) {
     let mut tests = workspace.cargo();
     tests.arg("test").args(targets);
     tests.args(["--no-fail-fast", "--", "--test-threads", tier.at_a_time()]);
+    tests.args(arguments);
     built.tell(&mut tests);
     let advice = format!("{SEE_TESTS} `cargo xtask test {}`", tier.name());
     report.step(tier.name(), &advice, Step::tests(tests, Runner::CargoTest));

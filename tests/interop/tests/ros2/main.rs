@@ -5,5 +5,6 @@ mod definitions;
 mod flight;
 mod graph;
 mod payloads;
+mod recorder;
 mod restart;
 mod rig;
