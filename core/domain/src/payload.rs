@@ -4,11 +4,13 @@
 //! Must never do: anything but name things. No jammer, weapon or interception payload has a word here.
 
 mod camera;
+mod detector;
 mod frame;
 mod gimbal;
 mod radio;
 
 pub use camera::{CameraCommand, CameraMode, CameraState, CameraStream};
+pub use detector::{DetectorState, Finding};
 pub use frame::{CameraPose, FrameHeader, PixelFormat};
 pub use gimbal::{GimbalCommand, GimbalMode, GimbalOwner, GimbalState, GimbalYawFrame};
 pub use radio::{RadioCommand, RadioState};

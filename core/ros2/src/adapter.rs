@@ -121,7 +121,7 @@ impl Speaker<'_> {
             let stamps = self.stamps();
             if said != Some(fleet.sequence) && motion.is_due(now) {
                 said = Some(fleet.sequence);
-                self.say_motion(&fleet, &stamps);
+                self.say_motion(&fleet, &stamps)?;
             }
             if status.is_due(now) {
                 self.say_status(&fleet, &stamps)?;
@@ -169,14 +169,16 @@ impl Speaker<'_> {
         Ok(())
     }
 
-    fn say_motion(&mut self, fleet: &FleetSnapshot, stamps: &Stamps) {
+    fn say_motion(&mut self, fleet: &FleetSnapshot, stamps: &Stamps) -> Result<(), Ros2Error> {
         let mut transforms = Vec::new();
         for vehicle in &fleet.vehicles {
             if let Some(node) = self.vehicles.get_mut(&vehicle.id) {
                 transforms.extend(node.say_motion(vehicle, fleet, stamps).into_iter().flatten());
+                node.say_detections(vehicle, stamps)?;
             }
         }
         self.swarm.say_transforms(transforms);
+        Ok(())
     }
 
     fn say_status(&mut self, fleet: &FleetSnapshot, stamps: &Stamps) -> Result<(), Ros2Error> {

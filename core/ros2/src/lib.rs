@@ -7,6 +7,7 @@
 
 mod adapter;
 pub mod cmd_vel;
+pub mod detections;
 mod endpoints;
 pub mod frames;
 pub mod interfaces;

@@ -9,8 +9,9 @@ use crate::interfaces::geometry::{PoseStamped, TransformStamped, Twist};
 use crate::interfaces::nav::Odometry;
 use crate::interfaces::sensor::{BatteryState, CameraInfo, CompressedImage, NavSatFix};
 use crate::interfaces::skein::{GimbalState, VehicleState};
+use crate::interfaces::vision::Detection2DArray;
 use crate::stamp::Stamps;
-use crate::{Ros2Error, Tasks, names, picture, quality, services, translate};
+use crate::{Ros2Error, Tasks, detections, names, picture, quality, services, translate};
 use parking_lot::Mutex;
 use ros2_client::Context;
 use skein_domain::payload::PayloadKind;
@@ -34,10 +35,16 @@ impl Camera {
         Ok(Self {
             image: place.voice(&format!("{part}/image_raw/compressed"), &quality::pictures())?,
             info: place.voice(&format!("{part}/camera_info"), &quality::pictures())?,
-            optical_frame: format!("{vehicle}/{part}_optical"),
+            optical_frame: optical_frame(vehicle, payload),
             last_sequence: 0,
         })
     }
+}
+
+struct Detector {
+    detections: Voice<Detection2DArray>,
+    /// When the last picture was taken of which was told.
+    last: Option<NodeTime>,
 }
 
 /// One vehicle. Its tasks end with it.
@@ -53,6 +60,7 @@ pub struct Vehicle {
     state: Voice<VehicleState>,
     gimbals: BTreeMap<String, Voice<GimbalState>>,
     cameras: BTreeMap<String, Camera>,
+    detectors: BTreeMap<String, Detector>,
     measured: Option<NodeTime>,
     cmd_vel: Arc<Mutex<Report>>,
     place: Place,
@@ -92,6 +100,7 @@ impl Vehicle {
             state: place.voice("state", &quality::latched())?,
             gimbals: BTreeMap::new(),
             cameras: BTreeMap::new(),
+            detectors: BTreeMap::new(),
             measured: None,
             _tasks: tasks,
             id,
@@ -149,6 +158,34 @@ impl Vehicle {
         Ok(())
     }
 
+    /// Says what detectors found in pictures that nothing was told of.
+    ///
+    /// # Errors
+    /// When DDS refuses a topic of a detector that has come.
+    pub fn say_detections(&mut self, vehicle: &VehicleSnapshot, stamps: &Stamps) -> Result<(), Ros2Error> {
+        for payload in vehicle.payloads.iter().filter(|p| p.kind == PayloadKind::Detector) {
+            let Some(state) = detections::state(payload) else {
+                continue;
+            };
+            let detector = match self.detectors.entry(payload.name.clone()) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(new) => {
+                    let topic = format!("{}/detections", payload_part(&payload.name));
+                    new.insert(Detector {
+                        detections: self.place.voice(&topic, &quality::status())?,
+                        last: None,
+                    })
+                }
+            };
+            let new = detector.last.replace(state.time) != Some(state.time);
+            if let Some(camera) = detections::camera(vehicle, &state).filter(|_| new) {
+                let header = stamps.header(state.time, &optical_frame(&self.name, camera));
+                detector.detections.say(detections::array(&header, &state));
+            }
+        }
+        Ok(())
+    }
+
     /// Says the newest pictures of cameras that somebody looks at; where each was taken.
     ///
     /// # Errors
@@ -200,6 +237,11 @@ impl Vehicle {
         ];
         translate::health(vehicle, &self.name, more)
     }
+}
+
+/// The frame of a camera's picture: right, down, along its axis.
+fn optical_frame(vehicle: &str, payload: &str) -> String {
+    format!("{vehicle}/{}_optical", payload_part(payload))
 }
 
 /// A payload's name as a part of a topic.

@@ -11,7 +11,7 @@ from skein_msgs.msg import GimbalState
 from skein_msgs.srv import PointGimbal
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
-from vision_msgs.msg import Detection3DArray
+from vision_msgs.msg import Detection2DArray, Detection3DArray
 
 from ros2_program import run
 from ros2_reports import composed, report, rotated, stamp_ns, stamp_s, xyz, yaw_rad
@@ -45,6 +45,7 @@ class Looker:
         self.keep(type(citizen.message(self.vehicle, "pose")), f"{self.base}/pose", qos_profile_sensor_data, self.poses)
         citizen.hear(GimbalState, f"{self.base}/gimbal/state", 10)
         citizen.hear(Detection3DArray, "/skein/tracks", 10)
+        citizen.hear(Detection2DArray, self.detections(), 10)
         node.create_subscription(TFMessage, "/tf", self.on_transforms, QoSProfile(depth=100))
 
     def keep(self, kind, topic, quality, into):
@@ -136,6 +137,23 @@ class Looker:
             for track in message.detections
         ]
 
+    def detections(self):
+        return f"{self.base}/frame_counter/detections"
+
+    def detection(self):
+        """The one that was found in a picture."""
+        message = self.citizen.latest[self.detections()]
+        (found,) = message.detections
+        center, what = found.bbox.center.position, found.results[0].hypothesis
+        return {
+            "frame": message.header.frame_id,
+            "id": found.id,
+            "class": what.class_id,
+            "score": what.score,
+            "center": [center.x, center.y],
+            "size": [found.bbox.size_x, found.bbox.size_y],
+        }
+
     def point(self, phase, frame_id, wanted, in_map):
         """Turns the gimbal and waits until its state says that it looks there."""
         direction = Vector3(x=wanted[0], y=wanted[1], z=wanted[2])
@@ -156,18 +174,22 @@ class Looker:
 
 
 def play(citizen):
-    carried = {f"/skein/{citizen.vehicles[0]}/{topic}" for topic in ("gimbal/state", "camera/camera_info")}
+    carried = {f"/skein/{citizen.vehicles[0]}/{topic}" for topic in ("gimbal/state", "camera/camera_info",
+                                                               "frame_counter/detections")}
     citizen.wait("the payloads' topics", lambda: carried <= set(citizen.graph()[1]))
     citizen.see()
     looker = Looker(citizen)
     vehicle = looker.vehicle
     citizen.wait("the gimbal's state", lambda: looker.axis() is not None)
     citizen.wait("a track", lambda: "/skein/tracks" in citizen.latest and citizen.latest["/skein/tracks"].detections)
-    report("ground", poses=citizen.poses(), frames=looker.frames(), axis=looker.axis(), tracks=looker.tracks())
+    citizen.wait("a detection", lambda: looker.detections() in citizen.latest)
+    report("ground", poses=citizen.poses(), frames=looker.frames(), axis=looker.axis(), tracks=looker.tracks(),
+           detection=looker.detection())
     citizen.must(Trigger, f"{looker.base}/take_off")
     citizen.wait("it holds", lambda: citizen.state(vehicle) == "holding", 120)
     citizen.spin(2)
-    report("up", poses=citizen.poses(), frames=looker.frames(), axis=looker.axis(), tracks=looker.tracks())
+    report("up", poses=citizen.poses(), frames=looker.frames(), axis=looker.axis(), tracks=looker.tracks(),
+           detection=looker.detection())
 
     def ahead():
         """Ahead, to the left and down of the level vehicle, along map."""

@@ -11,6 +11,16 @@ messages! { "vision_msgs":
     ObjectHypothesis { class_id: String, score: f64 }
     /// The same, and where.
     ObjectHypothesisWithPose { hypothesis: ObjectHypothesis, pose: PoseWithCovariance }
+    /// A place in a picture, in pixels.
+    Point2D { x: f64, y: f64 }
+    /// The same, turned.
+    Pose2D { position: Point2D, theta: f64 }
+    /// A box in a picture.
+    BoundingBox2D { center: Pose2D, size_x: f64, size_y: f64 }
+    /// Something that was found in a picture.
+    Detection2D { header: Header, results: Vec<ObjectHypothesisWithPose>, bbox: BoundingBox2D, id: String }
+    /// All that was found in a picture.
+    Detection2DArray { header: Header, detections: Vec<Detection2D> }
     /// A box around something.
     BoundingBox3D { center: Pose, size: Vector3 }
     /// Something that was found or is tracked.

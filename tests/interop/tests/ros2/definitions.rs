@@ -71,6 +71,11 @@ fn standard_messages_are_those_of_ros_2() -> Result<()> {
     is_defined_so::<geometry::TFMessage>(&ros2)?;
     is_defined_so::<vision::ObjectHypothesis>(&ros2)?;
     is_defined_so::<vision::ObjectHypothesisWithPose>(&ros2)?;
+    is_defined_so::<vision::Point2D>(&ros2)?;
+    is_defined_so::<vision::Pose2D>(&ros2)?;
+    is_defined_so::<vision::BoundingBox2D>(&ros2)?;
+    is_defined_so::<vision::Detection2D>(&ros2)?;
+    is_defined_so::<vision::Detection2DArray>(&ros2)?;
     is_defined_so::<vision::BoundingBox3D>(&ros2)?;
     is_defined_so::<vision::Detection3D>(&ros2)?;
     is_defined_so::<vision::Detection3DArray>(&ros2)

@@ -19,6 +19,7 @@ const OF_PAYLOADS: &[(&str, &str)] = &[
     ("gimbal/state", "skein_msgs/msg/GimbalState"),
     ("camera/image_raw/compressed", "sensor_msgs/msg/CompressedImage"),
     ("camera/camera_info", "sensor_msgs/msg/CameraInfo"),
+    ("frame_counter/detections", "vision_msgs/msg/Detection2DArray"),
 ];
 const OF_THE_SWARM: &[(&str, &str)] = &[
     ("/skein/formation", "skein_msgs/msg/Formation"),

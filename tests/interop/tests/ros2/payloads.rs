@@ -10,15 +10,18 @@ use skein_config::{AdoptionRule, Escalation, Isolation, PayloadRule};
 use skein_domain::PositionNed;
 use skein_domain::payload::Track;
 use skein_sim::{GimbalTruth, Mover, PayloadPlan, VehicleTruth};
-use skein_testkit::Swarm;
+use skein_testkit::{Swarm, example_library};
 use skein_tests_interop::{Ros2, say};
 use std::f64::consts::FRAC_PI_2;
+use std::path::Path;
 use std::time::Duration;
 
 /// How far a direction may be off, in radians: the gimbal still settles, and its vehicle sways.
 const OFF_RAD: f64 = 0.08;
 const TRACK: u64 = 7;
 const TRACK_TOLD: &str = "7";
+/// Finds in each picture the whole of it.
+const DETECTOR: &str = "frame-counter";
 
 fn carried(name: &str, config: Value) -> PayloadRule {
     PayloadRule {
@@ -31,8 +34,8 @@ fn carried(name: &str, config: Value) -> PayloadRule {
     }
 }
 
-/// One vehicle with a camera on a gimbal, and somebody else who drives past, far away.
-async fn carrying(domain_id: u16) -> Swarm {
+/// One vehicle with a camera on a gimbal and a detector of whole pictures, and somebody else who drives past, far away.
+async fn carrying(domain_id: u16, plugins: &Path) -> Swarm {
     let plan = PayloadPlan {
         radio: None,
         ..PayloadPlan::all()
@@ -40,8 +43,14 @@ async fn carrying(domain_id: u16) -> Swarm {
     // Pictures of the simulated scene are drawn by the plugin: as wide as the simulated camera sees.
     let seen_rad = plan.camera.unwrap_or_default().field_of_view_rad;
     let camera = json!({ "source": "synthetic", "field_of_view_rad": seen_rad });
-    let payloads = vec![carried("gimbal", json!({})), carried("camera", camera)];
+    let payloads = vec![
+        carried("gimbal", json!({})),
+        carried("camera", camera),
+        carried(DETECTOR, json!({})),
+    ];
+    let directory = plugins.to_owned();
     swarm_with(1, domain_id, move |config, simulation| {
+        config.plugins.directories.push(directory);
         config.adopt = vec![AdoptionRule {
             payloads,
             ..AdoptionRule::default()
@@ -174,6 +183,17 @@ fn track_agrees(report: &Value, swarm: &Swarm) -> Result<()> {
     Ok(())
 }
 
+/// What was found in a picture is the whole of it.
+fn detection_agrees(told: &Value) -> Result<()> {
+    ensure!(told["frame"] == "uav_1/camera_optical", "{told}");
+    ensure!(told["class"] == "picture" && told["score"] == 1.0, "{told}");
+    ensure!(!told["id"].as_str().context("an id")?.is_empty(), "{told}");
+    let [width_px, height_px] = [number(&told["size"][0])?, number(&told["size"][1])?];
+    ensure!(width_px > 100.0 && height_px > 100.0, "{told}");
+    ensure!(told["center"] == json!([width_px / 2.0, height_px / 2.0]), "{told}");
+    Ok(())
+}
+
 /// Tells the node where the other is, as a detector does.
 async fn detect(swarm: &Swarm) -> Result<()> {
     let node = swarm.node();
@@ -204,7 +224,8 @@ fn judge(phase: &str, report: &Value, swarm: &Swarm) -> Result<()> {
         "ground" | "up" => {
             transforms_agree(&report["frames"], &launched)?;
             is_along("the state", &report["axis"], axis(&vehicle.gimbal.context("a gimbal")?))?;
-            track_agrees(report, swarm)
+            track_agrees(report, swarm)?;
+            detection_agrees(&report["detection"])
         }
         "pointed" => {
             // Forward, left and up of the vehicle, taken level.
@@ -225,7 +246,10 @@ fn judge(phase: &str, report: &Value, swarm: &Swarm) -> Result<()> {
 async fn rclpy_sees_through_a_camera_turns_its_gimbal_and_follows_tracks() -> Result<()> {
     let domain_id = fresh_domain();
     let ros2 = tokio::task::spawn_blocking(Ros2::jazzy).await??;
-    let swarm = carrying(domain_id).await;
+    let plugins = tempfile::tempdir()?;
+    let library = tokio::task::spawn_blocking(|| example_library("fixture-frame-counter", "frame_counter")).await?;
+    std::fs::copy(library, plugins.path().join("libframe_counter.so"))?;
+    let swarm = carrying(domain_id, plugins.path()).await;
     swarm.ready().await;
     let script = program(
         &ros2,
