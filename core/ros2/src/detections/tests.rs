@@ -34,7 +34,10 @@ fn a_finding_is_a_box_with_its_class_and_its_name() {
     assert_eq!((one.bbox.center.position.x, one.bbox.center.position.y), (320.5, 200.0));
     assert_eq!((one.bbox.size_x, one.bbox.size_y), (40.0, 20.0));
     let what = &one.results[0].hypothesis;
-    assert_eq!((what.class_id.as_str(), what.score, one.id.as_str()), ("uav", 0.75, "7"));
+    assert_eq!(
+        (what.class_id.as_str(), what.score, one.id.as_str()),
+        ("uav", 0.75, "7")
+    );
 }
 
 #[test]
