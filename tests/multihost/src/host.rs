@@ -302,19 +302,22 @@ impl Host {
         Process::start(&format!("vehicle {number}"), command.into())
     }
 
+    /// What carries the swarm, as the configuration lists it, and who is told of this host by unicast.
+    fn transports(&self) -> (&'static str, Vec<String>) {
+        let named = || self.all.iter().map(ToString::to_string).collect();
+        match self.plan.transport {
+            Transport::Zenoh => ("\"zenoh\"", Vec::new()),
+            Transport::Dds => ("\"dds\"", Vec::new()),
+            Transport::DdsPeers => ("\"dds\"", named()),
+            Transport::Both => ("\"zenoh\", \"dds\"", Vec::new()),
+        }
+    }
+
     fn configuration(&self) -> String {
         let [latitude, longitude, altitude] = ORIGIN;
         let (n, air, manage) = (self.number, self.namespace.air, self.namespace.manage);
         let plugins = plugins_dir();
-        let transports = match self.plan.transport {
-            Transport::Zenoh => "\"zenoh\"",
-            Transport::Dds | Transport::DdsPeers => "\"dds\"",
-            Transport::Both => "\"zenoh\", \"dds\"",
-        };
-        let peers: Vec<String> = match self.plan.transport {
-            Transport::DdsPeers => self.all.iter().map(ToString::to_string).collect(),
-            _ => Vec::new(),
-        };
+        let (transports, peers) = self.transports();
         let apart = self.plan.apart;
         let mut text = format!(
             r#"[node]
