@@ -10,7 +10,7 @@ use crate::report::Report;
 use crate::step::Step;
 use crate::tally::Runner;
 use crate::tidy;
-use crate::workspace::Workspace;
+use crate::workspace::{Dependency, Package, Workspace};
 use anyhow::{Context, Result, ensure};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -127,26 +127,27 @@ fn owner<'w>(workspace: &'w Workspace, file: &str) -> Option<&'w str> {
         .map(|package| package.name.as_str())
 }
 
+/// What a crate is built from concerns whatever is built from the crate; what only its tests use concerns these alone.
 fn with_dependants<'w>(workspace: &'w Workspace, changed: &BTreeSet<&'w str>) -> BTreeSet<&'w str> {
+    let users = |of: &BTreeSet<&str>, tests_too: bool| -> Vec<&'w str> {
+        let uses = |package: &&'w Package| {
+            let on = |on: &Dependency| (tests_too || on.ships()) && of.contains(on.name.as_str());
+            !of.contains(package.name.as_str()) && package.dependencies.iter().any(on)
+        };
+        let packages = workspace.packages.iter().filter(uses);
+        packages.map(|package| package.name.as_str()).collect()
+    };
     let mut concerned = changed.clone();
     loop {
-        let more: Vec<&str> = workspace
-            .packages
-            .iter()
-            .filter(|package| {
-                package
-                    .dependencies
-                    .iter()
-                    .any(|on| concerned.contains(on.name.as_str()))
-            })
-            .map(|package| package.name.as_str())
-            .filter(|name| !concerned.contains(name))
-            .collect();
+        let more = users(&concerned, false);
         if more.is_empty() {
-            return concerned;
+            break;
         }
         concerned.extend(more);
     }
+    let tested = users(&concerned, true);
+    concerned.extend(tested);
+    concerned
 }
 
 fn list(names: &BTreeSet<&str>) -> String {
