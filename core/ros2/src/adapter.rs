@@ -174,7 +174,10 @@ impl Speaker<'_> {
         for vehicle in &fleet.vehicles {
             if let Some(node) = self.vehicles.get_mut(&vehicle.id) {
                 transforms.extend(node.say_motion(vehicle, fleet, stamps).into_iter().flatten());
-                node.say_detections(vehicle, stamps)?;
+                // What another node's plugins say of time is by that node's clock.
+                if self.node.host_elsewhere(vehicle.id).is_none() {
+                    node.say_detections(vehicle, stamps)?;
+                }
             }
         }
         self.swarm.say_transforms(transforms);

@@ -177,7 +177,8 @@ impl Vehicle {
                     })
                 }
             };
-            let new = detector.last.replace(state.time) != Some(state.time);
+            // No picture is of the future, whatever a plugin says.
+            let new = detector.last.replace(state.time) != Some(state.time) && state.time <= stamps.node;
             if let Some(camera) = detections::camera(vehicle, &state).filter(|_| new) {
                 let header = stamps.header(state.time, &optical_frame(&self.name, camera));
                 detector.detections.say(detections::array(&header, &state));
