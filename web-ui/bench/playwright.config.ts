@@ -7,6 +7,7 @@ export default defineConfig({
   testDir: '.',
   testMatch: 'bench.ts',
   timeout: 1_800_000,
+  retries: 0,
   reporter: [['line']],
   use: { ...e2e.use, trace: 'off', screenshot: 'off' },
 });

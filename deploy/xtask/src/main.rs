@@ -8,6 +8,7 @@ mod bench;
 mod browser;
 mod debian;
 mod demo;
+mod failures;
 mod fast;
 mod long_runs;
 mod namespaces;

@@ -5,6 +5,7 @@
 #[cfg(test)]
 mod tests;
 
+use crate::failures::Failures;
 use crate::tally::{Runner, Tally};
 use anyhow::{Context, Result, bail};
 use std::io::{BufRead, BufReader, IsTerminal};
@@ -52,7 +53,12 @@ impl Step {
     }
 
     /// Runs it to its end. The tally holds also when the result is an error.
-    pub fn run(mut self, tally: &mut Tally) -> Result<()> {
+    pub fn run(self, tally: &mut Tally) -> Result<()> {
+        self.run_and_name(tally, &mut Failures::default())
+    }
+
+    /// The same, and tells which tests failed.
+    pub fn run_and_name(mut self, tally: &mut Tally, failures: &mut Failures) -> Result<()> {
         let name = self.command.get_program().to_string_lossy().into_owned();
         self.command.stdin(Stdio::null());
         if std::io::stdout().is_terminal() {
@@ -72,7 +78,9 @@ impl Step {
                 let output = child.stdout.take().context("the child's output is piped")?;
                 let reader = std::thread::spawn(move || count(BufReader::new(output), runner));
                 let status = wait(&mut child, PATIENCE);
-                *tally += reader.join().unwrap_or_default();
+                let (counted, failed) = reader.join().unwrap_or_default();
+                *tally += counted;
+                *failures = failed;
                 status?
             }
         };
@@ -87,14 +95,16 @@ impl Step {
     }
 }
 
-fn count(output: impl BufRead, runner: Runner) -> Tally {
+fn count(output: impl BufRead, runner: Runner) -> (Tally, Failures) {
     let mut tally = Tally::default();
+    let mut failures = Failures::default();
     for line in output.split(b'\n').map_while(Result::ok) {
         let line = String::from_utf8_lossy(&line).into_owned();
         println!("{line}");
         tally.read(runner, &line);
+        failures.read(&line);
     }
-    tally
+    (tally, failures)
 }
 
 fn wait(child: &mut Child, patience: Duration) -> Result<ExitStatus> {

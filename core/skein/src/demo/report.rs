@@ -15,6 +15,9 @@ use skein_runtime::NodeHandle;
 use skein_sim::TruthFrame;
 use std::fmt::Write;
 
+/// A simulation that stood still for less is not worth a line.
+const WORTH_TELLING_S: f64 = 0.1;
+
 /// The report, as it is written to the file.
 #[derive(Debug, Serialize)]
 pub struct Report {
@@ -50,7 +53,7 @@ pub struct Report {
     pub restarts: Vec<String>,
     /// Restarts of plugin instances after failures, per isolation.
     pub plugin_restarts: Vec<PluginRestarts>,
-    /// Longest time in which the simulation itself did not run, in seconds: part of every setpoint gap it saw.
+    /// Longest time in which the simulation itself did not run, in seconds. The setpoint gap above is without it.
     pub simulation_longest_stall_s: f64,
 }
 
@@ -86,7 +89,8 @@ fn common(figures: &Figures, truth: &TruthFrame, unplanned: usize) -> Vec<Criter
     };
     let to_land = truth.vehicles.iter().filter(|v| !figures.lost.contains(&v.system_id));
     let landed = truth.vehicles.iter().filter(|v| v.alive && referee::is_down(v)).count();
-    let gap_s = farthest(&mut judged().map(|v| v.offboard_gap_max_s));
+    // A host that stands still stops the simulation with everything else: only what is left of a gap without that is the sender's.
+    let gap_s = farthest(&mut judged().map(|v| v.offboard_gap_sender_max_s));
     let mut criteria = vec![
         at_least(
             "smallest distance between two vehicles",
@@ -236,6 +240,13 @@ impl Report {
             );
         }
         let _ = writeln!(text, "nearest to each other: {}", self.nearest);
+        if self.simulation_longest_stall_s > WORTH_TELLING_S {
+            let stall_s = self.simulation_longest_stall_s;
+            let _ = writeln!(
+                text,
+                "this machine did not let the simulation run for up to {stall_s:.2} s"
+            );
+        }
         for change in &self.unplanned_mode_changes {
             let _ = writeln!(text, "unplanned: {change}");
         }

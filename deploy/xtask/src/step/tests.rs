@@ -23,7 +23,8 @@ fn tests_that_pass_are_counted() {
         Tally {
             passed: 2,
             failed: 0,
-            skipped: 1
+            skipped: 1,
+            unsteady: 0
         }
     );
 }
@@ -44,7 +45,8 @@ fn a_failing_command_is_a_failure_and_its_counts_hold() {
         Tally {
             passed: 2,
             failed: 1,
-            skipped: 0
+            skipped: 0,
+            unsteady: 0
         }
     );
     assert!(Step::new(shell("kill -KILL $$")).run(&mut Tally::default()).is_err());

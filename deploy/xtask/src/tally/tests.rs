@@ -22,7 +22,8 @@ fn cargo_test_lines_are_added_up() {
         Tally {
             passed: 7,
             failed: 2,
-            skipped: 1
+            skipped: 1,
+            unsteady: 0
         }
     );
 }
@@ -38,7 +39,8 @@ fn vitest_counts_tests_not_files() {
         Tally {
             passed: 11,
             failed: 1,
-            skipped: 2
+            skipped: 2,
+            unsteady: 0
         }
     );
 }
@@ -52,6 +54,7 @@ fn playwright_counts_its_closing_lines_only() {
         "    e2e/flight.spec.ts:20:1 › lands",
         "  1 skipped",
         "  1 did not run",
+        "  1 flaky",
         "  2 passed (12.0s)",
     ];
     assert_eq!(
@@ -59,7 +62,8 @@ fn playwright_counts_its_closing_lines_only() {
         Tally {
             passed: 2,
             failed: 1,
-            skipped: 2
+            skipped: 2,
+            unsteady: 1
         }
     );
 }

@@ -1,0 +1,54 @@
+//! The lists as test programs really print them.
+
+use super::*;
+
+const TWO_FAILED: &str = "
+running 3 tests
+test a_flight ... FAILED
+test another ... ok
+test third::one ... FAILED
+
+failures:
+
+---- a_flight stdout ----
+
+thread 'a_flight' (7) panicked at tests/a.rs:3:5:
+    left: 1
+failures:
+it said
+
+---- third::one stdout ----
+    note
+
+
+failures:
+    a_flight
+    third::one
+
+test result: FAILED. 1 passed; 2 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.00s
+";
+
+fn read(texts: &[&str]) -> Failures {
+    let mut failures = Failures::default();
+    texts
+        .iter()
+        .flat_map(|text| text.lines())
+        .for_each(|line| failures.read(line));
+    failures
+}
+
+#[test]
+fn those_listed_are_named() {
+    assert_eq!(read(&[TWO_FAILED]).names(), ["a_flight", "third::one"]);
+    assert_eq!(
+        read(&["running 1 test", "test result: ok. 1 passed; 0 failed"])
+            .names()
+            .len(),
+        0
+    );
+}
+
+#[test]
+fn none_is_named_where_a_program_died() {
+    assert_eq!(read(&[TWO_FAILED, "running 2 tests\ntest x ... "]).names().len(), 0);
+}
