@@ -6,7 +6,7 @@
 pub(crate) mod golden;
 
 use crate::protocol::{
-    Accepted, ClientMessage, CommandBody, CommandReceipts, CoordinatorBody, EmergencyStopBody, ErrorBody, EventList,
+    Accepted, ClientMessage, CommandBody, CommandReceipts, ControlBody, ControlReceipts, ControlState, CoordinatorBody, EmergencyStopBody, ErrorBody, EventList,
     FenceFileBody, FencePlanBody, FormationAnswer, FormationPreview, Health, ImportedFencePlan, OverrideBody,
     PayloadList, PluginList, ReferenceList, RestartList, RouteBody, ServerMessage, SupervisionTree, TrajectoriesEnded,
     TrajectoryList, VehicleList, VersionInfo,
@@ -75,6 +75,9 @@ fn types() -> String {
     found.visit::<CoordinatorBody>();
     found.visit::<CommandBody>();
     found.visit::<CommandReceipts>();
+    found.visit::<ControlBody>();
+    found.visit::<ControlReceipts>();
+    found.visit::<ControlState>();
     found.visit::<FormationRequest>();
     found.visit::<FormationReceipt>();
     found.visit::<FormationAnswer>();

@@ -48,8 +48,8 @@ pub struct VehicleControl {
     pub console: Console,
     /// Since when.
     pub since: NodeTime,
-    /// When that console was last heard; what is no longer heard may be relieved by anybody.
-    pub heard: NodeTime,
+    /// That console is heard. If not, anybody may relieve it.
+    pub is_heard: bool,
     /// Who asks for it, the first first.
     pub requests: Vec<ControlRequest>,
 }

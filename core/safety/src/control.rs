@@ -16,6 +16,8 @@ pub const RELIEVED_AFTER_S: f64 = 10.0;
 pub const REQUEST_FOR_S: f64 = 60.0;
 /// More requests for a vehicle are not kept.
 const MOST_REQUESTS: usize = 8;
+/// More consoles are not known at a time: the one not heard for the longest makes room.
+const MOST_CONSOLES: usize = 256;
 
 /// What is known of one vehicle's control. Sent from node to node.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize)]
@@ -31,6 +33,18 @@ pub struct Entry {
 }
 
 impl Entry {
+    /// The same, with its times put on another clock.
+    #[must_use]
+    pub fn timed(mut self, on: impl Fn(NodeTime) -> NodeTime) -> Self {
+        if let Some((_, since)) = &mut self.holder {
+            *since = on(*since);
+        }
+        for request in &mut self.requests {
+            request.since = on(request.since);
+        }
+        self
+    }
+
     fn outranks(&self, other: &Self) -> bool {
         (self.change, self.node) > (other.change, other.node)
     }
@@ -41,8 +55,14 @@ impl Entry {
 pub struct ControlTable {
     node: u64,
     entries: BTreeMap<VehicleId, Entry>,
-    /// When each console was last heard, here or elsewhere.
-    heard: BTreeMap<String, NodeTime>,
+    heard: BTreeMap<String, Heard>,
+}
+
+/// When a console was last heard, and where.
+#[derive(Debug, Clone, Copy)]
+struct Heard {
+    at: NodeTime,
+    here: bool,
 }
 
 /// Whether a command may come from anybody, whoever has the vehicle in hand: it stops, or ends a flight safely.
@@ -64,10 +84,36 @@ impl ControlTable {
         }
     }
 
-    /// A console gives a sign of life.
+    /// A console gives a sign of life at this node.
     pub fn hear(&mut self, console: &str, at: NodeTime) {
-        let heard = self.heard.entry(console.to_owned()).or_insert(at);
-        *heard = (*heard).max(at);
+        self.note(console, Heard { at, here: true });
+    }
+
+    /// A console gave a sign of life at another node.
+    pub fn hear_elsewhere(&mut self, console: &str, at: NodeTime) {
+        self.note(console, Heard { at, here: false });
+    }
+
+    /// The consoles that were heard at this node last, for the others.
+    #[must_use]
+    pub fn heard_here(&self) -> Vec<(String, NodeTime)> {
+        let here = self.heard.iter().filter(|(_, heard)| heard.here);
+        here.map(|(id, heard)| (id.clone(), heard.at)).collect()
+    }
+
+    fn note(&mut self, console: &str, heard: Heard) {
+        if let Some(known) = self.heard.get_mut(console) {
+            if known.at <= heard.at {
+                *known = heard;
+            }
+            return;
+        }
+        if self.heard.len() >= MOST_CONSOLES
+            && let Some(oldest) = self.heard.iter().min_by_key(|(_, heard)| heard.at).map(|(id, _)| id.clone())
+        {
+            self.heard.remove(&oldest);
+        }
+        self.heard.insert(console.to_owned(), heard);
     }
 
     /// Takes a vehicle in hand that nobody has, or whose holder is not heard any more.
@@ -159,14 +205,15 @@ impl ControlTable {
     /// # Errors
     /// Another one has it in hand.
     pub fn may(&self, vehicle: VehicleId, console: Option<&str>, now: NodeTime) -> Result<(), Refusal> {
-        let Some((holder, _)) = self.entries.get(&vehicle).and_then(|entry| entry.holder.as_ref()) else {
+        let Some(holder) = self.holder(vehicle) else {
             return Ok(());
         };
         if console == Some(holder.id.as_str()) || !self.is_present(&holder.id, now) {
             return Ok(());
         }
-        Err(Refusal::NotPermitted {
-            detail: format!("{} has vehicle {vehicle} in hand: ask for it", holder.name),
+        Err(Refusal::InOtherHands {
+            vehicle,
+            holder: holder.name.clone(),
         })
     }
 
@@ -194,7 +241,7 @@ impl ControlTable {
             let fresh = |request: &&ControlRequest| now.seconds_since(request.since) < REQUEST_FOR_S;
             Some(VehicleControl {
                 vehicle: *vehicle,
-                heard: self.heard.get(&console.id).copied().unwrap_or_default(),
+                is_heard: self.is_present(&console.id, now),
                 console,
                 since,
                 requests: entry.requests.iter().filter(fresh).cloned().collect(),
@@ -203,14 +250,19 @@ impl ControlTable {
         self.entries.iter().filter_map(shown).collect()
     }
 
+    /// Who has a vehicle in hand, heard or not.
+    #[must_use]
+    pub fn holder(&self, vehicle: VehicleId) -> Option<&Console> {
+        self.entries.get(&vehicle)?.holder.as_ref().map(|(holder, _)| holder)
+    }
+
     fn holds(&self, vehicle: VehicleId, console: &str) -> bool {
-        let holder = self.entries.get(&vehicle).and_then(|entry| entry.holder.as_ref());
-        holder.is_some_and(|(holder, _)| holder.id == console)
+        self.holder(vehicle).is_some_and(|holder| holder.id == console)
     }
 
     fn is_present(&self, console: &str, now: NodeTime) -> bool {
         let heard = self.heard.get(console);
-        heard.is_some_and(|heard| now.seconds_since(*heard) < RELIEVED_AFTER_S)
+        heard.is_some_and(|heard| now.seconds_since(heard.at) < RELIEVED_AFTER_S)
     }
 
     fn change(&mut self, vehicle: VehicleId, with: impl FnOnce(&mut Entry)) {
