@@ -22,6 +22,8 @@ export class EmergencyStop {
 
   readonly #journal: Journal;
   #key = '';
+  /** Wall-clock ms by which what the server said of the unlocking has happened. */
+  #unlockedBy = 0;
   #timer: ReturnType<typeof setInterval> | undefined;
 
   constructor(journal: Journal) {
@@ -42,6 +44,7 @@ export class EmergencyStop {
     try {
       const { key, valid_s } = await unlockEmergencyStop();
       this.#key = key;
+      this.#unlockedBy = Date.now() + SETTLE_MS;
       const until = from + valid_s * 1000;
       const readyAt = performance.now() + SETTLE_MS;
       const beat = (): void => {
@@ -82,6 +85,7 @@ export class EmergencyStop {
   /** Forgets the key. */
   lock(): void {
     clearInterval(this.#timer);
+    if (this.#key !== '') this.#journal.emergencyLocked(this.#unlockedBy);
     this.#key = '';
     this.leftS = null;
     this.ready = false;
