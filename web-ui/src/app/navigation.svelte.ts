@@ -26,6 +26,8 @@ export class Navigation {
   record = $state<Record>('events');
   side = $state<Side>('fleet');
   page = $state<Page>('map');
+  /** The settings of this browser are open. */
+  settings = $state(false);
   /** Whose page is open. */
   vehicle = $state<number | null>(null);
 
