@@ -2,6 +2,7 @@
 // Must never guess: what is not known here is shown as it came.
 
 import type { Refusal } from './types';
+import { said } from '../language/language.svelte';
 
 export { FLIGHT_MODES, FLIGHT_STATES, GNSS_FIXES, LANDED_STATES } from './generated/frame';
 
@@ -22,7 +23,7 @@ const SPECIAL: Record<string, string> = {
 
 /** A word of the protocol as an operator reads it: `going_to` -> `going to`. */
 export function spoken(word: string): string {
-  return SPECIAL[word] ?? word.replaceAll('_', ' ');
+  return said(SPECIAL[word] ?? word.replaceAll('_', ' '));
 }
 
 /** The same with a capital first letter, for labels. */
