@@ -2,9 +2,11 @@
 
 import { always } from './de/always';
 import { fleet } from './de/fleet';
+import { machinery } from './de/machinery';
+import { plans } from './de/plans';
 import { words } from './de/words';
 
 export { codes } from './de/codes';
-export const parts = { always, fleet, words };
-export const de = { ...always, ...fleet, ...words };
+export const parts = { always, fleet, machinery, plans, words };
+export const de = { ...always, ...fleet, ...machinery, ...plans, ...words };
 export type Dictionary = typeof de;

@@ -2,6 +2,7 @@
 
 import type { NodeRole, NodeSnapshot, SwarmSnapshot } from '../../protocol/types';
 import { t } from '../../language/language.svelte';
+import type { Text } from '../../language/language.svelte';
 
 /** A node not heard for so long is shown as gone, in seconds. */
 const GONE_S = 3;
@@ -26,7 +27,7 @@ export function allegianceText(swarm: SwarmSnapshot): string {
   return t('{who} is silent for {seconds} s', { who, seconds: (swarm.silent_s ?? 0).toFixed(1) });
 }
 
-const ROLES: Record<NodeRole, string> = {
+const ROLES: Record<NodeRole, Text> = {
   vehicle_host: 'flies vehicles',
   coordinator: 'can coordinate',
   gateway: 'gateway',
@@ -34,7 +35,7 @@ const ROLES: Record<NodeRole, string> = {
 };
 
 export function rolesText(roles: readonly NodeRole[]): string {
-  return roles.map((role) => ROLES[role]).join(', ') || 'no role';
+  return roles.map((role) => t(ROLES[role])).join(', ') || t('no role');
 }
 
 export function isGone(node: NodeSnapshot): boolean {

@@ -23,6 +23,11 @@ export const codes: Readonly<Record<string, string>> = {
   'autopilot rebooted': 'Autopilot neu gestartet', 'flight state': 'Flugzustand', command: 'Befehl', ladder: 'Sicherheitsstufe',
   avoidance: 'Ausweichen', fences: 'Zäune', preflight: 'Vorflug', 'emergency stop': 'Nothalt', formation: 'Formation', trajectory: 'Bahn',
   supervision: 'Aufsicht', stream: 'Datenstrom', 'status text': 'Meldung des Autopiloten', connection: 'Verbindung', swarm: 'Verbund',
+  // shapes and how they are kept
+  line: 'Reihe', column: 'Kolonne', wedge: 'Keil', 'echelon left': 'Staffel links', 'echelon right': 'Staffel rechts', diamond: 'Raute', circle: 'Kreis', arc: 'Bogen', square: 'Quadrat', grid: 'Gitter',
+  box: 'Quader', sphere: 'Kugel', helix: 'Schraube', free: 'Frei', slots: 'Plätzen', distances: 'Abständen', bearings: 'Peilungen',
+  // a preflight item
+  red: 'rot', amber: 'gelb', green: 'grün', 'in air': 'in der Luft',
   // what is checked before a flight, and the rest of what is named
   'operator not heard': 'Bediener nicht gehört', 'energy for the way home': 'Energie für den Heimweg', 'GNSS loss': 'GNSS-Ausfall',
   'GNSS disagreement': 'GNSS-Widerspruch',
