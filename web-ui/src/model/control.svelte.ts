@@ -25,7 +25,7 @@ export class Control {
   /** Anybody has anything in hand: where nobody has, nothing is said of hands. */
   inUse = $derived.by(() => this.#source.control.size > 0);
   /** Who asks for what is ours, without those who were told "not now". */
-  asking = $derived.by(() => askingFor(this.#source.control.values(), this.operator.id, this.#declined));
+  asking = $derived.by(() => askingFor(this.#source.control.values(), this.operator.wire(), this.#declined));
   /** Every vehicle that is ours. */
   mine = $derived.by(() => [...this.#source.control.values()].filter(({ console }) => console.id === this.operator.id).map(({ vehicle }) => vehicle));
   /** What went wrong last; null after what went well. */
@@ -58,7 +58,7 @@ export class Control {
   }
 
   of(id: number): Hands {
-    return handsOf(this.#source.control.get(id), this.operator.id);
+    return handsOf(this.#source.control.get(id), this.operator.wire());
   }
 
   divide(ids: readonly number[]): Division {
@@ -86,9 +86,8 @@ export class Control {
     await this.#give(ids, { action: 'release' }, { done: (who) => t('Let go: {who}', { who }), not: t('Not let go') });
   }
 
-  async handOver({ console, vehicles }: Asking): Promise<void> {
-    const { id, name } = console;
-    await this.#give(vehicles, { action: 'hand_over', to: id }, { done: (who) => t('Handed over to {name}: {who}', { name, who }), not: t('Not handed over') });
+  async handOver({ console, name, vehicles }: Asking): Promise<void> {
+    await this.#give(vehicles, { action: 'hand_over', to: console.id }, { done: (who) => t('Handed over to {name}: {who}', { name, who }), not: t('Not handed over') });
   }
 
   /** These requests are not shown any more. Who asks is not told; asking again later is another request. */
@@ -160,11 +159,11 @@ export class Control {
   /** An alert for everybody who asks, as long as they do. */
   #tellRequests(): void {
     const asking = this.asking;
-    for (const { console, vehicles, keys } of asking) {
+    for (const { console, name, vehicles, keys } of asking) {
       const told = this.#alerts.get(console.id);
       if (told && keys.every((key) => told.about.has(key))) continue;
       if (told) this.#journal.acknowledge(told.key);
-      const text = t('{name} asks for {who}', { name: console.name, who: idRanges(vehicles) });
+      const text = t('{name} asks for {who}', { name, who: idRanges(vehicles) });
       this.#alerts.set(console.id, { key: this.#journal.notice('warning', 'control', text), about: new Set(keys) });
     }
     for (const [id, told] of this.#alerts) {

@@ -122,9 +122,9 @@ describe('what is known of hands', () => {
     say(bens(1), mine(2), mine(3));
     expect(open()).toEqual(['Ben has taken over: 1']);
     answer = () => Response.json({ receipts: [{ vehicle: 2, refusal: null }] });
-    const handed = control.handOver({ console: BEN, vehicles: [2], keys: [] });
+    const handed = control.handOver({ console: BEN, name: 'Ben', vehicles: [2], keys: [] });
     // A second click while it goes out is none.
-    void control.handOver({ console: BEN, vehicles: [2], keys: [] });
+    void control.handOver({ console: BEN, name: 'Ben', vehicles: [2], keys: [] });
     say(bens(1), bens(2), mine(3));
     await handed;
     answer = () => Response.json({ receipts: [{ vehicle: 3, refusal: null }] });

@@ -11,20 +11,20 @@ const none = new Set<string>();
 
 describe('in whose hands a vehicle is', () => {
   it('is told from where one sits', () => {
-    expect(handsOf(undefined, 'a')).toBe(NOBODY);
-    expect(handsOf(control(1, ANNA), 'a')).toEqual({ whose: 'mine', name: 'Anna', heard: true, asked: false });
-    expect(handsOf(control(1, ANNA), 'b')).toEqual({ whose: 'others', name: 'Anna', heard: true, asked: false });
-    expect(handsOf(control(1, ANNA, { requests: [{ console: BEN, since: 5 }] }), 'b').asked).toBe(true);
-    expect(handsOf(control(1, ANNA, { requests: [{ console: BEN, since: 5 }] }), 'c').asked).toBe(false);
+    expect(handsOf(undefined, ANNA)).toBe(NOBODY);
+    expect(handsOf(control(1, ANNA), ANNA)).toEqual({ whose: 'mine', name: 'Anna', heard: true, asked: false });
+    expect(handsOf(control(1, ANNA), BEN)).toEqual({ whose: 'others', name: 'Anna', heard: true, asked: false });
+    expect(handsOf(control(1, ANNA, { requests: [{ console: BEN, since: 5 }] }), BEN).asked).toBe(true);
+    expect(handsOf(control(1, ANNA, { requests: [{ console: BEN, since: 5 }] }), CLEO).asked).toBe(false);
   });
 
   it('goes by the id, whatever the name', () => {
-    expect(handsOf(control(1, { id: 'x', name: 'Anna' }), 'a').whose).toBe('others');
+    expect(handsOf(control(1, { id: 'x12345', name: 'Anna' }), ANNA)).toMatchObject({ whose: 'others', name: 'Anna (x123)' });
   });
 
   it('does not doubt that oneself is there', () => {
-    expect(handsOf(control(1, ANNA, { is_heard: false }), 'a').heard).toBe(true);
-    expect(handsOf(control(1, ANNA, { is_heard: false }), 'b').heard).toBe(false);
+    expect(handsOf(control(1, ANNA, { is_heard: false }), ANNA).heard).toBe(true);
+    expect(handsOf(control(1, ANNA, { is_heard: false }), BEN).heard).toBe(false);
   });
 });
 
@@ -37,7 +37,7 @@ describe('what can be done about it', () => {
       [4, control(4, CLEO, { requests: [{ console: ANNA, since: 1 }] })],
       [5, control(5, CLEO, { is_heard: false, requests: [{ console: ANNA, since: 1 }] })],
     ]);
-    expect(divide([1, 2, 3, 4, 5, 6], (id) => handsOf(known.get(id), 'a'))).toEqual({
+    expect(divide([1, 2, 3, 4, 5, 6], (id) => handsOf(known.get(id), ANNA))).toEqual({
       mine: [1], others: [2, 3, 4, 5], nobodys: [6], takeable: [3, 5, 6], askable: [2], asked: [4], names: ['Ben', 'Cleo'],
     });
   });
@@ -51,18 +51,18 @@ describe('who asks', () => {
   ];
 
   it('stands together with all that he asks for, the first first, and of others nothing', () => {
-    expect(askingFor(asked, 'a', none)).toEqual([
-      { console: BEN, vehicles: [1, 2], keys: ['b 1 40', 'b 2 20'] },
-      { console: CLEO, vehicles: [1], keys: ['c 1 30'] },
+    expect(askingFor(asked, ANNA, none)).toEqual([
+      { console: BEN, name: 'Ben', vehicles: [1, 2], keys: ['b 1 40', 'b 2 20'] },
+      { console: CLEO, name: 'Cleo', vehicles: [1], keys: ['c 1 30'] },
     ]);
-    expect(askingFor(asked, 'c', none)).toEqual([]);
+    expect(askingFor(asked, CLEO, none)).toEqual([]);
   });
 
   it('is not shown again for what was declined, but for asking again', () => {
     const declined = new Set(['b 1 40', 'b 2 20']);
-    expect(askingFor(asked, 'a', declined).map(({ console }) => console.name)).toEqual(['Cleo']);
+    expect(askingFor(asked, ANNA, declined).map(({ console }) => console.name)).toEqual(['Cleo']);
     const again = [control(2, ANNA, { requests: [{ console: BEN, since: 90 }] })];
-    expect(askingFor(again, 'a', declined)).toEqual([{ console: BEN, vehicles: [2], keys: ['b 2 90'] }]);
+    expect(askingFor(again, ANNA, declined)).toEqual([{ console: BEN, name: 'Ben', vehicles: [2], keys: ['b 2 90'] }]);
   });
 });
 

@@ -17,12 +17,18 @@ export type Hands = {
 
 export const NOBODY: Hands = { whose: 'nobody', name: '', heard: true, asked: false };
 
-/** `control` is what the node says of the vehicle, `me` the id of this console. */
-export function handsOf(control: VehicleControl | undefined, me: string): Hands {
+/** What another console is called by this one: an operator with two windows open has one name and two consoles. */
+export function nameOf(console: Console, me: Console): string {
+  return console.id !== me.id && console.name === me.name ? `${console.name} (${console.id.slice(0, 4)})` : console.name;
+}
+
+/** `control` is what the node says of the vehicle, `me` this console. */
+export function handsOf(control: VehicleControl | undefined, me: Console): Hands {
   if (!control) return NOBODY;
   const { console, is_heard: heard, requests } = control;
-  if (console.id === me) return { whose: 'mine', name: console.name, heard: true, asked: false };
-  return { whose: 'others', name: console.name, heard, asked: requests.some((request) => request.console.id === me) };
+  const name = nameOf(console, me);
+  if (console.id === me.id) return { whose: 'mine', name, heard: true, asked: false };
+  return { whose: 'others', name, heard, asked: requests.some((request) => request.console.id === me.id) };
 }
 
 /** Vehicles by whose they are, and by what this console can do about it. */
@@ -54,27 +60,29 @@ export function divide(ids: readonly number[], of: (id: number) => Hands): Divis
 /** A console that asks this one for vehicles. */
 export type Asking = {
   console: Console;
+  /** What it is called here. */
+  name: string;
   vehicles: number[];
   /** One for each request: the same vehicle asked for again is another request. */
   keys: string[];
 };
 
 /** Who asks this console for what it has, the first first, without the requests in `declined`. */
-export function askingFor(control: Iterable<VehicleControl>, me: string, declined: ReadonlySet<string>): Asking[] {
+export function askingFor(control: Iterable<VehicleControl>, me: Console, declined: ReadonlySet<string>): Asking[] {
   const found = new Map<string, Asking & { since: number }>();
   for (const { vehicle, console, requests } of control) {
-    if (console.id !== me) continue;
+    if (console.id !== me.id) continue;
     for (const request of requests) {
       const key = `${request.console.id} ${vehicle} ${request.since}`;
       if (declined.has(key)) continue;
-      const asking = found.get(request.console.id) ?? { console: request.console, vehicles: [], keys: [], since: request.since };
+      const asking = found.get(request.console.id) ?? { console: request.console, name: nameOf(request.console, me), vehicles: [], keys: [], since: request.since };
       asking.vehicles.push(vehicle);
       asking.keys.push(key);
       asking.since = Math.min(asking.since, request.since);
       found.set(request.console.id, asking);
     }
   }
-  return [...found.values()].sort((a, b) => a.since - b.since).map(({ console, vehicles, keys }) => ({ console, vehicles, keys }));
+  return [...found.values()].sort((a, b) => a.since - b.since).map(({ since: _, ...asking }) => asking);
 }
 
 /** Why some vehicles refused, each reason once; empty if none did. */
