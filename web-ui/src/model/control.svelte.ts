@@ -86,8 +86,13 @@ export class Control {
     await this.#give(ids, { action: 'release' }, { done: (who) => t('Let go: {who}', { who }), not: t('Not let go') });
   }
 
-  async handOver({ console, name, vehicles }: Asking): Promise<void> {
-    await this.#give(vehicles, { action: 'hand_over', to: console.id }, { done: (who) => t('Handed over to {name}: {who}', { name, who }), not: t('Not handed over') });
+  async handOver({ console, name, vehicles, keys }: Asking): Promise<void> {
+    const refused = await this.#give(vehicles, { action: 'hand_over', to: console.id }, { done: (who) => t('Handed over to {name}: {who}', { name, who }), not: t('Not handed over') });
+    // What is done is not asked for any more, also until the stream says so.
+    vehicles.forEach((id, k) => {
+      if (!refused.includes(id)) this.#declined.add(keys[k] ?? '');
+    });
+    this.#tellRequests();
   }
 
   /** These requests are not shown any more. Who asks is not told; asking again later is another request. */
@@ -108,11 +113,13 @@ export class Control {
     }
   }
 
-  async #give(ids: readonly number[], action: ControlAction, words: Words): Promise<void> {
-    if (this.#busy) return;
+  async #give(ids: readonly number[], action: ControlAction, words: Words): Promise<number[]> {
+    if (this.#busy) return [...ids];
     // Before it is sent: the stream may be quicker than the answer.
     for (const id of ids) this.#given.add(id);
-    for (const id of await this.#change(ids, action, words)) this.#given.delete(id);
+    const refused = await this.#change(ids, action, words);
+    for (const id of refused) this.#given.delete(id);
+    return refused;
   }
 
   /** Does it and tells what came of it. Gives those of which it is not certain that it was done. */

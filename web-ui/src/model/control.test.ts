@@ -158,6 +158,15 @@ describe('requests to this console', () => {
     expect([open(), control.asking]).toEqual([[], []]);
   });
 
+  it('are over once they are granted, before the stream says so, and not where they were not', async () => {
+    const { control, say, open } = made();
+    say(mine(1, asks()), mine(2, asks()));
+    answer = () => Response.json({ receipts: [{ vehicle: 1, refusal: null }, { vehicle: 2, refusal: { reason: 'not_permitted', detail: 'no' } }] });
+    await control.handOver(control.asking[0]!);
+    expect(control.asking).toMatchObject([{ vehicles: [2] }]);
+    expect([open(), control.outcome?.text]).toEqual([['Ben asks for 1, 2'], 'Not handed over: 2: not permitted: no']);
+  });
+
   it('"not now" puts them away, and asking again brings them back', () => {
     const { control, say, open } = made();
     say(mine(1, asks()));
