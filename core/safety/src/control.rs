@@ -94,10 +94,11 @@ impl ControlTable {
         self.note(console, Heard { at, here: false });
     }
 
-    /// The consoles that were heard at this node last, for the others.
+    /// The consoles that are there by what this node hears, for the others.
     #[must_use]
-    pub fn heard_here(&self) -> Vec<(String, NodeTime)> {
-        let here = self.heard.iter().filter(|(_, heard)| heard.here);
+    pub fn heard_here(&self, now: NodeTime) -> Vec<(String, NodeTime)> {
+        let present = |heard: &Heard| now.seconds_since(heard.at) < RELIEVED_AFTER_S;
+        let here = self.heard.iter().filter(|(_, heard)| heard.here && present(heard));
         here.map(|(id, heard)| (id.clone(), heard.at)).collect()
     }
 
@@ -116,14 +117,20 @@ impl ControlTable {
         self.heard.insert(console.to_owned(), heard);
     }
 
-    /// Takes a vehicle in hand that nobody has, or whose holder is not heard any more.
+    /// Takes a vehicle in hand that nobody has, or whose holder is not heard any more. Who has it already may have another name since.
     ///
     /// # Errors
     /// Somebody has it.
     pub fn take(&mut self, vehicle: VehicleId, console: &Console, now: NodeTime) -> Result<(), Refusal> {
         self.hear(&console.id, now);
-        if self.holds(vehicle, &console.id) {
-            return Ok(());
+        match self.entries.get(&vehicle).and_then(|entry| entry.holder.as_ref()) {
+            Some((holder, _)) if holder == console => return Ok(()),
+            Some((holder, since)) if holder.id == console.id => {
+                let since = *since;
+                self.change(vehicle, |entry| entry.holder = Some((console.clone(), since)));
+                return Ok(());
+            }
+            _ => {}
         }
         self.may(vehicle, Some(&console.id), now)?;
         self.change(vehicle, |entry| {

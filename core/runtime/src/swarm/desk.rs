@@ -37,7 +37,7 @@ impl Desk {
         let (control, consoles) = {
             let table = board.control.lock();
             let entries = table.entries().iter();
-            (entries.map(|(id, entry)| (*id, entry.clone())).collect(), table.heard_here())
+            (entries.map(|(id, entry)| (*id, entry.clone())).collect(), table.heard_here(board.now()))
         };
         Self {
             control,
