@@ -20,5 +20,6 @@ export default defineConfig({
     chunkSizeWarningLimit: 600,
   },
   server: { host: '127.0.0.1', proxy: { '/api': { target: backend, ws: true } } },
-  test: { include: ['src/**/*.test.ts'], environment: 'node' },
+  // The colours are read from the style sheet itself.
+  test: { include: ['src/**/*.test.ts'], environment: 'node', css: true },
 });

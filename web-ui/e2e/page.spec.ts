@@ -1,4 +1,4 @@
-// The page itself: its headers, its accessibility in both themes and on a tablet, the keyboard, the targets.
+// The page itself: its headers, its accessibility in every theme and on a tablet, the keyboard, the targets.
 
 import { findings } from './accessibility';
 import { button, card, expect, open, plotted, summary, test } from './console';
@@ -24,17 +24,27 @@ test('nothing but its own files may be loaded', async ({ page }) => {
   expect(html).not.toMatch(/(src|href)="(https?:)?\/\//);
 });
 
-test('no serious accessibility faults, dark and light', async ({ page }) => {
-  expect(await findings(page)).toEqual([]);
-  for (const tab of ['Route', 'Preflight', 'Fences', 'Commands']) await page.getByRole('tab', { name: tab }).click();
-  await button(page, /^Target 1,/).click();
-  expect(await findings(page)).toEqual([]);
-  await button(page, 'Change to the light theme').click();
-  await expect(page.locator('html')).toHaveAttribute('data-theme', 'light');
-  expect(await findings(page)).toEqual([]);
-  await page.reload();
-  await expect(page.locator('html')).toHaveAttribute('data-theme', 'light');
-});
+for (const theme of ['Dark', 'Light', 'Sunlight']) {
+  test(`no serious accessibility faults, ${theme.toLowerCase()}`, async ({ page }) => {
+    await button(page, 'Settings').click();
+    await page.getByRole('radio', { name: new RegExp(`^${theme}`) }).check();
+    await expect(page.locator('html')).toHaveAttribute('data-theme', theme.toLowerCase());
+    expect(await findings(page)).toEqual([]);
+    await page.keyboard.press('Escape');
+    await expect(page.getByRole('dialog')).toHaveCount(0);
+    await page.reload();
+    await expect(page.locator('html')).toHaveAttribute('data-theme', theme.toLowerCase());
+    await button(page, /^Target 1,/).click();
+    for (const tab of ['Formation', 'Route', 'Preflight', 'Fences', 'Payloads', 'Commands']) {
+      await page.getByRole('tab', { name: tab }).click();
+      expect(await findings(page), tab).toEqual([]);
+    }
+    for (const name of ['Fleet', 'Preflight', 'Alerts', 'Plugins']) {
+      await page.getByRole('navigation', { name: 'Pages' }).getByRole('link', { name }).click();
+      expect(await findings(page), name).toEqual([]);
+    }
+  });
+}
 
 for (const [width, height] of [[1024, 768], [768, 1024], [390, 844]] as const) {
   test(`on a screen of ${width} by ${height} nothing is out of reach`, async ({ page }) => {

@@ -1,8 +1,9 @@
 // Where the page begins.
 
 import { mount } from 'svelte';
+import { language } from '../language/language.svelte';
 import App from './App.svelte';
 import './theme.css';
 
 const target = document.getElementById('app');
-if (target) mount(App, { target });
+void language.start().then(() => target && mount(App, { target }));

@@ -9,8 +9,15 @@ export type Side = 'fleet' | Plan | Record;
 export const WIDE = '(min-width: 1360px)';
 
 /** What fills the middle of the screen. */
-export const PAGES = ['map', 'fleet', 'preflight', 'alerts', 'plugins'] as const;
+export const PAGES = ['map', 'fleet', 'preflight', 'alerts', 'plugins', 'missions', 'tracks', 'video', 'replay'] as const;
+/** Pages of which the program has nothing to show yet. */
+export const EMPTY_PAGES = ['missions', 'tracks', 'video', 'replay'] as const;
+export type EmptyPageName = (typeof EMPTY_PAGES)[number];
 export type Page = (typeof PAGES)[number] | 'vehicle';
+
+export function isEmptyPage(page: Page): page is EmptyPageName {
+  return EMPTY_PAGES.some((name) => name === page);
+}
 
 /** A page as it stands in the address: `#fleet`, `#vehicle/3`; anything else is the map. */
 export function pageOf(hash: string): { page: Page; vehicle: number | null } {
@@ -26,6 +33,8 @@ export class Navigation {
   record = $state<Record>('events');
   side = $state<Side>('fleet');
   page = $state<Page>('map');
+  /** The settings of this browser are open. */
+  settings = $state(false);
   /** Whose page is open. */
   vehicle = $state<number | null>(null);
 

@@ -1,37 +1,26 @@
-// Light or dark: the system's wish until the operator chooses; the choice is kept in the browser.
+// Light, dark, or for a screen the sun shines on: the system's wish until the operator chooses; the choice is kept in the browser.
+
+import { remember, remembered } from './remembered';
 
 const KEY = 'skein-theme';
 
-export type ThemeName = 'dark' | 'light';
-
-function stored(): ThemeName | null {
-  try {
-    const value = localStorage.getItem(KEY);
-    return value === 'dark' || value === 'light' ? value : null;
-  } catch {
-    return null; // storage can be forbidden; the page works without
-  }
-}
+export const THEMES = ['dark', 'light', 'sunlight'] as const;
+export type ThemeName = (typeof THEMES)[number];
 
 export class Theme {
   name = $state<ThemeName>('dark');
 
   constructor() {
     const light = matchMedia('(prefers-color-scheme: light)');
-    this.name = stored() ?? (light.matches ? 'light' : 'dark');
-    light.addEventListener('change', () => {
-      if (!stored()) this.#apply(light.matches ? 'light' : 'dark');
-    });
-    this.#apply(this.name);
+    const contrast = matchMedia('(prefers-contrast: more)');
+    const follow = (): void => this.#apply(remembered(KEY, THEMES) ?? (contrast.matches ? 'sunlight' : light.matches ? 'light' : 'dark'));
+    for (const query of [light, contrast]) query.addEventListener('change', follow);
+    follow();
   }
 
-  toggle(): void {
-    this.#apply(this.name === 'dark' ? 'light' : 'dark');
-    try {
-      localStorage.setItem(KEY, this.name);
-    } catch {
-      // not kept, that is all
-    }
+  choose(name: ThemeName): void {
+    this.#apply(name);
+    remember(KEY, name);
   }
 
   #apply(name: ThemeName): void {

@@ -13,6 +13,8 @@ export type Entry = {
   id: number | null;
   /** Why it was refused, or what is not known. */
   detail: string;
+  /** By which rule it was refused, where the server has told. */
+  refusedBy?: Refusal['reason'];
   /** When it came into this phase. */
   since: number;
 };
@@ -140,7 +142,7 @@ function advance(entry: Entry, progress: CommandProgress, now: number): Entry {
 
 function refused(entry: Entry, refusal: Refusal, now: number): Entry {
   const phase = refusal.reason === 'superseded' ? 'replaced' : 'refused';
-  return enter(entry, phase, refusalText(refusal), now);
+  return { ...enter(entry, phase, refusalText(refusal), now), refusedBy: refusal.reason };
 }
 
 function mapBatch(ledger: Ledger, key: number, change: (entry: Entry) => Entry): Ledger {

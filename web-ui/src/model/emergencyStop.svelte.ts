@@ -5,6 +5,7 @@ import { ApiError, emergencyStop, unlockEmergencyStop } from '../protocol/rest';
 import type { Targets } from '../protocol/types';
 import { idRanges } from './idRanges';
 import type { Journal } from './journal.svelte';
+import { t } from '../language/language.svelte';
 
 /** After unlocking nothing is stopped for so long: the second click of a double click is no second step. */
 export const SETTLE_MS = 500;
@@ -22,6 +23,8 @@ export class EmergencyStop {
 
   readonly #journal: Journal;
   #key = '';
+  /** Wall-clock ms by which what the server said of the unlocking has happened. */
+  #unlockedBy = 0;
   #timer: ReturnType<typeof setInterval> | undefined;
 
   constructor(journal: Journal) {
@@ -42,13 +45,14 @@ export class EmergencyStop {
     try {
       const { key, valid_s } = await unlockEmergencyStop();
       this.#key = key;
+      this.#unlockedBy = Date.now() + SETTLE_MS;
       const until = from + valid_s * 1000;
       const readyAt = performance.now() + SETTLE_MS;
       const beat = (): void => {
         const now = performance.now();
         if (now >= until) {
           this.lock();
-          this.outcome = { bad: false, text: 'Time is over: emergency stop locked again' };
+          this.outcome = { bad: false, text: t('Time is over: emergency stop locked again') };
         } else {
           this.leftS = Math.ceil((until - now) / 1000);
           this.ready = now >= readyAt;
@@ -57,7 +61,7 @@ export class EmergencyStop {
       beat();
       if (this.unlocked) this.#timer = setInterval(beat, BEAT_MS);
     } catch (error) {
-      this.#fail('Emergency stop not unlocked', error);
+      this.#fail(t('Emergency stop not unlocked'), error);
     } finally {
       this.busy = false;
     }
@@ -68,20 +72,21 @@ export class EmergencyStop {
     if (!this.ready || this.#key === '') return;
     const key = this.#key;
     this.lock();
-    const who = targets === 'all' ? `all ${vehicles.length}` : idRanges([...vehicles]);
+    const who = targets === 'all' ? t('all {count}', { count: vehicles.length }) : idRanges([...vehicles]);
     try {
       const receipts = await emergencyStop(key, targets);
       const refused = receipts.filter((receipt) => receipt.refusal !== null);
-      const failed = refused.length === 0 ? '' : `, refused by ${idRanges(refused.map((r) => r.vehicle))}`;
-      this.outcome = { bad: refused.length > 0, text: `Emergency stop sent to ${who}${failed}` };
+      const failed = refused.length === 0 ? '' : t(', refused by {who}', { who: idRanges(refused.map((r) => r.vehicle)) });
+      this.outcome = { bad: refused.length > 0, text: `${t('Emergency stop sent to {who}', { who })}${failed}` };
     } catch (error) {
-      this.#fail(`Emergency stop of ${who} failed`, error);
+      this.#fail(t('Emergency stop of {who} failed', { who }), error);
     }
   }
 
   /** Forgets the key. */
   lock(): void {
     clearInterval(this.#timer);
+    if (this.#key !== '') this.#journal.emergencyLocked(this.#unlockedBy);
     this.#key = '';
     this.leftS = null;
     this.ready = false;

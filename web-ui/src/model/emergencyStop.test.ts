@@ -9,8 +9,12 @@ let answer: (path: string) => Response;
 
 function made() {
   const notices: string[] = [];
-  const journal = { notice: (_: string, __: string, text: string) => notices.push(text) } as unknown as Journal;
-  return { stop: new EmergencyStop(journal), notices };
+  const locked: number[] = [];
+  const journal = {
+    notice: (_: string, __: string, text: string) => notices.push(text),
+    emergencyLocked: (at: number) => locked.push(at),
+  } as unknown as Journal;
+  return { stop: new EmergencyStop(journal), notices, locked };
 }
 
 beforeEach(() => {
@@ -60,6 +64,23 @@ describe('EmergencyStop', () => {
     expect([stop.leftS, stop.ready]).toEqual([null, false]);
     await stop.stop('all', [1]);
     expect(sent).toHaveLength(1);
+  });
+
+  it('says once that it is locked again: put back, used or run out', async () => {
+    const { stop, locked } = made();
+    const before = Date.now();
+    stop.lock();
+    expect(locked).toEqual([]);
+    await stop.unlock();
+    stop.lock();
+    stop.lock();
+    await stop.unlock();
+    vi.advanceTimersByTime(SETTLE_MS + 100);
+    await stop.stop('all', [1]);
+    await stop.unlock();
+    vi.advanceTimersByTime(10_100);
+    expect(locked).toHaveLength(3);
+    for (const at of locked) expect(at).toBeGreaterThanOrEqual(before);
   });
 
   it('an unlocking that is refused leaves it locked and is said', async () => {

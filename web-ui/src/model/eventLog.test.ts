@@ -1,11 +1,11 @@
 import { describe, expect, it } from 'vitest';
-import type { Severity } from '../protocol/types';
-import { EMPTY_LOG, KEPT_ENTRIES, REPEAT_WITHIN_MS, acknowledge, acknowledgeAll, add, outstanding } from './eventLog';
+import type { EventRecord, Severity } from '../protocol/types';
+import { EMPTY_LOG, KEPT_ENTRIES, REPEAT_WITHIN_MS, acknowledge, acknowledgeAll, add, happening, locked, outstanding, pass } from './eventLog';
 import type { EventLog, Happening } from './eventLog';
 
 let next = 0;
 function event(text: string, severity: Severity, at: number, vehicle: number | null = 1): Happening {
-  return { key: `k${next++}`, vehicle, severity, kind: 'status_text', text, at };
+  return { key: `k${next++}`, vehicle, severity, kind: 'status_text', text, at, endsAt: null };
 }
 
 function log(...events: Happening[]): EventLog {
@@ -68,5 +68,31 @@ describe('the log', () => {
   it('knows the greatest sequence number it took', () => {
     const l = add(add(EMPTY_LOG, event('a', 'info', 0), 7), event('b', 'info', 0), 5);
     expect(l.lastSeq).toBe(7);
+  });
+});
+
+describe('what is over by itself', () => {
+  const record = (seq: number, text: string, vehicle: number | null = null): EventRecord => ({
+    seq, time: 0, node: null, vehicle, severity: 'warning', kind: { kind: 'emergency_stop' }, text,
+  });
+  const unlocking = (seq: number, at: number): Happening => happening(record(seq, 'emergency stop unlocked for 10 s'), at);
+
+  it('an unlocked emergency stop wants no look once its time is over, anything else does', () => {
+    const l = log(unlocking(1, 1000), event('x', 'warning', 1000), happening(record(2, 'uav-1: EMERGENCY STOP, motors off', 1), 1000));
+    expect(outstanding(pass(l, 10_999))).toHaveLength(3);
+    expect(pass(l, 10_999)).toBe(l);
+    expect(outstanding(pass(l, 11_000)).map((e) => e.vehicle)).toEqual([1, 1]);
+    expect(pass(l, 11_000).entries).toHaveLength(3);
+  });
+
+  it('unlocked again it is open again, for as long as the new key is good', () => {
+    const again = add(pass(log(unlocking(1, 1000)), 11_000), unlocking(2, 20_000));
+    expect(outstanding(pass(again, 29_000)).map((e) => e.count)).toEqual([2]);
+    expect(outstanding(pass(again, 30_000))).toEqual([]);
+  });
+
+  it('locked by hand it is over at once, but not if somebody else has unlocked it since', () => {
+    expect(outstanding(locked(log(unlocking(1, 1000), event('x', 'warning', 0)), 1500)).map((e) => e.text)).toEqual(['x']);
+    expect(outstanding(locked(log(unlocking(1, 1000), unlocking(2, 4000)), 1500))).toHaveLength(1);
   });
 });

@@ -16,6 +16,8 @@ export type LogEntry = {
   /** Wall-clock ms of the first and the last time. */
   firstAt: number;
   lastAt: number;
+  /** Wall-clock ms from which on it holds no more by itself; null for what stays until somebody has seen it. */
+  endsAt: number | null;
   acknowledged: boolean;
 };
 
@@ -41,11 +43,14 @@ export type Happening = {
   kind: string;
   text: string;
   at: number;
+  endsAt: number | null;
 };
 
 export function happening(record: EventRecord, at: number): Happening {
   const { vehicle, severity, text } = record;
-  return { key: `s${record.seq}`, vehicle, severity, kind: record.kind.kind, text, at };
+  const unlockedS = record.kind.kind === 'emergency_stop' ? /unlocked for (\d+) s$/.exec(text)?.[1] : undefined;
+  const endsAt = unlockedS === undefined ? null : at + Number(unlockedS) * 1000;
+  return { key: `s${record.seq}`, vehicle, severity, kind: record.kind.kind, text, at, endsAt };
 }
 
 /** Adds one; a repeat is counted on the entry it repeats and moves that to the top. */
@@ -57,12 +62,12 @@ export function add(log: EventLog, h: Happening, seq = 0): EventLog {
   const former = at >= 0 ? log.entries[at] : undefined;
   if (former && h.at - former.lastAt <= REPEAT_WITHIN_MS) {
     // A warning that comes again after it was acknowledged wants a new look.
-    const again: LogEntry = { ...former, text: h.text, count: former.count + 1, lastAt: Math.max(former.lastAt, h.at), acknowledged };
+    const again: LogEntry = { ...former, text: h.text, count: former.count + 1, lastAt: Math.max(former.lastAt, h.at), endsAt: h.endsAt, acknowledged };
     return { lastSeq, entries: [again, ...log.entries.slice(0, at), ...log.entries.slice(at + 1)] };
   }
   const entry: LogEntry = {
     key: h.key, signature, vehicle: h.vehicle, severity: h.severity, kind: h.kind, text: h.text,
-    count: 1, firstAt: h.at, lastAt: h.at, acknowledged,
+    count: 1, firstAt: h.at, lastAt: h.at, endsAt: h.endsAt, acknowledged,
   };
   return { lastSeq, entries: bounded([entry, ...log.entries]) };
 }
@@ -86,6 +91,19 @@ export function acknowledge(log: EventLog, key: string): EventLog {
 
 export function acknowledgeAll(log: EventLog): EventLog {
   return { ...log, entries: log.entries.map((e) => (e.acknowledged ? e : { ...e, acknowledged: true })) };
+}
+
+/** What is over by `now` wants no more acknowledging. The same log where nothing is. */
+export function pass(log: EventLog, now: number): EventLog {
+  const over = (e: LogEntry): boolean => !e.acknowledged && e.endsAt !== null && e.endsAt <= now;
+  if (!log.entries.some(over)) return log;
+  return { ...log, entries: log.entries.map((e) => (over(e) ? { ...e, acknowledged: true } : e)) };
+}
+
+/** The emergency stop was locked again: an unlocking until `at` is over. One after that is somebody else's. */
+export function locked(log: EventLog, at: number): EventLog {
+  const over = (e: LogEntry): boolean => e.endsAt !== null && e.lastAt <= at;
+  return { ...log, entries: log.entries.map((e) => (over(e) ? { ...e, endsAt: e.lastAt, acknowledged: true } : e)) };
 }
 
 /** Not acknowledged, worst first, then newest. */

@@ -4,6 +4,7 @@
 import type { FencePlan, FenceZone, Geodetic, ZoneKind } from '../protocol/types';
 import { SwarmProjection } from '../telemetry/geodesy';
 import { quantity } from './vehicleSafety';
+import { t } from '../language/language.svelte';
 
 type Place = { north: number; east: number };
 
@@ -26,14 +27,14 @@ const CIRCLE_CORNERS = 64;
 export function bandText(zone: FenceZone): string {
   const above = zone.altitude_reference === 'amsl' ? ' AMSL' : '';
   const { floor_m: floor, ceiling_m: ceiling } = zone;
-  if (floor === null && ceiling === null) return 'all heights';
-  if (floor === null) return `up to ${quantity(ceiling, 'm')}${above}`;
-  if (ceiling === null) return `from ${quantity(floor, 'm')}${above}`;
-  return `${quantity(floor, '')} to ${quantity(ceiling, 'm')}${above}`;
+  if (floor === null && ceiling === null) return t('all heights');
+  if (floor === null) return t('up to {height}', { height: `${quantity(ceiling, 'm')}${above}` });
+  if (ceiling === null) return t('from {height}', { height: `${quantity(floor, 'm')}${above}` });
+  return t('{floor} to {ceiling}', { floor: quantity(floor, ''), ceiling: `${quantity(ceiling, 'm')}${above}` });
 }
 
 export function kindText(kind: ZoneKind): string {
-  return kind === 'inclusion' ? 'stay inside' : 'keep out';
+  return kind === 'inclusion' ? t('stay inside') : t('keep out');
 }
 
 /** Where the zones are; those in degrees need the swarm's origin and are left out as long as it is not known. */

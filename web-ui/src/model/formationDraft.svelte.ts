@@ -13,6 +13,7 @@ import { RouteDraft } from './routeDraft.svelte';
 import type { Session } from './session.svelte';
 import type { Targets } from './targets.svelte';
 import type { VehicleRow } from './vehicleRow.svelte';
+import { t } from '../language/language.svelte';
 
 export type Outcome = { tone: 'pending' | 'accepted' | 'refused'; text: string } | null;
 export type AnchorKind = FormationAnchor['kind'];
@@ -84,10 +85,10 @@ export class FormationDraft {
 
   /** What is still missing before this can be asked of the server; empty if nothing is. */
   missing = $derived.by<string>(() => {
-    if (hasParameter(this.shape, 'offsets') && 'fault' in this.offsets) return `Offsets: ${this.offsets.fault}`;
-    if (this.anchor === 'place' && !this.place) return 'Pick the place on the map';
-    if (this.anchor === 'path' && this.path.waypoints.length === 0) return 'Draw the path on the map';
-    if (this.anchor === 'reference' && this.referenceName === '') return 'Choose a reference';
+    if (hasParameter(this.shape, 'offsets') && 'fault' in this.offsets) return t('Offsets: {fault}', { fault: this.offsets.fault });
+    if (this.anchor === 'place' && !this.place) return t('Pick the place on the map');
+    if (this.anchor === 'path' && this.path.waypoints.length === 0) return t('Draw the path on the map');
+    if (this.anchor === 'reference' && this.referenceName === '') return t('Choose a reference');
     return '';
   });
 
@@ -204,38 +205,43 @@ export class FormationDraft {
   async send(): Promise<void> {
     const name = label(this.shape);
     const request = this.request();
-    this.outcome = { tone: 'pending', text: `${name}: asking the coordinator` };
+    this.outcome = { tone: 'pending', text: t('{shape}: asking the coordinator', { shape: name }) };
     try {
       const receipt = await putFormation(request);
-      const text =
-        `${name} of ${receipt.members.length} ${anchorText(request.anchor, receipt.leader)}: ${receipt.duration_s.toFixed(0)} s to form, ` +
-        `never closer than ${receipt.planned_min_distance_m.toFixed(1)} m, then up to ${receipt.max_speed_m_s.toFixed(1)} m/s`;
+      const text = t('{shape} of {count} {anchor}: {seconds} s to form, never closer than {distance} m, then up to {speed} m/s', {
+        shape: name,
+        count: receipt.members.length,
+        anchor: anchorText(request.anchor, receipt.leader),
+        seconds: receipt.duration_s.toFixed(0),
+        distance: receipt.planned_min_distance_m.toFixed(1),
+        speed: receipt.max_speed_m_s.toFixed(1),
+      });
       this.outcome = { tone: 'accepted', text };
       this.preview = false;
     } catch (error) {
-      this.outcome = this.#refused(`${name} refused`, error);
+      this.outcome = this.#refused(t('{shape} refused', { shape: name }), error);
     }
   }
 
   async end(): Promise<void> {
-    this.outcome = { tone: 'pending', text: 'Ending the formation' };
+    this.outcome = { tone: 'pending', text: t('Ending the formation') };
     try {
       await endFormation();
-      this.outcome = { tone: 'accepted', text: 'Formation ended: its vehicles hold' };
+      this.outcome = { tone: 'accepted', text: t('Formation ended: its vehicles hold') };
     } catch (error) {
-      this.outcome = this.#refused('Not ended', error);
+      this.outcome = this.#refused(t('Not ended'), error);
     }
   }
 
   async sendRoute(): Promise<void> {
     const route = this.route.route();
-    this.routeOutcome = { tone: 'pending', text: 'Sending the route' };
+    this.routeOutcome = { tone: 'pending', text: t('Sending the route') };
     try {
       await putRoute(route);
-      this.routeOutcome = { tone: 'accepted', text: `Route of ${route.waypoints.length} points taken up` };
+      this.routeOutcome = { tone: 'accepted', text: t('Route of {count} points taken up', { count: route.waypoints.length }) };
       this.route.waypoints = [];
     } catch (error) {
-      this.routeOutcome = this.#refused('Route refused', error);
+      this.routeOutcome = this.#refused(t('Route refused'), error);
     }
   }
 

@@ -3,6 +3,7 @@
 import type { FormationAnchor, FormationRequest, FormationSnapshot, OffsetFrd, Shape } from '../protocol/types';
 import { label } from '../protocol/words';
 import { idRanges } from './idRanges';
+import { said, t } from '../language/language.svelte';
 
 /** All shapes, in the order they are offered. */
 export const SHAPES: readonly Shape[] = [
@@ -15,26 +16,26 @@ export type Slot = Place & { upM: number };
 
 /** What a formation goes by: `behind 3`, `about a fixed place`. */
 export function anchorText(anchor: FormationAnchor, leader: number | null): string {
-  if (leader !== null) return `behind ${leader}`;
+  if (leader !== null) return t('behind {leader}', { leader });
   switch (anchor.kind) {
     case 'leader':
-      return 'without a leader';
+      return t('without a leader');
     case 'place':
-      return 'about a fixed place';
+      return t('about a fixed place');
     case 'path':
-      return 'along a path';
+      return t('along a path');
     case 'reference':
-      return `about ${anchor.name}`;
+      return t('about {name}', { name: anchor.name });
   }
 }
 
 /** `Wedge of 4, 5 m apart, behind 1`, in two parts: the shape stands out. */
 export function flownText(flown: FormationSnapshot): { shape: string; rest: string } {
   const { request } = flown;
-  const scaled = request.scale === 1 ? '' : `, ${request.scale} times as large`;
-  const kept = flown.keeps_itself ? `, keeps itself by ${request.control}` : '';
-  const blocked = flown.view_blocked.length === 0 ? '' : `; no free view for ${idRanges(flown.view_blocked)}`;
-  const rest = ` of ${flown.members.length}, ${request.spacing_m} m apart${scaled}, ${anchorText(request.anchor, flown.leader)}${kept}${blocked}`;
+  const scaled = request.scale === 1 ? '' : t(', {scale} times as large', { scale: request.scale });
+  const kept = flown.keeps_itself ? t(', keeps itself by {control}', { control: said(request.control) }) : '';
+  const blocked = flown.view_blocked.length === 0 ? '' : t('; no free view for {who}', { who: idRanges(flown.view_blocked) });
+  const rest = `${t(' of {count}, {spacing} m apart', { count: flown.members.length, spacing: request.spacing_m })}${scaled}, ${anchorText(request.anchor, flown.leader)}${kept}${blocked}`;
   return { shape: label(request.shape), rest };
 }
 

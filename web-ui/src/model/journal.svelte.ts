@@ -1,7 +1,7 @@
 // The event log as the page holds it: what the server says, and what this page itself noticed.
 
 import type { EventRecord, Severity } from '../protocol/types';
-import { EMPTY_LOG, acknowledge, acknowledgeAll, add, happening, outstanding } from './eventLog';
+import { EMPTY_LOG, acknowledge, acknowledgeAll, add, happening, locked, outstanding, pass } from './eventLog';
 
 /** Events older than this when the page opens are history: they want no acknowledgement. */
 const HISTORY_MS = 60_000;
@@ -23,7 +23,7 @@ export class Journal {
   /** Something this page noticed itself. */
   notice(severity: Severity, kind: string, text: string, vehicle: number | null = null): void {
     const key = `p${this.#nextNotice++}`;
-    this.log = add(this.log, { key, vehicle, severity, kind, text, at: Date.now() });
+    this.log = add(this.log, { key, vehicle, severity, kind, text, at: Date.now(), endsAt: null });
   }
 
   /** The server began anew: its sequence numbers do too. */
@@ -31,6 +31,16 @@ export class Journal {
     const entries = this.log.entries.map((e) => ({ ...e, key: e.key.replace(/^s/, `o${this.#nextNotice}-`) }));
     this.#nextNotice++;
     this.log = { entries, lastSeq: 0 };
+  }
+
+  /** What is over by itself wants nobody's look any more. */
+  pass(now: number): void {
+    this.log = pass(this.log, now);
+  }
+
+  /** The emergency stop, unlocked until `at` by this page, is locked again. */
+  emergencyLocked(at: number): void {
+    this.log = locked(this.log, at);
   }
 
   acknowledge(key: string): void {

@@ -2,6 +2,7 @@
 
 import type { ItemStatus, PreflightAnswer, PreflightItem, PreflightOverride, PreflightReport } from '../protocol/types';
 import { quantity } from './vehicleSafety';
+import { t } from '../language/language.svelte';
 
 const RANK: Record<ItemStatus, number> = { red: 0, amber: 1, green: 2, not_applicable: 3 };
 
@@ -43,7 +44,7 @@ export function viewOf(answer: PreflightAnswer, flying: (vehicle: number) => boo
 
 /** The limit of an item in words; empty if it has none. */
 export function limitText(item: PreflightItem): string {
-  return item.limit === null ? '' : `limit ${quantity(item.limit, item.unit)}`;
+  return item.limit === null ? '' : `${t('limit')} ${quantity(item.limit, item.unit)}`;
 }
 
 /** The override that takes an item of a report upon somebody, if one holds. Times are the node's, in microseconds. */

@@ -256,6 +256,7 @@ export class Session {
     const elapsed = Math.max(1, now - this.now);
     if (elapsed > TICK_MS / 2) this.frameHz += ((frames * 1000) / elapsed - this.frameHz) * 0.3;
     this.now = now;
+    this.journal.pass(Date.now());
     this.tick++;
   }
 

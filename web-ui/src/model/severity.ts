@@ -2,6 +2,7 @@
 
 import type { ActorStatus, FlightState } from '../protocol/types';
 import type { Staleness } from '../telemetry/staleness';
+import { t } from '../language/language.svelte';
 
 /** Worse is greater. */
 export const LEVEL = { normal: 0, advisory: 1, warning: 2, critical: 3 } as const;
@@ -39,27 +40,27 @@ export type Problem = { level: Level; text: string };
 export function problemsOf(c: Condition): Problem[] {
   const problems: Problem[] = [];
   const say = (level: Level, text: string) => problems.push({ level, text });
-  if (c.faulted || c.flightState === 'faulted') say(LEVEL.critical, 'faulted');
+  if (c.faulted || c.flightState === t('faulted')) say(LEVEL.critical, t('faulted'));
   // A vehicle that is not heard and was armed when last heard counts as flying.
-  if (c.staleness === 'lost') say(c.airborne || c.armed ? LEVEL.critical : LEVEL.warning, 'link lost');
-  else if (c.staleness === 'stale') say(LEVEL.warning, 'data stale');
-  if (c.batteryPercent <= BATTERY_CRITICAL_PERCENT) say(LEVEL.critical, 'battery critical');
-  else if (c.batteryPercent <= BATTERY_WARNING_PERCENT) say(LEVEL.warning, 'battery low');
-  if (c.actor === 'given_up' || c.model === 'given_up') say(LEVEL.critical, 'control given up');
-  else if (c.actor === 'restarting' || c.model === 'restarting') say(LEVEL.warning, 'control restarting');
-  if (c.degraded) say(LEVEL.warning, 'degraded');
-  if (c.pilotControl || c.flightState === 'pilot_control') say(LEVEL.warning, 'pilot in control');
+  if (c.staleness === 'lost') say(c.airborne || c.armed ? LEVEL.critical : LEVEL.warning, t('link lost'));
+  else if (c.staleness === 'stale') say(LEVEL.warning, t('data stale'));
+  if (c.batteryPercent <= BATTERY_CRITICAL_PERCENT) say(LEVEL.critical, t('battery critical'));
+  else if (c.batteryPercent <= BATTERY_WARNING_PERCENT) say(LEVEL.warning, t('battery low'));
+  if (c.actor === 'given_up' || c.model === 'given_up') say(LEVEL.critical, t('control given up'));
+  else if (c.actor === 'restarting' || c.model === 'restarting') say(LEVEL.warning, t('control restarting'));
+  if (c.degraded) say(LEVEL.warning, t('degraded'));
+  if (c.pilotControl || c.flightState === 'pilot_control') say(LEVEL.warning, t('pilot in control'));
   if (c.staleness === 'live') {
-    if (!c.hasPosition) say(LEVEL.warning, 'no position');
-    else if (c.fix < FIX_3D) say(LEVEL.warning, 'no 3D fix');
-    if (c.lossPercent >= LOSS_WARNING_PERCENT) say(LEVEL.warning, `link loss ${c.lossPercent} %`);
+    if (!c.hasPosition) say(LEVEL.warning, t('no position'));
+    else if (c.fix < FIX_3D) say(LEVEL.warning, t('no 3D fix'));
+    if (c.lossPercent >= LOSS_WARNING_PERCENT) say(LEVEL.warning, t('link loss {percent} %', { percent: c.lossPercent }));
     if (c.trackingErrorM >= TRACKING_WARNING_M && (c.flightState === 'following' || c.flightState === 'leading')) {
-      say(LEVEL.advisory, 'out of its slot');
+      say(LEVEL.advisory, t('out of its slot'));
     }
   }
-  if (c.staleness === 'delayed') say(LEVEL.advisory, 'data delayed');
-  if (c.flightState === 'returning') say(LEVEL.advisory, 'returning');
-  if (c.flightState === 'landing') say(LEVEL.advisory, 'landing');
+  if (c.staleness === 'delayed') say(LEVEL.advisory, t('data delayed'));
+  if (c.flightState === t('returning')) say(LEVEL.advisory, t('returning'));
+  if (c.flightState === t('landing')) say(LEVEL.advisory, t('landing'));
   return problems.sort((a, b) => b.level - a.level);
 }
 

@@ -1,10 +1,12 @@
 // The keys of the console: one list that is both what is obeyed and what the help shows. A key never commands a vehicle: it brings the
 // button into focus, which says what will happen and to whom, and that button is then pressed or held like any other.
 
+import type { Text } from '../language/language.svelte';
+
 export type Shortcut = {
   /** As on the keyboard: one key, or two after each other. */
   keys: string;
-  words: string;
+  words: Text;
   group: 'Go to' | 'Choose' | 'Command' | 'This console';
 };
 

@@ -11,6 +11,7 @@ import { pluginSummary } from './pluginWords';
 import { LEVEL, problemsOf, worst } from './severity';
 import type { Level } from './severity';
 import { percentText, returnText, safetyProblems } from './vehicleSafety';
+import { t } from '../language/language.svelte';
 
 /** What stands where a value is not known. */
 export const UNKNOWN = '–';
@@ -120,7 +121,7 @@ export class VehicleRow {
     this.returnS = energy?.return_in_s ?? NaN;
     if (!energy) this.neededHome = this.returnIn = UNKNOWN;
     else {
-      this.neededHome = energy.needed_home === null ? 'out of reach' : percentText(energy.needed_home + energy.reserve);
+      this.neededHome = energy.needed_home === null ? t('out of reach') : percentText(energy.needed_home + energy.reserve);
       this.returnIn = returnText(energy);
     }
   }

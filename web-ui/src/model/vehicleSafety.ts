@@ -5,8 +5,10 @@ import type { Alarm, Avoidance, EnergyState, LadderState, Order, Reaction, Vehic
 import { label, spoken } from '../protocol/words';
 import { LEVEL } from './severity';
 import type { Level, Problem } from './severity';
+import { t } from '../language/language.svelte';
+import type { Text } from '../language/language.svelte';
 
-const REACTIONS: Record<Reaction, string> = {
+const REACTIONS: Record<Reaction, Text> = {
   warn: 'warning only',
   hold: 'hold',
   return: 'return',
@@ -16,7 +18,7 @@ const REACTIONS: Record<Reaction, string> = {
 
 /** A number with its unit as short as it can be read; what is not a number is not known. */
 export function quantity(value: number | null, unit: string): string {
-  if (value === null || !Number.isFinite(value)) return 'not known';
+  if (value === null || !Number.isFinite(value)) return t('not known');
   const size = Math.abs(value);
   const digits = size >= 100 ? 0 : size >= 1 || size === 0 ? 1 : 2;
   const text = value.toFixed(digits).replace(/\.0+$/, '');
@@ -25,7 +27,7 @@ export function quantity(value: number | null, unit: string): string {
 
 /** A duration as it is spoken: `8 s`, `3 min`, `2.5 h`. */
 export function durationText(seconds: number | null): string {
-  if (seconds === null || !Number.isFinite(seconds)) return 'not known';
+  if (seconds === null || !Number.isFinite(seconds)) return t('not known');
   if (seconds < 90) return `${Math.max(0, Math.round(seconds))} s`;
   if (seconds < 90 * 60) return `${Math.round(seconds / 60)} min`;
   return `${(seconds / 3600).toFixed(1)} h`;
@@ -39,31 +41,31 @@ export function percentText(share: number | null): string {
 export function alarmText(alarm: Alarm, serverNowMs: number): string {
   const why = alarm.report_only === null ? '' : ` (${spoken(alarm.report_only)})`;
   return (
-    `${label(alarm.trigger)} ${quantity(alarm.value, alarm.unit)}, limit ${quantity(alarm.limit, alarm.unit)}: ` +
-    `${REACTIONS[alarm.reaction]}${why}, for ${since(alarm.since, serverNowMs)}`
+    `${label(alarm.trigger)} ${quantity(alarm.value, alarm.unit)}, ${t('limit')} ${quantity(alarm.limit, alarm.unit)}: ` +
+    `${t(REACTIONS[alarm.reaction])}${why}, ${t('for {time}', { time: since(alarm.since, serverNowMs) })}`
   );
 }
 
 /** The order in force. */
 export function orderText(order: Order, serverNowMs: number): string {
-  const state = order.recovered ? ', cause is over' : order.effective_at === null ? ', not taken up yet' : '';
-  return `Ordered: ${REACTIONS[order.reaction]} because of ${spoken(order.trigger)}, for ${since(order.ordered_at, serverNowMs)}${state}`;
+  const state = order.recovered ? t(', cause is over') : order.effective_at === null ? t(', not taken up yet') : '';
+  return t('Ordered: {reaction} because of {trigger}, for {time}', { reaction: t(REACTIONS[order.reaction]), trigger: spoken(order.trigger), time: since(order.ordered_at, serverNowMs) }) + state;
 }
 
 export function avoidanceText(avoiding: Avoidance): string {
-  const whom = avoiding.because === null ? 'Kept inside of the fence' : `Gives way to ${avoiding.because}`;
-  const far = avoiding.distance_m === null ? '' : `, ${quantity(avoiding.distance_m, 'm')} away`;
-  return `${whom}${far}${avoiding.feasible ? '' : '; the distance cannot be kept'}`;
+  const whom = avoiding.because === null ? t('Kept inside of the fence') : t('Gives way to {who}', { who: avoiding.because });
+  const far = avoiding.distance_m === null ? '' : t(', {distance} away', { distance: quantity(avoiding.distance_m, 'm') });
+  return `${whom}${far}${avoiding.feasible ? '' : t('; the distance cannot be kept')}`;
 }
 
 /** The return time of an energy state, in words; empty if nothing presses and none is known. */
 export function returnText(energy: EnergyState): string {
-  if (energy.level === 'land_now') return 'land now';
-  if (energy.level === 'return_now' || energy.return_in_s <= 0) return 'now';
+  if (energy.level === 'land_now') return t('land now');
+  if (energy.level === 'return_now' || energy.return_in_s <= 0) return t('now');
   return durationText(energy.return_in_s);
 }
 
-const ENERGY: Record<EnergyState['level'], { level: Level; text: string } | null> = {
+const ENERGY: Record<EnergyState['level'], { level: Level; text: Text } | null> = {
   ok: null,
   replan_soon: { level: LEVEL.advisory, text: 'return soon for energy' },
   return_now: { level: LEVEL.warning, text: 'return now for energy' },
@@ -74,15 +76,15 @@ const ENERGY: Record<EnergyState['level'], { level: Level; text: string } | null
 export function safetyProblems(safety: VehicleSafety | null, airborne: boolean): Problem[] {
   if (!safety) return [];
   const problems: Problem[] = [];
-  if (safety.stopped) problems.push({ level: LEVEL.critical, text: 'motors stopped' });
+  if (safety.stopped) problems.push({ level: LEVEL.critical, text: t('motors stopped') });
   problems.push(...ladderProblems(safety.ladder));
   const energy = safety.energy && airborne ? ENERGY[safety.energy.level] : null;
-  if (energy) problems.push(energy);
+  if (energy) problems.push({ level: energy.level, text: t(energy.text) });
   if (safety.avoiding) {
     problems.push(
       safety.avoiding.feasible
-        ? { level: LEVEL.advisory, text: 'gives way' }
-        : { level: LEVEL.warning, text: 'distance cannot be kept' },
+        ? { level: LEVEL.advisory, text: t('gives way') }
+        : { level: LEVEL.warning, text: t('distance cannot be kept') },
     );
   }
   return problems;
@@ -94,7 +96,7 @@ function ladderProblems(ladder: LadderState | null): Problem[] {
   const order = ladder.order;
   if (order) {
     const grave = order.reaction === 'land' || order.reaction === 'release';
-    problems.push({ level: grave ? LEVEL.critical : LEVEL.warning, text: `${spoken(order.trigger)}: ${REACTIONS[order.reaction]} ordered` });
+    problems.push({ level: grave ? LEVEL.critical : LEVEL.warning, text: t('{trigger}: {reaction} ordered', { trigger: spoken(order.trigger), reaction: t(REACTIONS[order.reaction]) }) });
   }
   for (const alarm of ladder.alarms) {
     if (alarm.trigger === order?.trigger) continue;

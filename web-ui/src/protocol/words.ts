@@ -2,6 +2,7 @@
 // Must never guess: what is not known here is shown as it came.
 
 import type { Refusal } from './types';
+import { said, t } from '../language/language.svelte';
 
 export { FLIGHT_MODES, FLIGHT_STATES, GNSS_FIXES, LANDED_STATES } from './generated/frame';
 
@@ -22,7 +23,7 @@ const SPECIAL: Record<string, string> = {
 
 /** A word of the protocol as an operator reads it: `going_to` -> `going to`. */
 export function spoken(word: string): string {
-  return SPECIAL[word] ?? word.replaceAll('_', ' ');
+  return said(SPECIAL[word] ?? word.replaceAll('_', ' '));
 }
 
 /** The same with a capital first letter, for labels. */
@@ -35,55 +36,55 @@ export function label(word: string): string {
 export function refusalText(refusal: Refusal): string {
   switch (refusal.reason) {
     case 'unknown_vehicle':
-      return `there is no vehicle ${refusal.vehicle}`;
+      return t('there is no vehicle {vehicle}', { vehicle: refusal.vehicle });
     case 'link_lost':
-      return `the link to vehicle ${refusal.vehicle} is lost`;
+      return t('the link to vehicle {vehicle} is lost', { vehicle: refusal.vehicle });
     case 'wrong_state':
-      return `cannot ${spoken(refusal.command)} while ${spoken(refusal.state)}`;
+      return t('cannot {command} while {state}', { command: spoken(refusal.command), state: spoken(refusal.state) });
     case 'pilot_in_control':
-      return "the pilot or the autopilot's failsafe is in control";
+      return t("the pilot or the autopilot's failsafe is in control");
     case 'not_ready_to_arm':
-      return `not ready to arm: ${refusal.detail}`;
+      return `${t('not ready to arm')}: ${refusal.detail}`;
     case 'autopilot':
-      return `autopilot: ${spoken(refusal.result)}${refusal.text ? ` (${refusal.text})` : ''}`;
+      return `${t('autopilot')}: ${spoken(refusal.result)}${refusal.text ? ` (${refusal.text})` : ''}`;
     case 'timed_out':
-      return `no answer to ${refusal.what} within ${refusal.after_s.toFixed(1)} s`;
+      return t('no answer to {what} within {seconds} s', { what: refusal.what, seconds: refusal.after_s.toFixed(1) });
     case 'superseded':
-      return 'replaced by a newer command';
+      return t('replaced by a newer command');
     case 'outside_fence':
-      return `outside the fence: ${refusal.detail}`;
+      return `${t('outside the fence')}: ${refusal.detail}`;
     case 'too_fast':
-      return `${refusal.speed_m_s.toFixed(1)} m/s is over the limit of ${refusal.limit_m_s.toFixed(1)} m/s`;
+      return t('{speed} m/s is over the limit of {limit} m/s', { speed: refusal.speed_m_s.toFixed(1), limit: refusal.limit_m_s.toFixed(1) });
     case 'too_close':
-      return `${refusal.distance_m.toFixed(1)} m from vehicle ${refusal.other}, under the limit of ${refusal.limit_m.toFixed(1)} m`;
+      return t('{distance} m from vehicle {other}, under the limit of {limit} m', { distance: refusal.distance_m.toFixed(1), other: refusal.other, limit: refusal.limit_m.toFixed(1) });
     case 'invalid_value':
-      return `invalid value: ${refusal.detail}`;
+      return `${t('invalid value')}: ${refusal.detail}`;
     case 'no_swarm_frame':
-      return 'the swarm frame is not known yet';
+      return t('the swarm frame is not known yet');
     case 'no_position':
-      return 'no position estimate';
+      return t('no position estimate');
     case 'not_enough_vehicles':
-      return `${refusal.have} vehicles are available, ${refusal.need} are needed`;
+      return t('{have} vehicles are available, {need} are needed', { have: refusal.have, need: refusal.need });
     case 'stale_incarnation':
-      return `incarnation ${refusal.got} is stale, ${refusal.current} is running`;
+      return t('incarnation {got} is stale, {current} is running', { got: refusal.got, current: refusal.current });
     case 'duplicate_system_id':
-      return `two vehicles use system id ${refusal.system_id}`;
+      return t('two vehicles use system id {id}', { id: refusal.system_id });
     case 'not_running':
-      return `${refusal.what} is not running`;
+      return t('{what} is not running', { what: refusal.what });
     case 'not_permitted':
-      return `not permitted: ${refusal.detail}`;
+      return `${t('not permitted')}: ${refusal.detail}`;
     case 'not_supported':
-      return `not supported: ${refusal.detail}`;
+      return `${t('not supported')}: ${refusal.detail}`;
     case 'unknown_payload':
-      return `vehicle ${refusal.vehicle} has no payload "${refusal.payload}"`;
+      return t('vehicle {vehicle} has no payload "{payload}"', { vehicle: refusal.vehicle, payload: refusal.payload });
     case 'unknown_track':
-      return `there is no track ${refusal.track}`;
+      return t('there is no track {track}', { track: refusal.track });
     case 'preflight':
-      return `preflight not met: ${refusal.items.map(spoken).join(', ')}`;
+      return t('preflight not met: {items}', { items: refusal.items.map(spoken).join(', ') });
     case 'clock':
-      return `clock: ${refusal.detail}`;
+      return `${t('clock')}: ${refusal.detail}`;
     case 'unknown_reference':
-      return `there is no reference "${refusal.name}"`;
+      return t('there is no reference "{name}"', { name: refusal.name });
     default:
       // A newer server may know reasons this page does not: show its word rather than nothing.
       return spoken((refusal as { reason: string }).reason);

@@ -3,13 +3,14 @@
 
 import { HOLD_MS } from '../../components/hold';
 import type { VehicleCommand } from '../../protocol/types';
+import type { Text } from '../../language/language.svelte';
 
 export type Verb = 'arm' | 'disarm' | 'take_off' | 'hold' | 'land' | 'return';
 
 export type Offer = {
   verb: Verb;
-  label: string;
-  describe: string;
+  label: Text;
+  describe: Text;
   /** Held whatever the targets are; otherwise only when the whole fleet is meant. */
   guard: 'never' | 'fleet' | 'always';
 };

@@ -3,6 +3,7 @@
 
 import { idRanges } from '../../model/idRanges';
 import type { Offer, Verb } from './commandSet';
+import { t } from '../../language/language.svelte';
 
 /** What is looked at of a vehicle. */
 export type Subject = {
@@ -25,8 +26,10 @@ export type Forecast = {
 
 const NEEDS_AIR: readonly Verb[] = ['hold', 'land', 'return'];
 
+type Doubt = 'not heard' | 'flown by a pilot' | 'on the ground' | 'in the air' | 'disarmed already' | 'armed already' | 'not ready to arm';
+
 /** Why this vehicle will refuse, or an empty text. */
-function doubt(s: Subject, verb: Verb): string {
+function doubt(s: Subject, verb: Verb): Doubt | '' {
   if (s.staleness === 'lost') return 'not heard';
   if (s.flightState === 'pilot_control') return 'flown by a pilot';
   if (NEEDS_AIR.includes(verb)) return s.airborne ? '' : 'on the ground';
@@ -38,16 +41,16 @@ function doubt(s: Subject, verb: Verb): string {
 
 export function forecast(subjects: readonly Subject[], offer: Offer, heightM: number): Forecast {
   const able: number[] = [];
-  const unable = new Map<string, number[]>();
+  const unable = new Map<Doubt, number[]>();
   for (const subject of subjects) {
     const why = doubt(subject, offer.verb);
     if (why === '') able.push(subject.id);
     else unable.set(why, [...(unable.get(why) ?? []), subject.id]);
   }
-  const what = offer.verb === 'take_off' ? offer.describe.replace('the height', `${heightM} m`) : offer.describe;
+  const what = offer.verb === 'take_off' ? t('Arm if need be, climb to {height} m and hold there', { height: heightM }) : t(offer.describe);
   return {
-    text: `${what}: ${able.length === 0 ? 'nobody' : idRanges(able)}`,
-    doubts: [...unable].map(([why, ids]) => `${ids.length} ${why}: ${idRanges(ids)}`),
+    text: `${what}: ${able.length === 0 ? t('nobody') : idRanges(able)}`,
+    doubts: [...unable].map(([why, ids]) => `${ids.length} ${t(why)}: ${idRanges(ids)}`),
     able: able.length,
   };
 }

@@ -1,6 +1,8 @@
 // The columns of the fleet table: what each says, how it sorts, and which of them there is room for. Pure.
 
 import { GNSS_FIXES, spoken } from '../../protocol/words';
+import { t } from '../../language/language.svelte';
+import type { Text } from '../../language/language.svelte';
 
 /** What the table reads of a vehicle. */
 export type Sortable = {
@@ -33,9 +35,9 @@ export type ColumnKey =
 
 export type Column = {
   key: ColumnKey;
-  words: string;
+  words: Text;
   /** Explains the head; nobody has to hover to understand the cell. */
-  title: string;
+  title: Text;
   /** A track of the grid. */
   width: string;
   /** Room it takes at least, in pixels. */
@@ -96,7 +98,7 @@ export function compareBy(key: ColumnKey, descending: boolean): (a: Sortable, b:
 
 export type GroupKey = 'none' | 'state' | 'attention' | 'place' | 'model' | 'node';
 
-export const GROUPS: readonly { key: GroupKey; words: string }[] = [
+export const GROUPS: readonly { key: GroupKey; words: Text }[] = [
   { key: 'none', words: 'not grouped' },
   { key: 'attention', words: 'by urgency' },
   { key: 'state', words: 'by state' },
@@ -105,7 +107,7 @@ export const GROUPS: readonly { key: GroupKey; words: string }[] = [
   { key: 'node', words: 'by node' },
 ];
 
-const URGENCY = ['Normal', 'Advisory', 'Warning', 'Critical'];
+const URGENCY: readonly Text[] = ['Normal', 'Advisory', 'Warning', 'Critical'];
 
 /** The group a vehicle is in: its words, and where the group stands among the others. */
 export function groupOf(row: Sortable, key: GroupKey): { words: string; rank: number } {
@@ -113,17 +115,17 @@ export function groupOf(row: Sortable, key: GroupKey): { words: string; rank: nu
     case 'none':
       return { words: '', rank: 0 };
     case 'attention':
-      return { words: URGENCY[row.level] ?? 'Normal', rank: -row.level };
+      return { words: t(URGENCY[row.level] ?? 'Normal'), rank: -row.level };
     case 'state': {
       const words = spoken(row.flightState);
       return { words: words.charAt(0).toUpperCase() + words.slice(1), rank: 0 };
     }
     case 'place':
-      return row.airborne ? { words: 'In the air', rank: 0 } : { words: 'On the ground', rank: 1 };
+      return row.airborne ? { words: t('In the air'), rank: 0 } : { words: t('On the ground'), rank: 1 };
     case 'model':
-      return { words: row.plugin || 'Model not known', rank: 0 };
+      return { words: row.plugin || t('Model not known'), rank: 0 };
     case 'node':
-      return { words: row.node === null ? 'This node' : `Node ${row.node}`, rank: row.node ?? 0 };
+      return { words: row.node === null ? t('This node') : t('Node {node}', { node: row.node }), rank: row.node ?? 0 };
   }
 }
 

@@ -4,6 +4,7 @@ import { FONT } from './paintGround';
 import { levelColour } from './palette';
 import type { Palette } from './palette';
 import type { View } from './view';
+import { t } from '../../language/language.svelte';
 
 /** One vehicle on the ladder. */
 export type Rung = { heightM: number; level: number; leader: boolean; selected: boolean };
@@ -35,7 +36,7 @@ export function paintLadder(ctx: CanvasRenderingContext2D, view: View, palette: 
   ctx.fillStyle = palette.label;
   const step = top / 5;
   for (let height = 0; height <= top; height += step) {
-    const text = height === top ? `${height} m high` : `${height}`;
+    const text = height === top ? t('{height} m high', { height }) : `${height}`;
     ctx.strokeText(text, x - 18, y(height));
     ctx.fillText(text, x - 18, y(height));
   }

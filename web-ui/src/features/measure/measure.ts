@@ -1,5 +1,7 @@
 // Distances and bearings between places and vehicles. Pure arithmetic in the swarm's frame.
 
+import { t } from '../../language/language.svelte';
+
 /** A place on the ground, or a vehicle wherever it is by then. */
 export type MeasurePoint = { kind: 'place'; north: number; east: number } | { kind: 'vehicle'; id: number };
 
@@ -59,6 +61,6 @@ export function bearingText(bearingDeg: number | null): string {
 }
 
 export function legText(l: Leg): string {
-  const rise = l.riseM === null ? '' : `, ${l.riseM < 0 ? '−' : '+'}${Math.abs(l.riseM).toFixed(1)} m up`;
+  const rise = l.riseM === null ? '' : t(', {rise} m up', { rise: `${l.riseM < 0 ? '−' : '+'}${Math.abs(l.riseM).toFixed(1)}` });
   return `${lengthText(l.distanceM)}, ${bearingText(l.bearingDeg)}${rise}`;
 }

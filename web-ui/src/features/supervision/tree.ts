@@ -1,6 +1,7 @@
 // The supervision tree as it is shown: what stands under what, how each is, and what can be done about it. Pure.
 
 import type { ActorHealth, ActorStatus, PluginHealth, SupervisedVehicle, SupervisionTree } from '../../protocol/types';
+import { t } from '../../language/language.svelte';
 
 export type Supervised = {
   /** Name in the tree, unique. */
@@ -48,7 +49,7 @@ function ofActor(health: ActorHealth, title: string, time: number): Supervised {
 }
 
 function ofPlugin(health: PluginHealth, title: string, time: number, restart: Supervised['restart']): Supervised {
-  const place = health.isolation === 'child' ? `own process${health.process_id ? ` ${health.process_id}` : ''}` : "node's process";
+  const place = health.isolation === 'child' ? `${t('own process')}${health.process_id ? ` ${health.process_id}` : ''}` : t("node's process");
   return {
     name: health.name, title, what: `${health.plugin} ${health.version}, ${place}`, status: health.status, incarnation: health.incarnation,
     restarts: health.restarts, lastError: health.last_error, sinceS: since(time, health.since),
@@ -58,8 +59,8 @@ function ofPlugin(health: PluginHealth, title: string, time: number, restart: Su
 
 function branch(vehicle: SupervisedVehicle, time: number): Branch {
   const leaves = [
-    ofActor(vehicle.actor, 'Control', time),
-    ofPlugin(vehicle.model, 'Model', time, { vehicle: vehicle.id, payload: null }),
+    ofActor(vehicle.actor, t('Control'), time),
+    ofPlugin(vehicle.model, t('Model'), time, { vehicle: vehicle.id, payload: null }),
     ...vehicle.payloads.flatMap((payload) => {
       const plugin = ofPlugin(payload.plugin, payload.name, time, { vehicle: vehicle.id, payload: payload.name });
       // The actor of a payload is worth a line of its own only when it is not well.

@@ -1,6 +1,8 @@
 // The swarm of several nodes in words. Must never decide anything.
 
 import type { NodeRole, NodeSnapshot, SwarmSnapshot } from '../../protocol/types';
+import { t } from '../../language/language.svelte';
+import type { Text } from '../../language/language.svelte';
 
 /** A node not heard for so long is shown as gone, in seconds. */
 const GONE_S = 3;
@@ -12,20 +14,20 @@ export function isLed(swarm: SwarmSnapshot): boolean {
 /** Name of a node, as far as it is known. */
 export function nodeName(swarm: SwarmSnapshot, node: number): string {
   if (node === swarm.node) return swarm.name;
-  return swarm.nodes.find((n) => n.node === node)?.name || `node ${node}`;
+  return swarm.nodes.find((n) => n.node === node)?.name || t('node {node}', { node });
 }
 
 /** Whom this node obeys. */
 export function allegianceText(swarm: SwarmSnapshot): string {
   const { term } = swarm;
-  if (!term) return 'no coordinator yet';
-  if (swarm.acting) return `coordinates, term ${term.number}`;
+  if (!term) return t('no coordinator yet');
+  if (swarm.acting) return t('coordinates, term {term}', { term: term.number });
   const who = nodeName(swarm, term.coordinator);
-  if (swarm.allegiance === 'led') return `obeys ${who}, term ${term.number}`;
-  return `${who} is silent for ${(swarm.silent_s ?? 0).toFixed(1)} s`;
+  if (swarm.allegiance === 'led') return t('obeys {who}, term {term}', { who, term: term.number });
+  return t('{who} is silent for {seconds} s', { who, seconds: (swarm.silent_s ?? 0).toFixed(1) });
 }
 
-const ROLES: Record<NodeRole, string> = {
+const ROLES: Record<NodeRole, Text> = {
   vehicle_host: 'flies vehicles',
   coordinator: 'can coordinate',
   gateway: 'gateway',
@@ -33,7 +35,7 @@ const ROLES: Record<NodeRole, string> = {
 };
 
 export function rolesText(roles: readonly NodeRole[]): string {
-  return roles.map((role) => ROLES[role]).join(', ') || 'no role';
+  return roles.map((role) => t(ROLES[role])).join(', ') || t('no role');
 }
 
 export function isGone(node: NodeSnapshot): boolean {

@@ -1,0 +1,12 @@
+// German, put together from the parts of the page. Fetched only where it is wanted.
+
+import { always } from './de/always';
+import { fleet } from './de/fleet';
+import { machinery } from './de/machinery';
+import { plans } from './de/plans';
+import { words } from './de/words';
+
+export { codes } from './de/codes';
+export const parts = { always, fleet, machinery, plans, words };
+export const de = { ...always, ...fleet, ...machinery, ...plans, ...words };
+export type Dictionary = typeof de;

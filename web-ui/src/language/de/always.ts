@@ -1,0 +1,85 @@
+// German for what is always in sight: top bar, pages, safety strip, commands, connection, settings, keys.
+
+export const always = {
+  // pages and panels
+  Map: 'Karte', Fleet: 'Flotte', Preflight: 'Vorflug', Alerts: 'Alarme', Plugins: 'Plugins', Pages: 'Seiten', Keys: 'Tasten',
+  ', not acknowledged:': ', nicht bestätigt:', Formation: 'Formation', Route: 'Route', Fences: 'Zäune', Payloads: 'Nutzlast', Nodes: 'Knoten',
+  Events: 'Ereignisse', Commands: 'Befehle', 'Plugins and supervision': 'Plugins und Aufsicht', 'Plans and record': 'Pläne und Verlauf',
+  Plans: 'Pläne', Record: 'Verlauf', 'Fleet, plans and record': 'Flotte, Pläne und Verlauf',
+  // pages that have nothing to show yet
+  Missions: 'Missionen', Tracks: 'Funde', Video: 'Video', Replay: 'Rückblick', 'To the map': 'Zur Karte', 'To the fleet': 'Zur Flotte', 'To the event log': 'Zum Ereignisprotokoll',
+  'A mission is loaded, checked, looked at and flown from here, with its progress over time.': 'Von hier wird eine Mission geladen, geprüft, angesehen und geflogen, mit ihrem Fortschritt über die Zeit.',
+  'This program flies no missions. A way of many points is flown by the leader of a formation: form one and draw its route on the map.':
+    'Dieses Programm fliegt keine Missionen. Einen Weg mit vielen Punkten fliegt der Führer einer Formation: eine bilden und ihre Route auf der Karte zeichnen.',
+  'What the payloads have found and follow stands here: where it is, how sure that is, and who sees it.': 'Hier steht, was die Nutzlasten gefunden haben und verfolgen: wo es ist, wie sicher das ist und wer es sieht.',
+  'This program tells the page of no tracks. What a payload itself says it sees is on the page of its vehicle.': 'Dieses Programm nennt der Seite keine Funde. Was eine Nutzlast selbst zu sehen angibt, steht auf der Seite ihres Fahrzeugs.',
+  'The pictures of all cameras stand here side by side, with the tracks drawn over them.': 'Hier stehen die Bilder aller Kameras nebeneinander, mit den Funden darüber gezeichnet.',
+  'This program sends no video. The newest picture of a camera is on the page of its vehicle.': 'Dieses Programm sendet kein Video. Das neueste Bild einer Kamera steht auf der Seite ihres Fahrzeugs.',
+  'A recorded flight is opened here and looked at with the whole console, forwards and backwards.': 'Hier wird ein aufgezeichneter Flug geöffnet und mit der ganzen Konsole betrachtet, vorwärts und rückwärts.',
+  'This program opens no recordings. What has happened since it started is in the event log, the last three minutes of a vehicle are on its page.':
+    'Dieses Programm öffnet keine Aufzeichnungen. Was seit seinem Start geschah, steht im Ereignisprotokoll, die letzten drei Minuten eines Fahrzeugs auf seiner Seite.',
+  // settings
+  Settings: 'Einstellungen', 'Close the settings': 'Einstellungen schließen', 'Kept in this browser.': 'Gilt in diesem Browser.', Theme: 'Farben',
+  Dark: 'Dunkel', 'for a room or the night': 'für Innenräume und die Nacht', Light: 'Hell', 'for daylight': 'für Tageslicht', Sunlight: 'Sonnenlicht',
+  'strongest contrast, for a screen the sun shines on': 'stärkster Kontrast, wenn die Sonne auf den Bildschirm scheint', Language: 'Sprache',
+  'what the program itself says stays English': 'was das Programm selbst sagt, bleibt englisch',
+  // keys
+  'Close the list of keys': 'Liste der Tasten schließen',
+  'Keys of commands bring the button into focus and show whom it is for. Space or Enter presses it, held as long as the button wants.':
+    'Tasten für Befehle wählen die Schaltfläche aus und zeigen, wem sie gilt. Leertaste oder Eingabe drückt sie, so lange gehalten, wie sie es verlangt.',
+  Space: 'Leertaste', 'Held: does what the button in focus says': 'Gehalten: tut, was die ausgewählte Schaltfläche sagt',
+  'Go to': 'Gehe zu', Choose: 'Auswählen', Command: 'Befehlen', 'This console': 'Diese Konsole', 'Preflight checks': 'Vorflugprüfung',
+  'Alerts and events': 'Alarme und Ereignisse', 'Page of the vehicle before this': 'Seite des vorigen Fahrzeugs',
+  'Page of the vehicle after this': 'Seite des nächsten Fahrzeugs',
+  'Find vehicles: 3, 1-4, a name, a state; Enter makes them the targets': 'Fahrzeuge finden: 3, 1-4, ein Name, ein Zustand; Eingabe macht sie zu Zielen',
+  'Lock the emergency stop, leave a tool, clear the targets': 'Nothalt sperren, Werkzeug verlassen, Ziele aufheben',
+  'Emergency stop, first step': 'Nothalt, erster Schritt', 'Sound of alerts on or off': 'Alarmton ein oder aus', 'This list': 'Diese Liste',
+  'HOLD ALL': 'ALLE HALTEN', 'RETURN ALL': 'ALLE ZURÜCK',
+  // top bar
+  'Fleet counters': 'Zähler der Flotte', vehicle: 'Fahrzeug', vehicles: 'Fahrzeuge', 'in the air': 'in der Luft', 'in air': 'in Luft',
+  'on the ground': 'am Boden', 'on ground': 'am Boden', critical: 'kritisch', warning: 'Warnung', warnings: 'Warnungen', lost: 'verloren',
+  'Link to the server': 'Verbindung zum Server', Server: 'Server', Latency: 'Latenz', Data: 'Daten', 'waiting for data': 'wartet auf Daten',
+  'node {node}, version {version}': 'Knoten {node}, Version {version}', 'The nodes of the swarm': 'Die Knoten des Verbunds',
+  'no coordinator yet': 'noch kein Koordinator', 'coordinates, term {term}': 'koordiniert, Amtszeit {term}', 'obeys {who}, term {term}': 'folgt {who}, Amtszeit {term}',
+  '{who} is silent for {seconds} s': '{who} schweigt seit {seconds} s', 'node {node}': 'Knoten {node}',
+  // connection
+  Connection: 'Verbindung', 'This page does not fit the server': 'Diese Seite passt nicht zum Server',
+  'It speaks protocol {page}, the server ({version}) speaks {server}. Reload the page.':
+    'Sie spricht Protokoll {page}, der Server ({version}) spricht {server}. Seite neu laden.',
+  Reload: 'Neu laden', 'Connection to the server lost': 'Verbindung zum Server verloren',
+  "Commands are blocked and what is shown is old. Vehicles go on by the server's and their own rules.":
+    'Befehle sind gesperrt und was zu sehen ist, ist alt. Die Fahrzeuge fliegen nach den Regeln des Servers und ihren eigenen weiter.',
+  'trying now': 'versucht es jetzt', 'next try in {seconds} s': 'nächster Versuch in {seconds} s', 'Try now': 'Jetzt versuchen',
+  // safety strip
+  Safety: 'Sicherheit', 'Commands for every vehicle': 'Befehle für alle Fahrzeuge', 'HOLD ALL {count}': 'ALLE {count} HALTEN',
+  'RETURN ALL {count}': 'ALLE {count} ZURÜCK', 'LAND ALL {count}': 'ALLE {count} LANDEN', 'Hold all': 'Alle halten', 'Return all': 'Alle zurück', 'Land all': 'Alle landen',
+  'Every vehicle stops and holds its position': 'Jedes Fahrzeug bleibt stehen und hält seine Position',
+  'Every vehicle flies back to its launch place and lands': 'Jedes Fahrzeug fliegt zu seinem Startplatz zurück und landet',
+  'Every vehicle lands where it is': 'Jedes Fahrzeug landet, wo es ist', 'Put this message away': 'Meldung schließen',
+  'First of two steps: unlocks the emergency stop for some seconds. Stops nothing by itself.':
+    'Erster von zwei Schritten: entsperrt den Nothalt für einige Sekunden. Hält selbst nichts an.',
+  'EMERGENCY STOP': 'NOTHALT', unlock: 'entsperren', unlocked: 'entsperrt', green: 'grün', '{count} red': '{count} rot', '{count} amber': '{count} gelb',
+  'No operator heard': 'Kein Bediener gehört', 'Sign of life not heard': 'Lebenszeichen nicht gehört', 'Are you there?': 'Sind Sie da?',
+  'No operator yet': 'Noch kein Bediener', 'Operator heard': 'Bediener gehört', 'I am here': 'Ich bin da',
+  'Vehicles in the air react when no operator is heard for {seconds} s': 'Fahrzeuge in der Luft reagieren, wenn {seconds} s lang kein Bediener gehört wird',
+  // emergency stop
+  'Emergency stop unlocked': 'Nothalt entsperrt', 'Motors stop at once.': 'Die Motoren stehen sofort.', 'Nobody is in the air.': 'Niemand ist in der Luft.',
+  '{count} in the air: what flies falls.': '{count} in der Luft: was fliegt, fällt.', 'Seconds left': 'Verbleibende Sekunden',
+  'STOP MOTORS OF {count} SELECTED': 'MOTOREN DER {count} GEWÄHLTEN AUS', 'STOP MOTORS OF ALL {count}': 'MOTOREN ALLER {count} AUS', 'every vehicle': 'jedes Fahrzeug',
+  Cancel: 'Abbrechen', 'Time is over: emergency stop locked again': 'Zeit abgelaufen: Nothalt wieder gesperrt', 'Emergency stop not unlocked': 'Nothalt nicht entsperrt',
+  'all {count}': 'alle {count}', 'Emergency stop sent to {who}': 'Nothalt gesendet an {who}', ', refused by {who}': ', abgelehnt von {who}', 'Emergency stop of {who} failed': 'Nothalt von {who} misslungen',
+  // commands
+  Targets: 'Ziele', 'All {count}': 'Alle {count}', 'nothing selected': 'nichts ausgewählt', '{count} selected': '{count} ausgewählt', Clear: 'Aufheben',
+  'Commands for the targets': 'Befehle für die Ziele', 'Take-off height': 'Starthöhe', '{command}, each vehicle': '{command}, jedes Fahrzeug',
+  'Each command says here what it will do and to whom before it is given.': 'Jeder Befehl sagt hier, was er tun wird und mit wem, bevor er gegeben wird.',
+  'likely refused: {doubts}': 'wohl abgelehnt: {doubts}', Arm: 'Schärfen', Disarm: 'Entschärfen', 'Take off': 'Starten', Hold: 'Halten', Land: 'Landen', Return: 'Zurück',
+  'Start the motors and stay on the ground': 'Motoren starten und am Boden bleiben', 'Stop the motors; refused in the air': 'Motoren ausschalten; in der Luft abgelehnt',
+  'Arm if need be, climb to the height and hold there': 'Wenn nötig schärfen, auf die Höhe steigen und dort halten',
+  'Arm if need be, climb to {height} m and hold there': 'Wenn nötig schärfen, auf {height} m steigen und dort halten',
+  'Stop and hold the position': 'Anhalten und Position halten', 'Land where it is': 'Landen, wo es ist', 'Fly back to the launch place and land': 'Zum Startplatz zurückfliegen und landen',
+  nobody: 'niemand', 'not heard': 'nicht gehört', 'flown by a pilot': 'vom Piloten geflogen', 'disarmed already': 'schon entschärft', 'armed already': 'schon geschärft',
+  'not ready to arm': 'nicht bereit zum Schärfen', '{count} of {all} {phase}': '{count} von {all} {phase}', Less: 'Weniger', 'Each vehicle': 'Jedes Fahrzeug',
+  'and {count} more': 'und {count} weitere', 'Target it': 'Zum Ziel machen', 'Target these {count}': 'Diese {count} zu Zielen machen', 'Show preflight': 'Vorflug zeigen',
+  'outcome unknown': 'Ausgang unbekannt', 'Commands given': 'Gegebene Befehle', '{age} ago': 'vor {age}', 'No command was given from this page yet.': 'Von dieser Seite wurde noch kein Befehl gegeben.',
+  'Keep holding': 'Weiter halten', 'Hold for {seconds} seconds to confirm': 'Zum Bestätigen {seconds} Sekunden halten',
+} as const;

@@ -1,0 +1,34 @@
+// German for the codes of the protocol, by their English words. A code that is missing here is shown in English.
+
+export const codes: Readonly<Record<string, string>> = {
+  // flight states
+  idle: 'ruht', arming: 'schärft', 'taking off': 'startet', holding: 'hält', 'going to': 'fliegt hin', following: 'folgt', leading: 'führt',
+  returning: 'kehrt zurück', landing: 'landet', 'pilot control': 'Pilot steuert', faulted: 'gestört',
+  // modes
+  unknown: 'unbekannt', manual: 'manuell', altitude: 'Höhe', position: 'Position', stabilized: 'stabilisiert', ready: 'bereit',
+  'take off': 'Start', hold: 'Halten', mission: 'Mission', return: 'Rückkehr', land: 'Landung', descend: 'Sinken', termination: 'Abbruch',
+  'in the air': 'in der Luft', 'on the ground': 'am Boden',
+  // how old what is known is
+  live: 'aktuell', delayed: 'verzögert', stale: 'veraltet', lost: 'verloren', connecting: 'verbindet', incompatible: 'passt nicht',
+  // urgency
+  info: 'Info', advisory: 'Hinweis', warning: 'Warnung', critical: 'kritisch',
+  // life of a command
+  sending: 'wird gesendet', sent: 'gesendet', executing: 'läuft', done: 'erledigt', refused: 'abgelehnt', replaced: 'ersetzt',
+  // fixes
+  none: 'keine', 'no fix': 'kein Fix', '2D fix': '2D-Fix', '3D fix': '3D-Fix', 'RTK fixed': 'RTK fest', 'RTK float': 'RTK gleitend',
+  // states of actors and plugins
+  running: 'läuft', restarting: 'startet neu', 'given up': 'aufgegeben', stopped: 'angehalten', starting: 'startet', failed: 'ausgefallen',
+  // kinds of events
+  adopted: 'übernommen', 'not adopted': 'nicht übernommen', 'link lost': 'Verbindung verloren', 'link regained': 'Verbindung wieder da',
+  'autopilot rebooted': 'Autopilot neu gestartet', 'flight state': 'Flugzustand', command: 'Befehl', ladder: 'Sicherheitsstufe',
+  avoidance: 'Ausweichen', fences: 'Zäune', preflight: 'Vorflug', 'emergency stop': 'Nothalt', formation: 'Formation', trajectory: 'Bahn',
+  supervision: 'Aufsicht', stream: 'Datenstrom', 'status text': 'Meldung des Autopiloten', connection: 'Verbindung', swarm: 'Verbund',
+  // shapes and how they are kept
+  line: 'Reihe', column: 'Kolonne', wedge: 'Keil', 'echelon left': 'Staffel links', 'echelon right': 'Staffel rechts', diamond: 'Raute', circle: 'Kreis', arc: 'Bogen', square: 'Quadrat', grid: 'Gitter',
+  box: 'Quader', sphere: 'Kugel', helix: 'Schraube', free: 'Frei', slots: 'Plätzen', distances: 'Abständen', bearings: 'Peilungen',
+  // a preflight item
+  red: 'rot', amber: 'gelb', green: 'grün', 'in air': 'in der Luft',
+  // what is checked before a flight, and the rest of what is named
+  'operator not heard': 'Bediener nicht gehört', 'energy for the way home': 'Energie für den Heimweg', 'GNSS loss': 'GNSS-Ausfall',
+  'GNSS disagreement': 'GNSS-Widerspruch',
+};

@@ -1,0 +1,45 @@
+// German for the fleet: list, table, a vehicle's page, alerts and events.
+
+export const fleet = {
+  // list, filter, groups
+  Vehicles: 'Fahrzeuge', 'Vehicle list': 'Liste der Fahrzeuge', 'Vehicle cards': 'Karten der Fahrzeuge', 'Fleet table': 'Tabelle der Flotte',
+  'Find vehicles by number, range, name or state': 'Fahrzeuge finden nach Nummer, Bereich, Name oder Zustand', '3, 1-4, name, state': '3, 1-4, Name, Zustand',
+  Show: 'Zeigen', 'All vehicles': 'Alle Fahrzeuge', 'Needs attention': 'Braucht Aufmerksamkeit', 'In the air': 'In der Luft', 'On the ground': 'Am Boden',
+  Order: 'Reihenfolge', 'by number': 'nach Nummer', 'most urgent first': 'dringendste zuerst', 'lowest battery first': 'leerster Akku zuerst', 'by state': 'nach Zustand',
+  Group: 'Gruppe', 'not grouped': 'ohne Gruppen', 'by urgency': 'nach Dringlichkeit', 'by air and ground': 'nach Luft und Boden', 'by model': 'nach Modell', 'by node': 'nach Knoten',
+  'How the fleet is shown': 'Wie die Flotte gezeigt wird', Table: 'Tabelle', Cards: 'Karten', 'Heard, not flown': 'Gehört, nicht geflogen',
+  '{count} heard, not flown': '{count} gehört, nicht geflogen', '{count} of {all} shown': '{count} von {all} gezeigt', '1 target is not in this list': '1 Ziel steht nicht in dieser Liste',
+  '{count} targets are not in this list': '{count} Ziele stehen nicht in dieser Liste', 'No vehicle yet.': 'Noch kein Fahrzeug.', 'Waiting for the server.': 'Wartet auf den Server.',
+  'No vehicle fits the search.': 'Kein Fahrzeug passt zur Suche.', 'System {id}': 'System {id}', 'on {endpoint}': 'an {endpoint}',
+  'Take all shown out of the targets': 'Alle gezeigten aus den Zielen nehmen', 'Make all shown targets': 'Alle gezeigten zu Zielen machen',
+  Normal: 'Normal', Advisory: 'Hinweis', Warning: 'Warnung', Critical: 'Kritisch', 'Model not known': 'Modell unbekannt', 'This node': 'Dieser Knoten', 'Node {node}': 'Knoten {node}',
+  // columns
+  Vehicle: 'Fahrzeug', 'Number and name': 'Nummer und Name', State: 'Zustand', 'What it does; autopilot mode; motors': 'Was es tut; Modus des Autopiloten; Motoren',
+  Battery: 'Akku', 'Charge left and voltage': 'Restladung und Spannung', 'Return in': 'Zurück in', 'Time until it must return if it goes on as now': 'Zeit, bis es umkehren muss, wenn es so weiterfliegt',
+  Link: 'Verbindung', 'How fresh its data is': 'Wie frisch seine Daten sind', 'Latency, loss': 'Latenz, Verlust', 'Round trip between node and vehicle, share of frames lost': 'Laufzeit hin und zurück zwischen Knoten und Fahrzeug, Anteil verlorener Rahmen',
+  Height: 'Höhe', 'Above its launch place': 'Über seinem Startplatz', Speed: 'Tempo', 'Over ground and climbing together': 'Über Grund und im Steigen zusammen',
+  'Slot error': 'Platzfehler', 'Distance to where its task wants it': 'Abstand zu dem Ort, an dem seine Aufgabe es will', GNSS: 'GNSS', 'Fix and satellites': 'Fix und Satelliten',
+  'Its model and payloads': 'Sein Modell und seine Nutzlasten', Coordinator: 'Koordinator', 'The node whose orders it flies': 'Der Knoten, dessen Anweisungen es fliegt',
+  'What is not as it should be, worst first': 'Was nicht ist, wie es sein soll, Schlimmstes zuerst',
+  // one vehicle
+  'Target {id}, {name}': 'Ziel {id}, {name}', 'Page of': 'Seite von', 'Page of {id}, {name}': 'Seite von {id}, {name}', 'Show {id} on the map': '{id} auf der Karte zeigen', 'Show on the map': 'Auf der Karte zeigen',
+  Leader: 'Führer', 'clock wrong': 'Uhr falsch', armed: 'scharf', ready: 'bereit', 'not ready': 'nicht bereit', 'disarmed, ready': 'entschärft, bereit', 'disarmed, not ready': 'entschärft, nicht bereit',
+  'MOTORS STOPPED': 'MOTOREN AUS', 'in an emergency; arm it again to fly it': 'durch Nothalt; zum Fliegen neu schärfen', 'MOTORS STOPPED in an emergency; arm it again to fly it': 'MOTOREN AUS durch Nothalt; zum Fliegen neu schärfen',
+  'above its launch place': 'über seinem Startplatz', Setpoints: 'Sollwerte', 'charge that the way home and the landing cost, with the reserve': 'Ladung für Heimweg und Landung mit Reserve', 'Home needs': 'Heimweg',
+  'time until it must return if it goes on as now': 'Zeit, bis es umkehren muss, wenn es so weiterfliegt', 'round trip between node and vehicle, share of frames lost': 'Laufzeit zwischen Knoten und Fahrzeug, Anteil verlorener Rahmen',
+  'Link, loss': 'Laufzeit, Verlust', 'plugin restarted {times}': 'Plugin {times} neu gestartet', 'actor restarted {times}': 'Aktor {times} neu gestartet', once: 'einmal', '{count} times': '{count}-mal', 'battery –': 'Akku –',
+  'Vehicle {id}': 'Fahrzeug {id}', 'Back to the fleet': 'Zurück zur Flotte', 'Vehicle before this': 'Voriges Fahrzeug', 'Vehicle after this': 'Nächstes Fahrzeug', 'Only {id} is the target': 'Nur {id} ist Ziel', 'Target only {id}': 'Nur {id} zum Ziel',
+  'Map: show {id} there': 'Karte: {id} dort zeigen', 'There is no vehicle {id} here.': 'Hier gibt es kein Fahrzeug {id}.', 'Not heard for {age}: everything below is as it was then.': 'Seit {age} nicht gehört: alles hier unten ist von damals.',
+  Does: 'Tut', 'Mode, motors': 'Modus, Motoren', 'Round trip, loss': 'Laufzeit, Verlust', 'Coordinated by': 'Koordiniert von', Clock: 'Uhr', 'does not fit': 'passt nicht', fits: 'passt',
+  'Height above launch': 'Höhe über Start', 'Distance to its place': 'Abstand zu seinem Platz', 'Round trip of the link': 'Laufzeit der Verbindung', 'Frames lost': 'Verlorene Rahmen',
+  height: 'Höhe', speed: 'Tempo', error: 'Fehler', charge: 'Ladung', 'round trip': 'Laufzeit', loss: 'Verlust', 'Messages and events of {id}': 'Meldungen und Ereignisse von {id}', 'Payloads and plugins': 'Nutzlasten und Plugins',
+  Facts: 'Daten', 'MAVLink system': 'MAVLink-System', Model: 'Modell', Place: 'Ort', 'Height above sea': 'Höhe über Meer', 'Launch place': 'Startplatz', Received: 'Empfangen', '{rate} frames/s': '{rate} Rahmen/s', "Autopilot's clock": 'Uhr des Autopiloten',
+  "{offset} s to the node's": '{offset} s zu der des Knotens', 'At most': 'Höchstens', '{speed} m/s, climbs {climb}, sinks {sink}': '{speed} m/s, steigt {climb}, sinkt {sink}', 'Can coordinate': 'Kann koordinieren', 'yes, priority {priority}': 'ja, Vorrang {priority}', no: 'nein',
+  'this node': 'dieser Knoten', 'clock of {node} jumped': 'Uhr von {node} ist gesprungen', ', not ours': ', nicht unserer',
+  // alerts and events
+  'none to acknowledge': 'nichts zu bestätigen', '{count} to acknowledge': '{count} zu bestätigen', 'Sound on': 'Ton an', 'Sound off': 'Ton aus', 'Acknowledge all': 'Alle bestätigen', 'To acknowledge': 'Zu bestätigen', Acknowledge: 'Bestätigen',
+  'Nothing wants to be acknowledged. Warnings and critical alerts stay here until they are.': 'Nichts ist zu bestätigen. Warnungen und kritische Alarme bleiben hier, bis sie bestätigt sind.', 'Search events': 'Ereignisse durchsuchen', "words, or a vehicle's number": 'Wörter oder die Nummer eines Fahrzeugs',
+  'How urgent': 'Wie dringend', All: 'Alle', 'Advisory and worse': 'Hinweis und schlimmer', 'Warning and worse': 'Warnung und schlimmer', 'About whom': 'Über wen', 'About anybody': 'Über alle', 'About the targets': 'Über die Ziele', 'About no one vehicle': 'Über kein einzelnes',
+  'Which kind': 'Welche Art', 'Every kind': 'Jede Art', 'Show all': 'Alle zeigen', 'Event log': 'Ereignisprotokoll', '{count} of {all}': '{count} von {all}', 'No event fits.': 'Kein Ereignis passt.', 'Nothing yet.': 'Noch nichts.',
+  'Page of vehicle {id}': 'Seite von Fahrzeug {id}', '{count} times since {time}': '{count}-mal seit {time}', 'Which events': 'Welche Ereignisse', 'All events': 'Alle Ereignisse', Important: 'Wichtige', 'Of the targets': 'Der Ziele', 'All acknowledged': 'Alles bestätigt', 'Acknowledge {count}': '{count} bestätigen', Seen: 'Gesehen',
+} as const;

@@ -1,0 +1,56 @@
+// German for the map and the plans: formation, route, fences, preflight.
+
+export const plans = {
+  // map
+  'Map tools': 'Werkzeuge der Karte', 'Zoom in': 'Näher', 'Zoom in (+)': 'Näher (+)', 'Zoom out': 'Weiter weg', 'Zoom out (-)': 'Weiter weg (-)',
+  'Keep all vehicles in view': 'Alle Fahrzeuge im Bild halten', 'Keep all in view (F)': 'Alle im Bild halten (F)', 'Follow the targets or the leader': 'Den Zielen oder dem Führer folgen',
+  'Follow targets or leader; a double click on a vehicle follows it alone': 'Zielen oder Führer folgen; Doppelklick auf ein Fahrzeug folgt ihm allein',
+  'Select with a box': 'Mit einem Rahmen auswählen', 'Select with a box (Shift and drag)': 'Mit einem Rahmen auswählen (Umschalt und ziehen)',
+  'Measure distance and bearing': 'Abstand und Peilung messen', 'Measure (M); between the targets, if there are some': 'Messen (M); zwischen den Zielen, wenn es welche gibt',
+  Layers: 'Ebenen', 'View in space': 'Ansicht im Raum', 'View in space (V)': 'Ansicht im Raum (V)', 'Back to the map (V)': 'Zurück zur Karte (V)', 'Back to the map': 'Zurück zur Karte',
+  Labels: 'Beschriftung', Trails: 'Spuren', 'Slots and setpoints': 'Plätze und Sollwerte', 'Way of the next 3 s': 'Weg der nächsten 3 s', Links: 'Verbindungen', Routes: 'Routen', Heights: 'Höhen', Grid: 'Gitter',
+  '{height} m high': '{height} m hoch', good: 'gut', fair: 'mäßig', poor: 'schlecht', 'Click places or vehicles to measure between them.': 'Orte oder Fahrzeuge anklicken, um dazwischen zu messen.',
+  'Click the next place or vehicle.': 'Nächsten Ort oder nächstes Fahrzeug anklicken.', 'together {length}': 'zusammen {length}', ', {rise} m up': ', {rise} m hoch',
+  'Click where the formation is to be anchored.': 'Anklicken, wo die Formation verankert wird.',
+  "Click to set the leader's waypoints, drag to move one, Backspace takes the last away.": 'Klicken setzt die Wegpunkte des Führers, Ziehen verschiebt einen, Rücktaste nimmt den letzten weg.',
+  'Click to set the points of the path, drag to move one, Backspace takes the last away.': 'Klicken setzt die Punkte der Bahn, Ziehen verschiebt einen, Rücktaste nimmt den letzten weg.',
+  Done: 'Fertig', 'Drag a box around vehicles to make them targets.': 'Einen Rahmen um Fahrzeuge ziehen macht sie zu Zielen.', 'Following {who}': 'Folgt {who}', 'Stop following': 'Nicht mehr folgen',
+  'Target {who} not on this part of the map': 'Ziel {who} nicht auf diesem Teil der Karte', 'Targets {who} not on this part of the map': 'Ziele {who} nicht auf diesem Teil der Karte',
+  'Map of {count} vehicles, north up. The vehicle list holds the same in words. Arrow keys move the map, plus and minus zoom, F shows all, M measures between the targets, V is the view in space.':
+    'Karte von {count} Fahrzeugen, Norden oben. Die Liste der Fahrzeuge sagt dasselbe in Worten. Pfeiltasten bewegen die Karte, Plus und Minus zoomen, F zeigt alle, M misst zwischen den Zielen, V ist die Ansicht im Raum.',
+  '{count} vehicles seen in space. The vehicle list holds the same in words. Arrow keys turn the view, with Shift they move it, plus and minus zoom, F shows all, V goes back to the map.':
+    '{count} Fahrzeuge im Raum. Die Liste der Fahrzeuge sagt dasselbe in Worten. Pfeiltasten drehen die Ansicht, mit Umschalt bewegen sie sie, Plus und Minus zoomen, F zeigt alle, V führt zurück zur Karte.',
+  'Loading the view in space …': 'Lädt die Ansicht im Raum …', 'The view in space could not be loaded.': 'Die Ansicht im Raum ließ sich nicht laden.', 'Drawn without WebGL, which this browser does not give.': 'Ohne WebGL gezeichnet, das dieser Browser nicht bietet.',
+  'No vehicle is flown by this node yet. It shows here as soon as one is heard and an adoption rule fits.': 'Dieser Knoten fliegt noch kein Fahrzeug. Es erscheint hier, sobald eines gehört wird und eine Übernahmeregel passt.',
+  '{file} could not be read': '{file} ließ sich nicht lesen', 'Remove base map': 'Grundkarte entfernen', 'Base map from a file (PMTiles)': 'Grundkarte aus einer Datei (PMTiles)',
+  // formation
+  'Its vehicles stop and hold': 'Ihre Fahrzeuge bleiben stehen und halten', End: 'Beenden', 'No formation is flown.': 'Es wird keine Formation geflogen.', Shape: 'Form', 'Preview on the map': 'Vorschau auf der Karte', Spacing: 'Abstand',
+  'Altitude step': 'Höhenstufe', Arc: 'Bogen', 'Layers (0: automatic)': 'Lagen (0: automatisch)', 'Rise per turn (0: automatic)': 'Anstieg je Windung (0: automatisch)', Rotation: 'Drehung', Scale: 'Maßstab',
+  "Offsets: forward_m, right_m, down_m (or up_m) a line, or a JSON list; the leader's first": 'Versätze: forward_m, right_m, down_m (oder up_m) je Zeile oder eine JSON-Liste; der des Führers zuerst',
+  Heading: 'Ausrichtung', Automatic: 'Automatisch', 'Along the course': 'Entlang des Kurses', Fixed: 'Fest', 'Degrees from north': 'Grad von Nord', Control: 'Regelung', 'By slots': 'Nach Plätzen', 'By distances': 'Nach Abständen', 'By bearings': 'Nach Peilungen',
+  'Closest together: {distance} m': 'Kleinster Abstand: {distance} m', '; no free view from {count} of {all} places': '; keine freie Sicht von {count} von {all} Plätzen', 'Nobody is in the air yet.': 'Noch ist niemand in der Luft.',
+  'No free view from {count} places': 'Keine freie Sicht von {count} Plätzen', 'Nobody is in the air who could take part': 'Niemand ist in der Luft, der teilnehmen könnte',
+  'Every vehicle that holds or flies in the swarm takes part': 'Jedes Fahrzeug, das hält oder im Schwarm fliegt, nimmt teil', 'The targets take part': 'Die Ziele nehmen teil', 'Form {shape} {count}': '{shape} bilden {count}',
+  Anchor: 'Anker', 'A leader': 'Ein Führer', 'A place': 'Ein Ort', 'A path': 'Eine Bahn', 'A reference': 'Eine Vorgabe', 'Click the map': 'Karte anklicken', 'Pick on the map': 'Auf der Karte wählen', Reference: 'Vorgabe', 'none is told': 'keine bekannt', choose: 'wählen', ', old ({age})': ', alt ({age})',
+  'Anchor north': 'Anker Nord', 'Anchor east': 'Anker Ost', 'Height above origin': 'Höhe über Ursprung', 'Corner radius': 'Eckenradius', 'Stop drawing': 'Zeichnen beenden', 'Draw on the map': 'Auf der Karte zeichnen', 'Add a point by numbers': 'Punkt durch Zahlen hinzufügen', Point: 'Punkt',
+  'Point {number} north': 'Punkt {number} Nord', 'Point {number} east': 'Punkt {number} Ost', 'Remove point {number}': 'Punkt {number} entfernen', 'A route is flown by the leader of a formation. Form one first.': 'Eine Route fliegt der Führer einer Formation. Zuerst eine bilden.',
+  'This formation has no leader vehicle: it goes where its anchor goes. Anchor it to a path to have it fly one.': 'Diese Formation hat kein führendes Fahrzeug: sie geht, wohin ihr Anker geht. An eine Bahn geankert fliegt sie diese.',
+  '{leader} has flown a route of {count} points at {speed} m/s.': '{leader} hat eine Route von {count} Punkten mit {speed} m/s geflogen.', '{leader} flies a route of {count} points at {speed} m/s.': '{leader} fliegt eine Route von {count} Punkten mit {speed} m/s.',
+  '{leader} leads and has no route.': '{leader} führt und hat keine Route.', 'Fly route of 1 point': 'Route von 1 Punkt fliegen', 'Fly route of {count} points': 'Route von {count} Punkten fliegen',
+  'Offsets: {fault}': 'Versätze: {fault}', 'Pick the place on the map': 'Den Ort auf der Karte wählen', 'Draw the path on the map': 'Die Bahn auf der Karte zeichnen', 'Choose a reference': 'Eine Vorgabe wählen', '{shape}: asking the coordinator': '{shape}: fragt den Koordinator',
+  '{shape} of {count} {anchor}: {seconds} s to form, never closer than {distance} m, then up to {speed} m/s': '{shape} aus {count} {anchor}: {seconds} s zum Bilden, nie näher als {distance} m, dann bis {speed} m/s', '{shape} refused': '{shape} abgelehnt',
+  'Ending the formation': 'Beendet die Formation', 'Formation ended: its vehicles hold': 'Formation beendet: ihre Fahrzeuge halten', 'Not ended': 'Nicht beendet', 'Sending the route': 'Sendet die Route', 'Route of {count} points taken up': 'Route von {count} Punkten angenommen', 'Route refused': 'Route abgelehnt',
+  'behind {leader}': 'hinter {leader}', 'without a leader': 'ohne Führer', 'about a fixed place': 'um einen festen Ort', 'along a path': 'entlang einer Bahn', 'about {name}': 'um {name}', ', {scale} times as large': ', {scale}-mal so groß', ', keeps itself by {control}': ', hält sich nach {control}',
+  '; no free view for {who}': '; keine freie Sicht für {who}', ' of {count}, {spacing} m apart': ' aus {count}, {spacing} m Abstand',
+  // fences
+  '{action} on a breach': 'bei Verletzung: {action}', 'Vehicles that have left a fence return to its own place.': 'Fahrzeuge, die einen Zaun verlassen haben, kehren an dessen eigenen Ort zurück.', '{file} not read: {why}': '{file} nicht gelesen: {why}', 'Not put in force: {why}': 'Nicht in Kraft gesetzt: {why}',
+  '1 zone': '1 Zone', '{count} zones': '{count} Zonen', 'Outside of the fences: {who}': 'Außerhalb der Zäune: {who}', 'Fences in force': 'Geltende Zäune', 'In force': 'In Kraft', 'Not known yet.': 'Noch nicht bekannt.', 'No fence: vehicles may be sent anywhere.': 'Kein Zaun: Fahrzeuge dürfen überallhin geschickt werden.',
+  'Export GeoJSON': 'GeoJSON ausgeben', 'No fence is in force any more.': 'Es gilt kein Zaun mehr.', 'Lift all': 'Alle aufheben', Import: 'Einlesen', 'GeoJSON, or a plan of QGroundControl (.plan). Nothing changes until it is put in force.': 'GeoJSON oder ein Plan von QGroundControl (.plan). Nichts ändert sich, bis er in Kraft gesetzt wird.',
+  'Read from the file': 'Aus der Datei gelesen', '{zones} of {file} in force.': '{zones} aus {file} in Kraft.', 'Takes the place of the fences in force': 'Tritt an die Stelle der geltenden Zäune', 'Put {zones} in force': '{zones} in Kraft setzen', 'Put away': 'Verwerfen',
+  'all heights': 'alle Höhen', 'up to {height}': 'bis {height}', 'from {height}': 'ab {height}', '{floor} to {ceiling}': '{floor} bis {ceiling}', 'stay inside': 'drinbleiben', 'keep out': 'draußen bleiben',
+  // preflight
+  'No report yet.': 'Noch kein Bericht.', '{count} green': '{count} grün', 'all {count} green': 'alle {count} grün', 'vehicles: targets only': 'Fahrzeuge: nur Ziele', 'Overrides in force': 'Geltende Freigaben', of: 'von', 'the swarm': 'dem Schwarm', 'The swarm': 'Der Schwarm', Swarm: 'Schwarm', 'for another {time}': 'noch {time}',
+  'Taken upon {operator} for {minutes} min. It is recorded.': 'Von {operator} für {minutes} min übernommen. Es ist festgehalten.', 'Not overridden: {why}': 'Nicht freigegeben: {why}', 'Override red items': 'Rote Punkte freigeben', Of: 'Von', Items: 'Punkte', 'Reason, for the record': 'Grund, für das Protokoll',
+  "Operator's secret": 'Geheimnis des Bedieners', For: 'Für', 'Override 1 item': '1 Punkt freigeben', 'Override {count} items': '{count} Punkte freigeben', 'Some red items cannot be overridden by anybody: they must be mended.': 'Manche roten Punkte kann niemand freigeben: sie müssen behoben werden.',
+  'n/a': 'entfällt', 'Overridden by {operator}': 'Freigegeben von {operator}',
+} as const;
