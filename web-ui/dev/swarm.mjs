@@ -1,6 +1,6 @@
 // Development aid: speaks the dashboard's wire protocol for a made-up swarm. `npm run dev:swarm -- 6` beside `npm run dev`,
 // or alone: it also serves `dist` under the same content security policy as the program. Must never be used by a test.
-// Typed on standard input: `silence 3`, `hear 3`, `pilot 3`, `fault 3`, `drain 3`, `restart 3`.
+// Typed on standard input: `silence 3`, `hear 3`, `pilot 3`, `fault 3`, `drain 3`, `restart 3`; `grab 3`, `ask 3`, `drop 3` by another operator.
 import { createServer } from 'node:http';
 import { readFile } from 'node:fs/promises';
 import { createInterface } from 'node:readline';
@@ -162,6 +162,24 @@ let fences = {
   breach_return: null,
 };
 let emergencyKey = '';
+/** Who has which vehicle in hand; Ben is no page but what is typed. */
+const BEN = { id: 'ben', name: 'Ben' };
+const held = new Map();
+const controlled = () =>
+  [...held].sort(([a], [b]) => a - b).map(([vehicle, h]) => ({ vehicle, ...h, is_heard: h.console === BEN || [...clients].some((client) => client.console === h.console.id) }));
+function change(vehicle, { console, action }) {
+  const has = held.get(vehicle);
+  const take = () => has?.console.id === console.id || held.set(vehicle, { console, since: nodeTime(), requests: [] });
+  const free = !has || has.console.id === console.id || !controlled().find((h) => h.vehicle === vehicle).is_heard;
+  const refuse = (refusal) => ({ vehicle, refusal });
+  if (action.action === 'take' && !free) return refuse({ reason: 'in_other_hands', vehicle, holder: has.console.name });
+  if (action.action === 'take' || (action.action === 'request' && free)) take();
+  else if (action.action === 'request') has.requests = [...has.requests.filter((r) => r.console.id !== console.id), { console, since: nodeTime() }];
+  else if (has?.console.id !== console.id) return refuse({ reason: 'not_permitted', detail: `vehicle ${vehicle} is not in this console's hands` });
+  else if (action.action === 'release') held.delete(vehicle);
+  else held.set(vehicle, { console: has.requests.find((r) => r.console.id === action.to).console, since: nodeTime(), requests: [] });
+  return { vehicle, refusal: null };
+}
 const safety = (v) => ({
   id: v.id, ladder: null, avoiding: null, stopped: v.stopped ?? false,
   energy: {
@@ -227,10 +245,13 @@ const server = createServer(async (request, response) => {
     }
     case 'GET events':
       return answer(200, { events: events.filter((e) => e.seq > Number(url.searchParams.get('after') ?? 0)), missed: 0 });
+    case 'POST control':
+      return answer(200, { receipts: body.targets.vehicles.map((vehicle) => change(vehicle, body)) });
     case 'POST commands': {
       const id = nextCommand++;
+      const kept = (vehicle) => !['hold', 'land', 'return'].includes(body.command.command) && controlled().find((h) => h.vehicle === vehicle && h.is_heard && h.console.id !== request.headers['skein-console']);
       const ids = body.targets === 'all' ? vehicles.map((v) => v.id) : body.targets.vehicles;
-      return answer(200, { receipts: ids.map((vehicle, k) => (vehicles[vehicle - 1] ? command(vehicles[vehicle - 1], id, body.command, k) : { vehicle, id, refusal: { reason: 'unknown_vehicle', vehicle } })) });
+      return answer(200, { receipts: ids.map((vehicle, k) => (kept(vehicle) ? { vehicle, id, refusal: { reason: 'in_other_hands', vehicle, holder: kept(vehicle).console.name } } : vehicles[vehicle - 1] ? command(vehicles[vehicle - 1], id, body.command, k) : { vehicle, id, refusal: { reason: 'unknown_vehicle', vehicle } })) });
     }
     case 'PUT formation': {
       const result = form(body);
@@ -249,13 +270,17 @@ const server = createServer(async (request, response) => {
   }
 });
 
-new WebSocketServer({ server, path: '/api/v1/stream' }).on('connection', (socket) => {
+new WebSocketServer({ server, path: '/api/v1/stream' }).on('connection', (socket, request) => {
+  socket.console = new URL(request.url, 'http://localhost').searchParams.get('console');
   clients.add(socket);
   let timer;
   const rate = (hz) => (clearInterval(timer), (timer = setInterval(() => socket.send(frame()), 1000 / hz)));
   socket.send(JSON.stringify({ type: 'hello', protocol: 1, version: '0.1.0-dev', node: 'dev' }));
   socket.on('message', (data) => rate(Math.max(1, Math.min(50, JSON.parse(data).rate_hz))));
+  let told = '[]';
   const tell = () => {
+    const control = JSON.stringify(controlled());
+    if (control !== told) socket.send(`{"type":"control","vehicles":${(told = control)}}`);
     socket.send(JSON.stringify(fleetInfo()));
     socket.send(JSON.stringify({ type: 'safety', vehicles: vehicles.map(safety) }));
   };
@@ -269,6 +294,9 @@ createInterface({ input: process.stdin }).on('line', (line) => {
   const [verb, id] = line.split(' ');
   const v = vehicles[Number(id) - 1];
   if (!v) return;
+  if (verb === 'grab') held.set(v.id, { console: BEN, since: nodeTime(), requests: [] });
+  if (verb === 'ask') change(v.id, { console: BEN, action: { action: 'request' } });
+  if (verb === 'drop') change(v.id, { console: BEN, action: { action: 'release' } });
   if (verb === 'silence') (v.silent = true), say(v.id, 'critical', { kind: 'link_lost' }, 'the link is lost');
   if (verb === 'hear') (v.silent = false), say(v.id, 'info', { kind: 'link_regained' }, 'heard again');
   if (verb === 'pilot') (v.state = 'pilot_control'), (v.slot = null), say(v.id, 'warning', { kind: 'flight_state', state: 'pilot_control' }, 'the pilot took over');

@@ -3,7 +3,7 @@
 
 use crate::error::ApiError;
 use crate::protocol::{
-    CommandBody, CoordinatorBody, EmergencyStopBody, FenceFileBody, FencePlanBody, OverrideBody, RouteBody,
+    CommandBody, ControlBody, CoordinatorBody, EmergencyStopBody, FenceFileBody, FencePlanBody, OverrideBody, RouteBody,
 };
 use axum::Json;
 use axum::body::Bytes;
@@ -236,6 +236,12 @@ impl MakesSense for CommandBody {
     fn check(&self, place: &Place<'_>) -> Result<(), ApiError> {
         self.targets.check(&place.field("targets"))?;
         self.command.check(&place.field("command"))
+    }
+}
+
+impl MakesSense for ControlBody {
+    fn check(&self, place: &Place<'_>) -> Result<(), ApiError> {
+        self.targets.check(&place.field("targets"))
     }
 }
 

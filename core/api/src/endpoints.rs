@@ -2,6 +2,7 @@
 //! the same table, so that neither can have a route that the other lacks.
 
 mod carried;
+mod control;
 mod formations;
 mod safety;
 mod swarm;
@@ -142,6 +143,7 @@ impl Endpoint {
 pub(crate) fn all() -> Vec<Endpoint> {
     let mut all = node();
     all.extend(fleet());
+    all.extend(control::control());
     all.extend(formations::formations());
     all.extend(trajectories::trajectories());
     all.extend(safety::safety());

@@ -236,6 +236,7 @@ fn refusal_status(refusal: &Refusal) -> StatusCode {
         | Refusal::NotSupported { .. }
         | Refusal::Preflight { .. }
         | Refusal::Clock { .. }
+        | Refusal::InOtherHands { .. }
         | Refusal::DuplicateSystemId { .. } => StatusCode::CONFLICT,
     }
 }

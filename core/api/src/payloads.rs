@@ -2,6 +2,7 @@
 
 use crate::app::App;
 use crate::body::{Body, PayloadCommandBody, TracksBody};
+use crate::control::{FromConsole, may_move};
 use crate::error::ApiError;
 use crate::protocol::{Accepted, PayloadList, PluginList, RestartList};
 use axum::Json;
@@ -51,10 +52,12 @@ pub(crate) async fn detach(State(app): State<App>, of: Of) -> Result<StatusCode,
 
 pub(crate) async fn command(
     State(app): State<App>,
+    console: FromConsole,
     of: Of,
     Body(command): Body<PayloadCommandBody>,
 ) -> Result<Json<CommandReceipt>, ApiError> {
     let Path((vehicle, payload)) = of?;
+    may_move(&app, &console, Some(&[vehicle]))?;
     let receipt = app.node.command_payload(vehicle, &payload, &command.0).await;
     match receipt.refusal {
         Some(refusal) => Err(refusal.into()),

@@ -9,6 +9,7 @@ pub use supervision::{SupervisedPayload, SupervisedVehicle, SupervisionTree};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use skein_config::Isolation;
+use skein_domain::control::{Console, VehicleControl};
 use skein_domain::fence::FencePlan;
 use skein_domain::payload::PayloadKind;
 use skein_domain::{
@@ -19,7 +20,8 @@ use skein_runtime::snapshot::{
     ActorHealth, Avoidance, EventRecord, FormationSnapshot, UnadoptedVehicle, VehicleSnapshot,
 };
 use skein_runtime::{
-    CommandReceipt, PayloadSnapshot, PluginInfo, ReferenceSnapshot, RestartRecord, SwarmSnapshot, Targets,
+    CommandReceipt, ControlAction, ControlReceipt, PayloadSnapshot, PluginInfo, ReferenceSnapshot, RestartRecord,
+    SwarmSnapshot, Targets,
 };
 use ts_rs::TS;
 
@@ -115,6 +117,34 @@ pub struct CommandBody {
 pub struct CommandReceipts {
     /// One for each vehicle it was for.
     pub receipts: Vec<CommandReceipt>,
+}
+
+/// What a console wants with which vehicles.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, TS, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ControlBody {
+    /// Which.
+    pub targets: Targets,
+    /// Who.
+    pub console: Console,
+    /// What.
+    pub action: ControlAction,
+}
+
+/// What came of it, vehicle by vehicle.
+#[derive(Debug, Clone, PartialEq, Serialize, TS, JsonSchema)]
+pub struct ControlReceipts {
+    /// One for each vehicle it was for.
+    pub receipts: Vec<ControlReceipt>,
+}
+
+/// Who has which vehicles in hand.
+#[derive(Debug, Clone, PartialEq, Serialize, TS, JsonSchema)]
+pub struct ControlState {
+    /// When.
+    pub time: NodeTime,
+    /// Those that somebody has, by ascending id.
+    pub vehicles: Vec<VehicleControl>,
 }
 
 /// The formation, if one is flown.
@@ -407,6 +437,11 @@ pub enum ServerMessage {
     Safety {
         /// By ascending id.
         vehicles: Vec<VehicleSafety>,
+    },
+    /// Who has which vehicles in hand, whole; when it has changed.
+    Control {
+        /// Those that somebody has, by ascending id.
+        vehicles: Vec<VehicleControl>,
     },
     /// The swarm of several nodes, where this node is part of one; twice a second.
     Swarm(Box<SwarmSnapshot>),

@@ -2,6 +2,7 @@
 
 use crate::app::App;
 use crate::body::Body;
+use crate::control::{FromConsole, may_move};
 use crate::error::ApiError;
 use crate::metrics;
 use crate::protocol::{
@@ -100,9 +101,10 @@ pub(crate) async fn vehicle(
 
 pub(crate) async fn command(
     State(app): State<App>,
+    console: FromConsole,
     Body(body): Body<CommandBody>,
 ) -> Result<Json<CommandReceipts>, ApiError> {
-    let receipts = app.node.command(&body.targets, body.command).await;
+    let receipts = app.node.command_from(console.id(), &body.targets, body.command).await;
     if receipts.is_empty() {
         // "All" of none. Silence would look like success.
         return Err(Refusal::NotEnoughVehicles { have: 0, need: 1 }.into());
@@ -125,8 +127,10 @@ pub(crate) async fn formation(State(app): State<App>) -> Json<FormationAnswer> {
 
 pub(crate) async fn set_formation(
     State(app): State<App>,
+    console: FromConsole,
     Body(request): Body<FormationRequest>,
 ) -> Result<Json<FormationReceipt>, ApiError> {
+    may_move(&app, &console, request.members.as_deref())?;
     Ok(Json(app.node.set_formation(request).await?))
 }
 
@@ -135,7 +139,18 @@ pub(crate) async fn dissolve_formation(State(app): State<App>) -> Result<StatusC
     Ok(StatusCode::NO_CONTENT)
 }
 
-pub(crate) async fn set_route(State(app): State<App>, Body(body): Body<RouteBody>) -> Result<Response, ApiError> {
+pub(crate) async fn set_route(
+    State(app): State<App>,
+    console: FromConsole,
+    Body(body): Body<RouteBody>,
+) -> Result<Response, ApiError> {
+    let members = app
+        .node
+        .snapshot()
+        .formation
+        .as_ref()
+        .map(|formation| formation.members.clone());
+    may_move(&app, &console, Some(&members.unwrap_or_default()))?;
     let flown = app.node.set_route(body.route).await?;
     Ok((StatusCode::ACCEPTED, Json(flown)).into_response())
 }

@@ -20,6 +20,7 @@ use metrics::{counter, gauge};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use skein_domain::VehicleId;
+use skein_domain::control::{LONGEST_CONSOLE_TEXT, VehicleControl};
 use skein_runtime::EventRecord;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -50,11 +51,13 @@ const LOOK_EVERY: Duration = Duration::from_secs(1);
 const MAX_MESSAGE_BYTES: usize = 4096;
 
 /// What may be said when a stream is opened.
-#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StreamQuery {
     /// Number of the last event that is known already; those after it come first. New ones only if left out.
     pub after: Option<u64>,
+    /// The id of the console that looks at it. While its stream is open and answers, it is there.
+    pub console: Option<String>,
 }
 
 /// Opens a stream.
@@ -81,7 +84,7 @@ pub async fn open(
         .max_frame_size(MAX_MESSAGE_BYTES);
     Ok(upgrade.on_upgrade(move |socket| async move {
         let open = OpenStream::count();
-        let end = Client::new(socket, app, query.after).run(closing).await;
+        let end = Client::new(socket, app, query).run(closing).await;
         tracing::debug!("a stream has ended: {end:?}");
         drop((open, permit));
     }))
@@ -122,6 +125,10 @@ struct Client {
     events: broadcast::Receiver<Arc<EventRecord>>,
     /// Number of the last event that was sent or is known to the client.
     last_event: u64,
+    /// The console behind it, if it says so.
+    console: Option<String>,
+    /// Who has which vehicles in hand, as it was last sent.
+    control: Vec<VehicleControl>,
     /// The slow state as it was last sent.
     fleet: Option<Utf8Bytes>,
     /// The safety of the vehicles as it was last sent.
@@ -135,17 +142,21 @@ struct Client {
 }
 
 impl Client {
-    fn new(socket: WebSocket, app: App, after: Option<u64>) -> Self {
+    fn new(socket: WebSocket, app: App, query: StreamQuery) -> Self {
         // Subscribed before the log is looked at: nothing falls between the two.
         let events = app.node.subscribe();
         let newest = app.node.events_after(0).last().map_or(0, |event| event.seq);
         // A number that was never given out comes from an earlier run of the node: all of this run is news then.
-        let last_event = after.map_or(newest, |after| if after > newest { 0 } else { after });
+        let last_event = query
+            .after
+            .map_or(newest, |after| if after > newest { 0 } else { after });
         Self {
             socket,
             app,
             events,
             last_event,
+            console: query.console.filter(|id| id.len() <= LONGEST_CONSOLE_TEXT),
+            control: Vec::new(),
             fleet: None,
             safety: BTreeMap::new(),
             rate_hz: DEFAULT_RATE_HZ,
@@ -202,13 +213,26 @@ impl Client {
                 _ = fleet.tick() => {
                     self.send_fleet().await?;
                     self.send_safety().await?;
+                    self.send_control().await?;
                 }
                 _ = swarm.tick() => if let Some(swarm) = self.app.node.swarm() {
                     self.say(&ServerMessage::Swarm(Box::new(swarm))).await?;
                 },
-                _ = look.tick() => if self.heard.elapsed() > HEARD_WITHIN { return Err(End::TooSlow) },
+                _ = look.tick() => self.look()?,
             }
         }
+    }
+
+    /// Whether somebody is still there; then its console is.
+    fn look(&self) -> Result<(), End> {
+        let silent = self.heard.elapsed();
+        if silent > HEARD_WITHIN {
+            return Err(End::TooSlow);
+        }
+        if let Some(console) = self.console.as_ref().filter(|_| silent < LOOK_EVERY * 2) {
+            self.app.node.hear_console(console);
+        }
+        Ok(())
     }
 
     /// Whether so few frames are unanswered that another one may go.
@@ -232,6 +256,16 @@ impl Client {
         }
         self.fleet = Some(newest.clone());
         self.send(Message::Text(newest)).await
+    }
+
+    /// Who has which vehicles in hand, when that has changed.
+    async fn send_control(&mut self) -> Result<(), End> {
+        let newest = self.app.node.control();
+        if newest == self.control {
+            return Ok(());
+        }
+        self.control.clone_from(&newest);
+        self.say(&ServerMessage::Control { vehicles: newest }).await
     }
 
     /// What has changed of the safety of the vehicles.

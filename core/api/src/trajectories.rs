@@ -2,6 +2,7 @@
 
 use crate::app::App;
 use crate::body::{Body, MakesSense, Place};
+use crate::control::{FromConsole, may_move};
 use crate::error::ApiError;
 use crate::protocol::{TrajectoriesEnded, TrajectoryList};
 use axum::Json;
@@ -26,7 +27,13 @@ pub(crate) async fn list(State(app): State<App>) -> Json<TrajectoryList> {
     })
 }
 
-pub(crate) async fn fly(State(app): State<App>, Body(request): Body<TrajectoryRequest>) -> Result<Response, ApiError> {
+pub(crate) async fn fly(
+    State(app): State<App>,
+    console: FromConsole,
+    Body(request): Body<TrajectoryRequest>,
+) -> Result<Response, ApiError> {
+    let vehicles: Vec<_> = request.vehicles.iter().map(|journey| journey.vehicle).collect();
+    may_move(&app, &console, Some(&vehicles))?;
     let plan = app
         .node
         .fly_trajectories(request)

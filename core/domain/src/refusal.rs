@@ -231,6 +231,17 @@ pub enum Refusal {
         #[n(0)]
         detail: String,
     },
+    /// Another operator has the vehicle in hand.
+    #[error("{holder} has vehicle {vehicle} in hand: ask for it")]
+    #[n(25)]
+    InOtherHands {
+        /// The vehicle.
+        #[n(0)]
+        vehicle: VehicleId,
+        /// What the other is called.
+        #[n(1)]
+        holder: String,
+    },
 }
 
 impl Refusal {
@@ -255,6 +266,7 @@ impl Refusal {
             Self::NotEnoughVehicles { .. } => "not_enough_vehicles",
             Self::StaleIncarnation { .. } => "stale_incarnation",
             Self::DuplicateSystemId { .. } => "duplicate_system_id",
+            Self::InOtherHands { .. } => "in_other_hands",
             Self::NotRunning { .. } => "not_running",
             Self::NotPermitted { .. } => "not_permitted",
             Self::NotSupported { .. } => "not_supported",

@@ -31,6 +31,7 @@ use skein_domain::{
 use skein_link_px4::Sightings;
 use skein_plugin_host::{Catalog, Runners};
 use skein_safety::avoidance::Surroundings;
+use skein_safety::control::ControlTable;
 use skein_safety::{FencePlanError, Fences, Gate};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
@@ -82,6 +83,8 @@ pub struct Board {
     pub sightings: Sightings,
     /// Things that formations may be anchored to.
     pub references: References,
+    /// Which console has which vehicles in hand.
+    pub control: Mutex<ControlTable>,
     /// Works out the anchor of a formation that follows no vehicle.
     pub anchor: Mutex<AnchorKeeper>,
     /// Which tracks are of our own vehicles.
@@ -147,6 +150,7 @@ impl Board {
             exchanging: tokio::sync::Mutex::default(),
             sightings: Sightings::new(),
             references: References::new(max_speed_m_s),
+            control: Mutex::new(ControlTable::new(node.unwrap_or(NodeId(0)))),
             anchor: Mutex::default(),
             own_tracks: Mutex::default(),
             coordinator_seen_us: AtomicU64::new(0),

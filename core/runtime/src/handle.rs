@@ -1,8 +1,11 @@
 //! The typed handle to a running node: the only way in for the API, the demo and the tests. The actors' messages stay private.
 
 mod commands;
+mod control;
 mod coordination;
 mod trajectories;
+
+pub use control::{ControlAction, ControlReceipt};
 
 use crate::board::Board;
 use crate::node::Parts;

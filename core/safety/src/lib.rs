@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 pub mod avoidance;
+pub mod control;
 pub mod energy;
 mod fence;
 mod gate;

@@ -4,15 +4,18 @@ import { createContext } from 'svelte';
 import { MapState } from '../features/map/mapState.svelte';
 import { AlarmSound } from '../model/alarmSound.svelte';
 import { Commander } from '../model/commander.svelte';
+import { Control } from '../model/control.svelte';
 import { EmergencyStop } from '../model/emergencyStop.svelte';
 import { FormationDraft } from '../model/formationDraft.svelte';
 import { History } from '../model/history';
 import { Journal } from '../model/journal.svelte';
+import { Operator } from '../model/operator.svelte';
 import { Presence } from '../model/presence.svelte';
 import { Session } from '../model/session.svelte';
 import { Shortcuts } from '../model/shortcuts.svelte';
 import { Targets } from '../model/targets.svelte';
 import { Watch } from '../model/watch.svelte';
+import { callAs } from '../protocol/rest';
 import { Navigation } from './navigation.svelte';
 import { Theme } from './theme.svelte';
 
@@ -20,7 +23,9 @@ export class Console {
   readonly theme = new Theme();
   readonly journal = new Journal();
   readonly commander = new Commander();
-  readonly session = new Session(this.commander, this.journal);
+  readonly operator = new Operator();
+  readonly session = new Session(this.commander, this.journal, this.operator.id);
+  readonly control = new Control(this.session, this.journal, this.operator);
   readonly targets = new Targets(() => this.session.rows);
   readonly watch = new Watch(this.session);
   readonly emergency = new EmergencyStop(this.journal);
@@ -33,6 +38,7 @@ export class Console {
   readonly sound = new AlarmSound(() => this.journal.outstanding);
 
   constructor() {
+    callAs(this.operator.id);
     this.session.onFrame(() => this.history.take(this.session.fleet, (index) => this.session.rowAt(index)?.heightM ?? NaN, performance.now()));
     this.session.onRestart(() => this.history.clear());
   }

@@ -11,6 +11,15 @@ export function remembered<T extends string>(key: string, choices: readonly T[])
   }
 }
 
+/** What was written before, whatever it is. */
+export function rememberedText(key: string): string | null {
+  try {
+    return localStorage.getItem(key);
+  } catch {
+    return null;
+  }
+}
+
 export function remember(key: string, value: string): void {
   try {
     localStorage.setItem(key, value);

@@ -20,10 +20,11 @@ export class Journal {
     return true;
   }
 
-  /** Something this page noticed itself. */
-  notice(severity: Severity, kind: string, text: string, vehicle: number | null = null): void {
+  /** Something this page noticed itself. Gives the key of the entry that says it, which may be an older one that it repeats. */
+  notice(severity: Severity, kind: string, text: string, vehicle: number | null = null): string {
     const key = `p${this.#nextNotice++}`;
     this.log = add(this.log, { key, vehicle, severity, kind, text, at: Date.now(), endsAt: null });
+    return this.log.entries[0]?.key ?? key;
   }
 
   /** The server began anew: its sequence numbers do too. */

@@ -4,7 +4,7 @@
 import { getEvents, measureLatencyMs } from '../protocol/rest';
 import { Stream, streamUrl } from '../protocol/stream';
 import type { StreamState } from '../protocol/stream';
-import type { EventRecord, FleetInfo, SwarmSnapshot, VehicleInfo, VehicleSafety } from '../protocol/types';
+import type { EventRecord, FleetInfo, SwarmSnapshot, VehicleControl, VehicleInfo, VehicleSafety } from '../protocol/types';
 import { Fleet } from '../telemetry/fleet';
 import type { Commander } from './commander.svelte';
 import type { Journal } from './journal.svelte';
@@ -33,6 +33,8 @@ export class Session {
   info = $state.raw<FleetInfo>(NO_INFO);
   /** The nodes of the swarm; null where the node flies its vehicles alone. */
   swarm = $state.raw<SwarmSnapshot | null>(null);
+  /** Who has which vehicle in hand, by its id; the others are in nobody's. */
+  control = $state.raw<ReadonlyMap<number, VehicleControl>>(new Map());
   rows = $state.raw<readonly VehicleRow[]>([]);
   /** Counts ticks; reading it in an effect makes the effect run with the list. */
   tick = $state(0);
@@ -58,6 +60,7 @@ export class Session {
   #eventListeners: ((event: EventRecord) => void)[] = [];
   #liveListeners: (() => void)[] = [];
   #restartListeners: (() => void)[] = [];
+  #controlListeners: (() => void)[] = [];
   #waiting: EventRecord[] = [];
   #historyLoaded = false;
   #historyRequested = false;
@@ -68,12 +71,15 @@ export class Session {
   constructor(
     readonly commander: Commander,
     readonly journal: Journal,
+    /** The id of the console that this page is. */
+    readonly console: string,
   ) {
-    this.#stream = new Stream(streamUrl(document.baseURI), {
+    this.#stream = new Stream(streamUrl(document.baseURI, console), {
       state: (state) => this.#onState(state),
       frame: (buffer) => this.#onFrame(buffer),
       fleet: (info) => this.#onFleet(info),
       safety: (vehicles) => this.#onSafety(vehicles),
+      control: (vehicles) => this.#onControl(vehicles),
       swarm: (swarm) => (this.swarm = swarm),
       event: (event) => (this.#historyLoaded ? this.#takeEvent(event) : this.#waiting.push(event)),
       gap: (missed) => journal.notice('warning', 'stream', `${missed} events did not reach this page`),
@@ -116,6 +122,11 @@ export class Session {
     this.#restartListeners.push(listener);
   }
 
+  /** Calls `listener` when the server has said anew who has which vehicle in hand. */
+  onControl(listener: () => void): void {
+    this.#controlListeners.push(listener);
+  }
+
   /** What the node's clock says now, in ms. */
   serverNowMs(): number {
     return this.fleet.serverTimeMs + (performance.now() - this.fleet.receivedAt);
@@ -147,6 +158,8 @@ export class Session {
       this.#historyLoaded = false;
       this.#historyRequested = false;
       this.#waiting = [];
+      // It is said again at once if anybody has a vehicle, and not at all if nobody has.
+      this.control = new Map();
       // Not at once: the first moments are busy and would be measured instead of the link.
       setTimeout(() => void this.#measure(), 1500);
     }
@@ -231,6 +244,11 @@ export class Session {
     for (const safety of vehicles) this.#safetyById.set(safety.id, safety);
   }
 
+  #onControl(vehicles: readonly VehicleControl[]): void {
+    this.control = new Map(vehicles.map((one) => [one.vehicle, one]));
+    for (const listener of this.#controlListeners) listener();
+  }
+
   #beat(): void {
     const now = performance.now();
     const fleet = this.fleet;
@@ -245,6 +263,7 @@ export class Session {
         added = true;
       }
       row.refresh(fleet, this.#infoById.get(id), this.#safetyById.get(id) ?? null, now, this.lostAt === null);
+      row.refreshControl(this.control.get(id), this.console);
     }
     const changed = added || this.rows.length !== fleet.presentCount || this.rows.some((row) => !row.present);
     if (changed) {

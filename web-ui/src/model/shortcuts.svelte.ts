@@ -24,6 +24,8 @@ export const SHORTCUTS: readonly Shortcut[] = [
   { keys: 'h', words: 'Hold', group: 'Command' },
   { keys: 'l', words: 'Land', group: 'Command' },
   { keys: 'r', words: 'Return', group: 'Command' },
+  { keys: 'o', words: 'Take, ask for or let go the targets', group: 'Command' },
+  { keys: 'a', words: 'Answer who asks for vehicles', group: 'Command' },
   { keys: 'Shift+H', words: 'HOLD ALL', group: 'Command' },
   { keys: 'Shift+R', words: 'RETURN ALL', group: 'Command' },
   { keys: 'Shift+E', words: 'Emergency stop, first step', group: 'Command' },
@@ -67,5 +69,5 @@ export class Shortcuts {
 
 /** Which button a key brings into focus, by its `data-verb`. */
 export const FOCUSES: Readonly<Record<string, string>> = {
-  t: 'take_off', h: 'hold', l: 'land', r: 'return', 'Shift+H': 'hold_all', 'Shift+R': 'return_all', 'Shift+E': 'emergency',
+  t: 'take_off', h: 'hold', l: 'land', r: 'return', o: 'hands', a: 'answer', 'Shift+H': 'hold_all', 'Shift+R': 'return_all', 'Shift+E': 'emergency',
 };

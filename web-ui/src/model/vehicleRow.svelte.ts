@@ -2,7 +2,7 @@
 // DOM. Numbers are already text here: formatting happens once per tick, not per component.
 
 import { FLAG } from '../protocol/frame';
-import type { FlightMode, FlightState, GnssFix, VehicleInfo, VehicleSafety } from '../protocol/types';
+import type { FlightMode, FlightState, GnssFix, VehicleControl, VehicleInfo, VehicleSafety } from '../protocol/types';
 import { FLIGHT_MODES, FLIGHT_STATES, GNSS_FIXES, LANDED_STATES } from '../protocol/words';
 import type { Fleet } from '../telemetry/fleet';
 import { ageText, classify } from '../telemetry/staleness';
@@ -66,6 +66,10 @@ export class VehicleRow {
   /** Its clock does not fit: an alarm of the ladder says so. */
   clockTrouble = $state(false);
 
+  /** The name of who has it in hand, empty if nobody has; and whether that is this page. */
+  hands = $state('');
+  mine = $state(false);
+
   constructor(
     readonly id: number,
     readonly index: number,
@@ -111,6 +115,11 @@ export class VehicleRow {
       ({ text: this.pluginsText, level: this.pluginsLevel } = pluginSummary(info));
     }
     if (heard) this.#assess(fleet, info);
+  }
+
+  refreshControl(control: VehicleControl | undefined, console: string): void {
+    this.hands = control?.console.name ?? '';
+    this.mine = control?.console.id === console;
   }
 
   #refreshSafety(safety: VehicleSafety | null): void {

@@ -1,8 +1,8 @@
 // The REST side: one function per call, typed bodies, one error type. Must never retry: a command sent twice is two commands.
 
 import type {
-  CommandBody, CommandReceipt, CommandReceipts, EmergencyKey, EmergencyStopBody, ErrorBody, EventList, FenceAnswer, FenceFileBody,
-  FencePlan, FencePlanBody, FormationPreview, FormationReceipt, FormationRequest, ImportedFencePlan, OverrideBody, PreflightAnswer,
+  CommandBody, CommandReceipt, CommandReceipts, Console, ControlAction, ControlBody, ControlReceipt, ControlReceipts, EmergencyKey,
+  EmergencyStopBody, ErrorBody, EventList, FenceAnswer, FenceFileBody, FencePlan, FencePlanBody, FormationPreview, FormationReceipt, FormationRequest, ImportedFencePlan, OverrideBody, PreflightAnswer,
   PluginList, PreflightOverride, ReferenceList, ReferenceSnapshot, RestartList, RestartRecord, Route, RouteBody, SupervisionTree, Targets,
   UpgradeReceipt, VehicleCommand, VehicleSnapshot,
 } from './types';
@@ -21,12 +21,22 @@ export class ApiError extends Error {
 
 const TIMEOUT_MS = 8000;
 
+/** The console that calls come from. */
+let caller: string | null = null;
+
+/** From now on every call says which console it comes from. */
+export function callAs(console: string): void {
+  caller = console;
+}
+
 async function call(method: string, path: string, body?: unknown, secret?: string): Promise<Response> {
-  const init: RequestInit = { method, signal: AbortSignal.timeout(TIMEOUT_MS), cache: 'no-store' };
+  const headers: Record<string, string> = {};
+  if (caller !== null) headers['skein-console'] = caller;
+  const init: RequestInit = { method, headers, signal: AbortSignal.timeout(TIMEOUT_MS), cache: 'no-store' };
   if (body !== undefined) {
     init.body = JSON.stringify(body);
-    init.headers = { 'content-type': 'application/json' };
-    if (secret !== undefined) init.headers = { ...init.headers, authorization: `Bearer ${secret}` };
+    headers['content-type'] = 'application/json';
+    if (secret !== undefined) headers.authorization = `Bearer ${secret}`;
   }
   let response: Response;
   try {
@@ -51,6 +61,12 @@ async function errorOf(response: Response): Promise<ApiError> {
 export async function sendCommand(targets: Targets, command: VehicleCommand): Promise<CommandReceipt[]> {
   const body: CommandBody = { targets, command };
   return ((await (await call('POST', 'commands', body)).json()) as CommandReceipts).receipts;
+}
+
+/** Takes vehicles in hand, asks for them, lets them go, hands them over. */
+export async function changeControl(vehicles: readonly number[], console: Console, action: ControlAction): Promise<ControlReceipt[]> {
+  const body: ControlBody = { targets: { vehicles: [...vehicles] }, console, action };
+  return ((await (await call('POST', 'control', body)).json()) as ControlReceipts).receipts;
 }
 
 export async function putFormation(request: FormationRequest): Promise<FormationReceipt> {

@@ -33,12 +33,13 @@ const newest = (): Socket => Socket.all.at(-1)!;
 
 function started() {
   const states: StreamState[] = [];
-  const heard = { frames: 0, fleets: 0, safeties: 0, swarms: 0, events: 0, gaps: 0, unreadable: [] as string[] };
+  const heard = { frames: 0, fleets: 0, safeties: 0, controls: 0, swarms: 0, events: 0, gaps: 0, unreadable: [] as string[] };
   const stream = new Stream('ws://test/api/v1/stream', {
     state: (state) => states.push(state),
     frame: () => heard.frames++,
     fleet: () => heard.fleets++,
     safety: (vehicles) => (heard.safeties += vehicles.length),
+    control: (vehicles) => (heard.controls += vehicles.length),
     swarm: () => heard.swarms++,
     event: () => heard.events++,
     gap: (missed) => (heard.gaps += missed),
@@ -71,9 +72,10 @@ describe('Stream', () => {
     newest().say(new ArrayBuffer(16));
     newest().say({ type: 'fleet' });
     newest().say({ type: 'event' });
+    newest().say({ type: 'control', vehicles: [{}, {}] });
     newest().say({ type: 'gap', missed: 4 });
     newest().say({ type: 'something new' });
-    expect(heard).toMatchObject({ frames: 1, fleets: 1, events: 1, gaps: 4, unreadable: [] });
+    expect(heard).toMatchObject({ frames: 1, fleets: 1, events: 1, controls: 2, gaps: 4, unreadable: [] });
   });
 
   it('asks for its rate as soon as it may, and again after a reconnection', () => {
@@ -157,8 +159,8 @@ describe('waitMs', () => {
 });
 
 describe('streamUrl', () => {
-  it('stands beside the page, with its own scheme', () => {
-    expect(streamUrl('http://127.0.0.1:8080/')).toBe('ws://127.0.0.1:8080/api/v1/stream');
-    expect(streamUrl('https://gcs.local/skein/')).toBe('wss://gcs.local/skein/api/v1/stream');
+  it('stands beside the page, with its own scheme, and says which console listens', () => {
+    expect(streamUrl('http://127.0.0.1:8080/', '3f2a')).toBe('ws://127.0.0.1:8080/api/v1/stream?console=3f2a');
+    expect(streamUrl('https://gcs.local/skein/', '3f2a')).toBe('wss://gcs.local/skein/api/v1/stream?console=3f2a');
   });
 });

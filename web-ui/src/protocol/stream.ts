@@ -2,7 +2,7 @@
 // Must never keep vehicle state: who listens decides what a message means.
 
 import { waitMs } from './backoff';
-import type { EventRecord, FleetInfo, ServerMessage, SwarmSnapshot, VehicleSafety } from './types';
+import type { EventRecord, FleetInfo, ServerMessage, SwarmSnapshot, VehicleControl, VehicleSafety } from './types';
 
 /** The server's greeting. */
 export type Hello = Extract<ServerMessage, { type: 'hello' }>;
@@ -27,6 +27,8 @@ export type StreamListener = {
   fleet(info: FleetInfo): void;
   /** Of all vehicles first, then of those of which it has changed. */
   safety(vehicles: readonly VehicleSafety[]): void;
+  /** Who has which vehicles in hand, whole. On a new connection nobody has any until this says so. */
+  control(vehicles: readonly VehicleControl[]): void;
   swarm(swarm: SwarmSnapshot): void;
   event(event: EventRecord): void;
   /** Events were lost on the way. */
@@ -121,6 +123,9 @@ export class Stream {
       case 'safety':
         if (this.#greeted) this.listener.safety(message.vehicles);
         break;
+      case 'control':
+        if (this.#greeted) this.listener.control(message.vehicles);
+        break;
       case 'event':
         if (this.#greeted) this.listener.event(message);
         break;
@@ -181,9 +186,10 @@ export class Stream {
   }
 }
 
-/** Address of the stream beside the page, whatever prefix the page is served under. */
-export function streamUrl(base: string): string {
+/** Address of the stream beside the page, whatever prefix the page is served under. That it is open is the console's sign of life. */
+export function streamUrl(base: string, console: string): string {
   const url = new URL('api/v1/stream', base);
+  url.searchParams.set('console', console);
   url.protocol = url.protocol === 'https:' ? 'wss:' : 'ws:';
   return url.href;
 }

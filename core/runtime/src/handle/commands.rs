@@ -11,6 +11,7 @@ use crate::vehicle::VehicleMessage;
 use crate::ways;
 use ractor::rpc::CallResult;
 use skein_domain::{CommandId, NodeId, Refusal, VehicleCommand, VehicleId};
+use skein_safety::control::is_for_everybody;
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 
@@ -20,11 +21,33 @@ const NODE_ANSWERS_WITHIN: Duration = Duration::from_secs(5);
 impl NodeHandle {
     /// Gives a command to vehicles; each answers for itself. A take-off of several is staggered.
     pub async fn command(&self, targets: &Targets, command: VehicleCommand) -> Vec<CommandReceipt> {
+        self.command_from(None, targets, command).await
+    }
+
+    /// As [`Self::command`], from a console: a vehicle that another one has in hand refuses, unless the command stops it.
+    pub async fn command_from(
+        &self,
+        console: Option<&str>,
+        targets: &Targets,
+        command: VehicleCommand,
+    ) -> Vec<CommandReceipt> {
         let ids: Vec<VehicleId> = match targets {
             Targets::All => self.board.vehicle_ids(),
             Targets::Vehicles(ids) => ids.clone(),
         };
-        let (orders, mut receipts) = self.orders(&ids, command);
+        let may = |id: &VehicleId| match is_for_everybody(&command) {
+            true => Ok(()),
+            false => self.may_command(console, &[*id]),
+        };
+        let (mut mine, mut others_hands) = (Vec::with_capacity(ids.len()), Vec::new());
+        for id in &ids {
+            match may(id) {
+                Ok(()) => mine.push(*id),
+                Err(refusal) => others_hands.push(self.refused(*id, refusal)),
+            }
+        }
+        let (orders, mut receipts) = self.orders(&mine, command);
+        receipts.append(&mut others_hands);
         let (mut own, mut others): (Vec<Order>, BTreeMap<NodeId, Vec<Order>>) = (Vec::new(), BTreeMap::new());
         for order in orders {
             match self.board.host(order.vehicle) {

@@ -7,9 +7,11 @@ use crate::board::Board;
 use crate::references::ReferenceReport;
 use serde::{Deserialize, Serialize};
 use skein_domain::NodeTime;
+use skein_domain::VehicleId;
 use skein_domain::fence::FencePlan;
 use skein_domain::payload::Track;
 use skein_domain::preflight::PreflightOverride;
+use skein_safety::control::Entry;
 
 /// What operators told at a node, for all others.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -22,13 +24,27 @@ pub struct Desk {
     pub tracks: Option<Vec<Track>>,
     /// Red items that somebody takes upon himself.
     pub overrides: Vec<PreflightOverride>,
+    /// Who has which vehicles in hand, as this node knows it.
+    pub control: Vec<(VehicleId, Entry)>,
+    /// When consoles were last heard at this node.
+    pub consoles: Vec<(String, NodeTime)>,
 }
 
 impl Desk {
     /// As it is at this node.
     #[must_use]
     pub fn of(board: &Board) -> Self {
+        let (control, consoles) = {
+            let table = board.control.lock();
+            let entries = table.entries().iter();
+            (
+                entries.map(|(id, entry)| (*id, entry.clone())).collect(),
+                table.heard_here(board.now()),
+            )
+        };
         Self {
+            control,
+            consoles,
             operator_heard: board.operator_heard_here(),
             references: board.references.told_here(),
             tracks: board.tracks_here(),
@@ -54,6 +70,18 @@ impl Desk {
                 track.time = track.time.on_clock_ahead_by(ahead_us).min(now);
             }
             board.hear_tracks(tracks);
+        }
+        let here = |at: NodeTime| at.on_clock_ahead_by(ahead_us).min(now);
+        {
+            let mut table = board.control.lock();
+            for (console, at) in &self.consoles {
+                table.hear_elsewhere(console, here(*at));
+            }
+            table.merge(
+                self.control
+                    .into_iter()
+                    .map(|(vehicle, entry)| (vehicle, entry.timed(here))),
+            );
         }
         let mut overrides = board.overrides.lock();
         for mut given in self.overrides {

@@ -2,6 +2,7 @@
 
 mod adoption;
 mod common_frame;
+mod control;
 mod flock;
 mod gate;
 mod neighbours;

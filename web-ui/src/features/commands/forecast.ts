@@ -25,10 +25,12 @@ export type Forecast = {
 };
 
 const NEEDS_AIR: readonly Verb[] = ['hold', 'land', 'return'];
+/** These may be given by anybody, whoever has the vehicle in hand. */
+const FOR_EVERYBODY: readonly Verb[] = ['hold', 'land', 'return'];
 
 type Doubt = 'not heard' | 'flown by a pilot' | 'on the ground' | 'in the air' | 'disarmed already' | 'armed already' | 'not ready to arm';
 
-/** Why this vehicle will refuse, or an empty text. */
+/** Why this vehicle itself will refuse, or an empty text. */
 function doubt(s: Subject, verb: Verb): Doubt | '' {
   if (s.staleness === 'lost') return 'not heard';
   if (s.flightState === 'pilot_control') return 'flown by a pilot';
@@ -39,18 +41,21 @@ function doubt(s: Subject, verb: Verb): Doubt | '' {
   return s.armed || s.readyToArm ? '' : 'not ready to arm';
 }
 
-export function forecast(subjects: readonly Subject[], offer: Offer, heightM: number): Forecast {
+/** `heldBy` gives the name of another operator who has the vehicle in hand, or an empty text. */
+export function forecast(subjects: readonly Subject[], offer: Offer, heightM: number, heldBy: (id: number) => string = () => ''): Forecast {
   const able: number[] = [];
-  const unable = new Map<Doubt, number[]>();
+  const unable = new Map<string, number[]>();
   for (const subject of subjects) {
-    const why = doubt(subject, offer.verb);
+    const holder = FOR_EVERYBODY.includes(offer.verb) ? '' : heldBy(subject.id);
+    const itself = doubt(subject, offer.verb);
+    const why = holder !== '' ? t('in the hands of {name}', { name: holder }) : itself === '' ? '' : t(itself);
     if (why === '') able.push(subject.id);
     else unable.set(why, [...(unable.get(why) ?? []), subject.id]);
   }
   const what = offer.verb === 'take_off' ? t('Arm if need be, climb to {height} m and hold there', { height: heightM }) : t(offer.describe);
   return {
     text: `${what}: ${able.length === 0 ? t('nobody') : idRanges(able)}`,
-    doubts: [...unable].map(([why, ids]) => `${ids.length} ${t(why)}: ${idRanges(ids)}`),
+    doubts: [...unable].map(([why, ids]) => `${ids.length} ${why}: ${idRanges(ids)}`),
     able: able.length,
   };
 }

@@ -3,7 +3,7 @@ import { compare, inCategory, matchesSearch, parseIds } from './fleetFilter';
 import type { Listed } from './fleetFilter';
 
 const row = (id: number, more: Partial<Listed> = {}): Listed => ({
-  id, name: `uav-${id}`, level: 0, airborne: false, battery: 50, flightState: 'idle', mode: 'ready', staleness: 'live', problems: '', ...more,
+  id, name: `uav-${id}`, level: 0, airborne: false, battery: 50, flightState: 'idle', mode: 'ready', staleness: 'live', problems: '', hands: '', mine: false, ...more,
 });
 
 describe('parseIds', () => {
@@ -36,6 +36,7 @@ describe('matchesSearch', () => {
     expect(matchesSearch(landing, 'LOW')).toBe(true);
     expect(matchesSearch(landing, 'uav-1')).toBe(true);
     expect(matchesSearch(landing, 'holding')).toBe(false);
+    expect([matchesSearch(row(1, { hands: 'Anna' }), 'anna'), matchesSearch(landing, 'anna')]).toEqual([true, false]);
   });
 });
 
@@ -43,6 +44,7 @@ describe('inCategory', () => {
   it('without a selection every vehicle is a target', () => {
     expect(inCategory(row(1), 'targets', new Set())).toBe(true);
     expect(inCategory(row(1), 'targets', new Set([2]))).toBe(false);
+    expect([inCategory(row(1, { mine: true }), 'mine', new Set()), inCategory(row(1), 'mine', new Set())]).toEqual([true, false]);
   });
 });
 

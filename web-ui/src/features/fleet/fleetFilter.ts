@@ -2,7 +2,7 @@
 
 import { spoken } from '../../protocol/words';
 
-export type FilterKey = 'all' | 'attention' | 'air' | 'ground' | 'targets';
+export type FilterKey = 'all' | 'attention' | 'air' | 'ground' | 'targets' | 'mine';
 export type SortKey = 'id' | 'urgency' | 'battery' | 'state';
 
 /** The fields of a row that filtering and sorting look at. */
@@ -16,6 +16,9 @@ export type Listed = {
   mode: string;
   staleness: string;
   problems: string;
+  /** Who has it in hand, empty if nobody has. */
+  hands: string;
+  mine: boolean;
 };
 
 /** Ids meant by text like `3`, `1-4, 7`; null if the text is no such list. */
@@ -41,6 +44,8 @@ export function inCategory(row: Listed, filter: FilterKey, targets: ReadonlySet<
       return row.airborne;
     case 'ground':
       return !row.airborne;
+    case 'mine':
+      return row.mine;
     case 'targets':
       return targets.size === 0 || targets.has(row.id);
   }
@@ -51,7 +56,7 @@ export function matchesSearch(row: Listed, search: string): boolean {
   if (wanted === '') return true;
   const ids = parseIds(wanted);
   if (ids) return ids.has(row.id);
-  const text = `${row.id} ${row.name} ${spoken(row.flightState)} ${spoken(row.mode)} ${row.staleness} ${row.problems}`;
+  const text = `${row.id} ${row.name} ${spoken(row.flightState)} ${spoken(row.mode)} ${row.staleness} ${row.problems} ${row.hands}`;
   return text.toLowerCase().includes(wanted);
 }
 

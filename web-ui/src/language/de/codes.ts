@@ -22,7 +22,7 @@ export const codes: Readonly<Record<string, string>> = {
   adopted: 'übernommen', 'not adopted': 'nicht übernommen', 'link lost': 'Verbindung verloren', 'link regained': 'Verbindung wieder da',
   'autopilot rebooted': 'Autopilot neu gestartet', 'flight state': 'Flugzustand', command: 'Befehl', ladder: 'Sicherheitsstufe',
   avoidance: 'Ausweichen', fences: 'Zäune', preflight: 'Vorflug', 'emergency stop': 'Nothalt', formation: 'Formation', trajectory: 'Bahn',
-  supervision: 'Aufsicht', stream: 'Datenstrom', 'status text': 'Meldung des Autopiloten', connection: 'Verbindung', swarm: 'Verbund',
+  supervision: 'Aufsicht', stream: 'Datenstrom', 'status text': 'Meldung des Autopiloten', connection: 'Verbindung', swarm: 'Verbund', control: 'Zuständigkeit',
   // shapes and how they are kept
   line: 'Reihe', column: 'Kolonne', wedge: 'Keil', 'echelon left': 'Staffel links', 'echelon right': 'Staffel rechts', diamond: 'Raute', circle: 'Kreis', arc: 'Bogen', square: 'Quadrat', grid: 'Gitter',
   box: 'Quader', sphere: 'Kugel', helix: 'Schraube', free: 'Frei', slots: 'Plätzen', distances: 'Abständen', bearings: 'Peilungen',

@@ -370,6 +370,93 @@ export type CommandReceipts = {
 receipts: Array<CommandReceipt>, };
 
 /**
+ * One place from which vehicles are commanded: a page in a browser, a program.
+ */
+export type Console = { 
+/**
+ * Tells it from all others; drawn by the console itself.
+ */
+id: string, 
+/**
+ * What people call who sits there.
+ */
+name: string, };
+
+/**
+ * What a console wants with vehicles.
+ */
+export type ControlAction = { "action": "take" } | { "action": "request" } | { "action": "release" } | { "action": "hand_over", 
+/**
+ * Its id.
+ */
+to: string, };
+
+/**
+ * What a console wants with which vehicles.
+ */
+export type ControlBody = { 
+/**
+ * Which.
+ */
+targets: Targets, 
+/**
+ * Who.
+ */
+console: Console, 
+/**
+ * What.
+ */
+action: ControlAction, };
+
+/**
+ * What came of it at one vehicle.
+ */
+export type ControlReceipt = { 
+/**
+ * The vehicle.
+ */
+vehicle: VehicleId, 
+/**
+ * Why not, if so.
+ */
+refusal: Refusal | null, };
+
+/**
+ * What came of it, vehicle by vehicle.
+ */
+export type ControlReceipts = { 
+/**
+ * One for each vehicle it was for.
+ */
+receipts: Array<ControlReceipt>, };
+
+/**
+ * A console that asks for a vehicle which another one has.
+ */
+export type ControlRequest = { 
+/**
+ * Who asks.
+ */
+console: Console, 
+/**
+ * Since when.
+ */
+since: NodeTime, };
+
+/**
+ * Who has which vehicles in hand.
+ */
+export type ControlState = { 
+/**
+ * When.
+ */
+time: NodeTime, 
+/**
+ * Those that somebody has, by ascending id.
+ */
+vehicles: Array<VehicleControl>, };
+
+/**
  * Which node is to coordinate.
  */
 export type CoordinatorBody = { 
@@ -2256,7 +2343,15 @@ name: string, } | { "reason": "clock",
 /**
  * Which, and what would be right.
  */
-detail: string, };
+detail: string, } | { "reason": "in_other_hands", 
+/**
+ * The vehicle.
+ */
+vehicle: VehicleId, 
+/**
+ * What the other is called.
+ */
+holder: string, };
 
 /**
  * Why a trigger is reported and nothing is done about it.
@@ -2368,7 +2463,11 @@ node: string, } | { "type": "fleet" } & FleetInfo | { "type": "safety",
 /**
  * By ascending id.
  */
-vehicles: Array<VehicleSafety>, } | { "type": "swarm" } & SwarmSnapshot | { "type": "event" } & EventRecord | { "type": "gap", 
+vehicles: Array<VehicleSafety>, } | { "type": "control", 
+/**
+ * Those that somebody has, by ascending id.
+ */
+vehicles: Array<VehicleControl>, } | { "type": "swarm" } & SwarmSnapshot | { "type": "event" } & EventRecord | { "type": "gap", 
 /**
  * How many.
  */
@@ -2852,6 +2951,31 @@ height_m: number | null, } | { "command": "look_at",
  * What is to be looked at.
  */
 target: Target, } | { "command": "stop_observing" };
+
+/**
+ * Who has a vehicle in hand.
+ */
+export type VehicleControl = { 
+/**
+ * The vehicle.
+ */
+vehicle: VehicleId, 
+/**
+ * Who has it.
+ */
+console: Console, 
+/**
+ * Since when.
+ */
+since: NodeTime, 
+/**
+ * That console is heard. If not, anybody may relieve it.
+ */
+is_heard: boolean, 
+/**
+ * Who asks for it, the first first.
+ */
+requests: Array<ControlRequest>, };
 
 /**
  * A vehicle of the swarm, unique over all links. By default equal to its MAVLink system id.

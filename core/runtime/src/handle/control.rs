@@ -1,0 +1,117 @@
+//! Control: which operator's console has which vehicles in hand, at this node and, as the others tell, in the whole swarm.
+//!
+//! Must never do: keep anybody from stopping, holding or bringing down a vehicle.
+
+use super::{NodeHandle, Targets};
+use crate::snapshot::EventKind;
+use serde::{Deserialize, Serialize};
+use skein_domain::control::{Console, VehicleControl};
+use skein_domain::exchange::Severity;
+use skein_domain::{Refusal, VehicleId};
+
+/// What a console wants with vehicles.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
+#[serde(tag = "action", rename_all = "snake_case", deny_unknown_fields)]
+pub enum ControlAction {
+    /// To take them in hand, if nobody has them, or who has them is not heard any more.
+    Take,
+    /// To ask who has them. Taken at once if nobody has them.
+    Request,
+    /// To let them go.
+    Release,
+    /// To give them to a console that asks for them.
+    HandOver {
+        /// Its id.
+        to: String,
+    },
+}
+
+/// What came of it at one vehicle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
+pub struct ControlReceipt {
+    /// The vehicle.
+    pub vehicle: VehicleId,
+    /// Why not, if so.
+    pub refusal: Option<Refusal>,
+}
+
+impl NodeHandle {
+    /// Who has which vehicles in hand, by ascending id; the others are in nobody's.
+    #[must_use]
+    pub fn control(&self) -> Vec<VehicleControl> {
+        self.board.control.lock().picture(self.now())
+    }
+
+    /// A console gives a sign of life.
+    pub fn hear_console(&self, console: &str) {
+        self.board.control.lock().hear(console, self.now());
+    }
+
+    /// A console takes, asks for, hands over or lets go vehicles.
+    ///
+    /// # Errors
+    /// For a console that cannot be told from others, or shown.
+    pub fn change_control(
+        &self,
+        targets: &Targets,
+        console: &Console,
+        action: &ControlAction,
+    ) -> Result<Vec<ControlReceipt>, Refusal> {
+        if !console.is_sound() {
+            return Err(Refusal::InvalidValue {
+                detail: "a console has an id and a name of 1 to 64 characters each".into(),
+            });
+        }
+        let ids = match targets {
+            Targets::All => self.board.vehicle_ids(),
+            Targets::Vehicles(ids) => ids.clone(),
+        };
+        let receipts = ids.into_iter().map(|vehicle| ControlReceipt {
+            vehicle,
+            refusal: self.change_one(vehicle, console, action).err(),
+        });
+        Ok(receipts.collect())
+    }
+
+    fn change_one(&self, vehicle: VehicleId, console: &Console, action: &ControlAction) -> Result<(), Refusal> {
+        if !self.board.vehicle_ids().contains(&vehicle) {
+            return Err(Refusal::UnknownVehicle { vehicle });
+        }
+        let now = self.now();
+        let (before, after) = {
+            let mut table = self.board.control.lock();
+            let before = table.holder(vehicle).map(|holder| holder.name.clone());
+            match action {
+                ControlAction::Take => table.take(vehicle, console, now),
+                ControlAction::Request => table.request(vehicle, console, now),
+                ControlAction::Release => table.release(vehicle, &console.id, now),
+                ControlAction::HandOver { to } => table.hand_over(vehicle, &console.id, to, now),
+            }?;
+            (before, table.holder(vehicle).map(|holder| holder.name.clone()))
+        };
+        let text = match (&before, &after) {
+            (before, after) if before == after && *action == ControlAction::Request => {
+                format!("{} asks for it", console.name)
+            }
+            (before, after) if before == after => return Ok(()),
+            (_, Some(name)) => format!("in the hands of {name}"),
+            (Some(name), None) => format!("{name} has let it go"),
+            (None, None) => return Ok(()),
+        };
+        self.board
+            .events
+            .record(now, Some(vehicle), Severity::Info, EventKind::Notice, text);
+        Ok(())
+    }
+
+    /// Whether a console (none: a program that says of itself nothing) may command these vehicles.
+    ///
+    /// # Errors
+    /// The first of them that another one has in hand.
+    pub fn may_command(&self, console: Option<&str>, vehicles: &[VehicleId]) -> Result<(), Refusal> {
+        let (table, now) = (self.board.control.lock(), self.board.now());
+        vehicles
+            .iter()
+            .try_for_each(|vehicle| table.may(*vehicle, console, now))
+    }
+}

@@ -1,0 +1,21 @@
+// German for several operators: who has which vehicles in hand, and who asks for them.
+
+export const operators = {
+  // settings
+  'Your name, as other operators see it': 'Ihr Name, wie andere Bediener ihn sehen', 'as {name}': 'als {name}', 'Change your name in the settings': 'Ihren Namen in den Einstellungen ändern',
+  // whose a vehicle is
+  'In hand': 'In der Hand', 'Whose commands it takes': 'Wessen Befehle es annimmt', you: 'Sie', asked: 'angefragt', 'in the hands of {name}': 'in der Hand von {name}', 'by operator': 'nach Bediener',
+  "In nobody's hands": 'In niemandes Hand', 'In the hands of {name}': 'In der Hand von {name}', 'In your hands': 'In Ihrer Hand',
+  // the targets
+  'Who has the targets in hand': 'Wer die Ziele in der Hand hat', '{count} yours': '{count} bei Ihnen', '{count} with {name}': '{count} bei {name}', '{count} with others': '{count} bei anderen', "{count} nobody's": '{count} bei niemandem',
+  'Take {count}': '{count} übernehmen', 'Ask for {count}': 'Um {count} bitten', 'asked for {count}': 'um {count} gebeten', 'Let go {count}': '{count} freigeben', 'Target your {count}': 'Ihre {count} zu Zielen machen',
+  'Only you command them then; hold, land, return and stop stay with everybody': 'Dann befehlen nur Sie ihnen; halten, landen, zurück und Nothalt bleiben allen',
+  'Who has them is told that you ask': 'Wer sie hat, erfährt, dass Sie bitten', 'They go to who asked first, else to nobody': 'Sie gehen an den, der zuerst bat, sonst an niemanden',
+  'Take, ask for or let go the targets': 'Ziele übernehmen, um sie bitten oder sie freigeben', 'Answer who asks for vehicles': 'Wer um Fahrzeuge bittet: antworten',
+  // requests
+  'Requests for vehicles': 'Bitten um Fahrzeuge', '{name} asks for {who}': '{name} bittet um {who}', 'Hand over': 'Übergeben', 'Not now': 'Jetzt nicht', 'and {count} more who ask': 'und {count} weitere, die bitten',
+  // what came of it
+  'Taken in hand: {who}': 'Übernommen: {who}', 'Not taken in hand': 'Nicht übernommen', 'Asked for: {who}': 'Gebeten um: {who}', 'Not asked for': 'Nicht gebeten um', 'Let go: {who}': 'Freigegeben: {who}', 'Not let go': 'Nicht freigegeben',
+  'Handed over to {name}: {who}': 'An {name} übergeben: {who}', 'Not handed over': 'Nicht übergeben', '{name} has taken over: {who}': '{name} hat übernommen: {who}', 'In your hands now: {who}': 'Jetzt in Ihrer Hand: {who}',
+  'vehicle {vehicle} is in the hands of {holder}': 'Fahrzeug {vehicle} ist in der Hand von {holder}',
+} as const;
