@@ -11,7 +11,7 @@ import { FONT, paintHatching } from '../map/paintGround';
 import { paintLabels } from '../map/paintLabels';
 import { levelColour, readPalette } from '../map/palette';
 import type { Palette } from '../map/palette';
-import { distanceText } from '../map/view';
+import { ruleText } from '../../language/units.svelte';
 import type { Drawer } from './drawer';
 import { Orbit } from './orbit';
 import { SpaceModel } from './spaceModel';
@@ -221,6 +221,7 @@ export class Space {
     ctx.textAlign = 'left';
     ctx.textBaseline = 'alphabetic';
     ctx.fillStyle = this.#palette.label;
-    ctx.fillText(`grid ${distanceText(this.model.gridStepM)}, fine ${distanceText(this.model.gridStepM / 5)}`, 14, this.orbit.height - 16);
+    const { gridStepM } = this.model;
+    ctx.fillText(`grid ${ruleText(gridStepM, gridStepM / 5)}, fine ${ruleText(gridStepM / 5, gridStepM / 5)}`, 14, this.orbit.height - 16);
   }
 }
