@@ -51,6 +51,8 @@ test('in feet and knots a fleet is flown', async ({ page }) => {
     await expect(field(page, 'Take-off height')).toHaveValue('20');
     await field(page, 'Take-off height').press('Tab');
     await expect(field(page, 'Take-off height')).toHaveValue('20');
+    // The button that the focus went on to is told of, until the pointer comes to another.
+    await page.mouse.move(0, 0);
     await button(page, `Take off ${VEHICLES}`).hover();
     await expect(told).toContainText('climb to 20 ft and hold there');
     const sent = page.waitForRequest((request) => request.method() === 'POST' && request.url().endsWith('/commands'));
