@@ -20,6 +20,8 @@ test.afterEach(() => program.stop());
 const hands = (page: Page, id: number): Locator => card(page, id).getByTestId('hands');
 const share = (page: Page): Locator => page.getByTestId('targets-hands');
 const request = (page: Page): Locator => page.getByTestId('request');
+/** The signs on the map. */
+const marked = (page: Page) => page.evaluate(() => window.__skein!.held());
 
 /** Opens the page as an operator of this name. */
 async function sit(page: Page, name: string): Promise<void> {
@@ -58,6 +60,8 @@ test('two operators share the fleet', async ({ page: anna, browser }) => {
       await expect(hands(ben, id)).toHaveText('Anna');
     }
     for (const page of [anna, ben]) await expect(hands(page, 3)).toHaveText('nobody');
+    await expect.poll(() => marked(ben)).toEqual([{ id: 1, heard: true }, { id: 2, heard: true }]);
+    expect(await marked(anna)).toEqual([]);
     await expect(share(anna)).toContainText('2 yours');
     await expect(share(ben)).toContainText('2 with Anna');
     await expect(share(ben)).toContainText("1 nobody's");
@@ -163,6 +167,7 @@ test('two operators share the fleet', async ({ page: anna, browser }) => {
     await context.close();
     await button(anna, /^Target 1,/).click();
     await expect(hands(anna, 1)).toHaveText('Ben, not heard', { timeout: RELIEF_MS });
+    await expect.poll(() => marked(anna)).toEqual([{ id: 1, heard: false }]);
     await button(anna, 'Take 1').click();
     await expect(hands(anna, 1)).toHaveText('you');
     expect(await findings(anna)).toEqual([]);
@@ -173,6 +178,7 @@ test('two operators share the fleet', async ({ page: anna, browser }) => {
     await expect(anna.getByTestId('targets')).toContainText('2 selected');
     await button(anna, 'Let go 2').click();
     await expect(anna.getByTestId('hands')).toHaveCount(0);
+    expect(await marked(anna)).toEqual([]);
     await expect(share(anna)).toHaveText('Take 2');
   });
   expect(faults).toEqual([]);

@@ -5,6 +5,7 @@ import type { FencePlan, FenceZone, Geodetic, ZoneKind } from '../protocol/types
 import { SwarmProjection } from '../telemetry/geodesy';
 import { quantity } from './vehicleSafety';
 import { t } from '../language/language.svelte';
+import { shown } from '../language/units.svelte';
 
 type Place = { north: number; east: number };
 
@@ -30,7 +31,7 @@ export function bandText(zone: FenceZone): string {
   if (floor === null && ceiling === null) return t('all heights');
   if (floor === null) return t('up to {height}', { height: `${quantity(ceiling, 'm')}${above}` });
   if (ceiling === null) return t('from {height}', { height: `${quantity(floor, 'm')}${above}` });
-  return t('{floor} to {ceiling}', { floor: quantity(floor, ''), ceiling: `${quantity(ceiling, 'm')}${above}` });
+  return t('{floor} to {ceiling}', { floor: quantity(shown('height', floor), ''), ceiling: `${quantity(ceiling, 'm')}${above}` });
 }
 
 export function kindText(kind: ZoneKind): string {

@@ -14,6 +14,7 @@ import type { Session } from './session.svelte';
 import type { Targets } from './targets.svelte';
 import type { VehicleRow } from './vehicleRow.svelte';
 import { t } from '../language/language.svelte';
+import { figureText } from '../language/units.svelte';
 
 export type Outcome = { tone: 'pending' | 'accepted' | 'refused'; text: string } | null;
 export type AnchorKind = FormationAnchor['kind'];
@@ -208,13 +209,13 @@ export class FormationDraft {
     this.outcome = { tone: 'pending', text: t('{shape}: asking the coordinator', { shape: name }) };
     try {
       const receipt = await putFormation(request);
-      const text = t('{shape} of {count} {anchor}: {seconds} s to form, never closer than {distance} m, then up to {speed} m/s', {
+      const text = t('{shape} of {count} {anchor}: {seconds} s to form, never closer than {distance}, then up to {speed}', {
         shape: name,
         count: receipt.members.length,
         anchor: anchorText(request.anchor, receipt.leader),
         seconds: receipt.duration_s.toFixed(0),
-        distance: receipt.planned_min_distance_m.toFixed(1),
-        speed: receipt.max_speed_m_s.toFixed(1),
+        distance: figureText('length', receipt.planned_min_distance_m),
+        speed: figureText('speed', receipt.max_speed_m_s),
       });
       this.outcome = { tone: 'accepted', text };
       this.preview = false;

@@ -4,6 +4,7 @@ import type { FormationAnchor, FormationRequest, FormationSnapshot, OffsetFrd, S
 import { label } from '../protocol/words';
 import { idRanges } from './idRanges';
 import { said, t } from '../language/language.svelte';
+import { setText } from '../language/units.svelte';
 
 /** All shapes, in the order they are offered. */
 export const SHAPES: readonly Shape[] = [
@@ -35,7 +36,7 @@ export function flownText(flown: FormationSnapshot): { shape: string; rest: stri
   const scaled = request.scale === 1 ? '' : t(', {scale} times as large', { scale: request.scale });
   const kept = flown.keeps_itself ? t(', keeps itself by {control}', { control: said(request.control) }) : '';
   const blocked = flown.view_blocked.length === 0 ? '' : t('; no free view for {who}', { who: idRanges(flown.view_blocked) });
-  const rest = `${t(' of {count}, {spacing} m apart', { count: flown.members.length, spacing: request.spacing_m })}${scaled}, ${anchorText(request.anchor, flown.leader)}${kept}${blocked}`;
+  const rest = `${t(' of {count}, {spacing} apart', { count: flown.members.length, spacing: setText('length', request.spacing_m) })}${scaled}, ${anchorText(request.anchor, flown.leader)}${kept}${blocked}`;
   return { shape: label(request.shape), rest };
 }
 

@@ -3,6 +3,7 @@
 import type { ItemStatus, PreflightAnswer, PreflightItem, PreflightOverride, PreflightReport } from '../protocol/types';
 import { quantity } from './vehicleSafety';
 import { t } from '../language/language.svelte';
+import { inUnits } from '../language/units.svelte';
 
 const RANK: Record<ItemStatus, number> = { red: 0, amber: 1, green: 2, not_applicable: 3 };
 
@@ -45,6 +46,12 @@ export function viewOf(answer: PreflightAnswer, flying: (vehicle: number) => boo
 /** The limit of an item in words; empty if it has none. */
 export function limitText(item: PreflightItem): string {
   return item.limit === null ? '' : `${t('limit')} ${quantity(item.limit, item.unit)}`;
+}
+
+/** The value of an item. The node words it; a number that it begins with is put into the units of the page, as its limit is. */
+export function valueText({ value, number, unit }: PreflightItem): string {
+  if (number === null || inUnits(number, unit).unit === unit) return value;
+  return value.replace(/^-?\d+(\.\d+)? (m\/s|m)(?![\w/])/, (worded, _, named: string) => (named === unit ? quantity(number, unit) : worded));
 }
 
 /** The override that takes an item of a report upon somebody, if one holds. Times are the node's, in microseconds. */

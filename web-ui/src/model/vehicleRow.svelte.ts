@@ -12,6 +12,7 @@ import { LEVEL, problemsOf, worst } from './severity';
 import type { Level } from './severity';
 import { percentText, returnText, safetyProblems } from './vehicleSafety';
 import { t } from '../language/language.svelte';
+import { errorText, figureText } from '../language/units.svelte';
 
 /** What stands where a value is not known. */
 export const UNKNOWN = '–';
@@ -144,13 +145,13 @@ export class VehicleRow {
     }
     const ground = info?.home?.altitude_amsl_m;
     this.heightM = ground === undefined ? NaN : (fleet.altitudeM[i] ?? 0) - ground;
-    this.height = ground === undefined ? UNKNOWN : `${noMinusZero(this.heightM)} m`;
+    this.height = ground === undefined ? UNKNOWN : figureText('height', this.heightM);
     const speed = Math.hypot(fleet.velocityNorth[i] ?? 0, fleet.velocityEast[i] ?? 0, fleet.velocityDown[i] ?? 0);
     this.speedMS = speed;
-    this.speed = `${speed.toFixed(1)} m/s`;
+    this.speed = figureText('speed', speed);
     const error = fleet.trackingErrorM[i] ?? NaN;
     this.errorM = error;
-    this.trackingError = Number.isNaN(error) ? UNKNOWN : `${error.toFixed(error < 10 ? 2 : 0)} m`;
+    this.trackingError = Number.isNaN(error) ? UNKNOWN : errorText(error);
   }
 
   #assess(fleet: Fleet, info: VehicleInfo | undefined): void {
@@ -181,9 +182,4 @@ export class VehicleRow {
 function measured(value: number | undefined, unit: string): string {
   if (value === undefined || Number.isNaN(value)) return UNKNOWN;
   return `${value < 10 ? value.toFixed(1) : Math.round(value)} ${unit}`;
-}
-
-function noMinusZero(metres: number): string {
-  const text = metres.toFixed(1);
-  return text === '-0.0' ? '0.0' : text;
 }

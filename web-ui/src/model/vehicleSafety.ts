@@ -7,6 +7,7 @@ import { LEVEL } from './severity';
 import type { Level, Problem } from './severity';
 import { t } from '../language/language.svelte';
 import type { Text } from '../language/language.svelte';
+import { inUnits } from '../language/units.svelte';
 
 const REACTIONS: Record<Reaction, Text> = {
   warn: 'warning only',
@@ -17,8 +18,9 @@ const REACTIONS: Record<Reaction, Text> = {
 };
 
 /** A number with its unit as short as it can be read; what is not a number is not known. */
-export function quantity(value: number | null, unit: string): string {
-  if (value === null || !Number.isFinite(value)) return t('not known');
+export function quantity(measured: number | null, measuredIn: string): string {
+  if (measured === null || !Number.isFinite(measured)) return t('not known');
+  const { value, unit } = inUnits(measured, measuredIn);
   const size = Math.abs(value);
   const digits = size >= 100 ? 0 : size >= 1 || size === 0 ? 1 : 2;
   const text = value.toFixed(digits).replace(/\.0+$/, '');

@@ -3,6 +3,7 @@
 
 import type { Refusal } from './types';
 import { said, t } from '../language/language.svelte';
+import { figureText } from '../language/units.svelte';
 
 export { FLIGHT_MODES, FLIGHT_STATES, GNSS_FIXES, LANDED_STATES } from './generated/frame';
 
@@ -54,9 +55,11 @@ export function refusalText(refusal: Refusal): string {
     case 'outside_fence':
       return `${t('outside the fence')}: ${refusal.detail}`;
     case 'too_fast':
-      return t('{speed} m/s is over the limit of {limit} m/s', { speed: refusal.speed_m_s.toFixed(1), limit: refusal.limit_m_s.toFixed(1) });
+      return t('{speed} is over the limit of {limit}', { speed: figureText('speed', refusal.speed_m_s), limit: figureText('speed', refusal.limit_m_s) });
     case 'too_close':
-      return t('{distance} m from vehicle {other}, under the limit of {limit} m', { distance: refusal.distance_m.toFixed(1), other: refusal.other, limit: refusal.limit_m.toFixed(1) });
+      return t('{distance} from vehicle {other}, under the limit of {limit}', {
+        distance: figureText('length', refusal.distance_m), other: refusal.other, limit: figureText('length', refusal.limit_m),
+      });
     case 'invalid_value':
       return `${t('invalid value')}: ${refusal.detail}`;
     case 'no_swarm_frame':

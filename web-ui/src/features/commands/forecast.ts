@@ -4,6 +4,7 @@
 import { idRanges } from '../../model/idRanges';
 import type { Offer, Verb } from './commandSet';
 import { t } from '../../language/language.svelte';
+import { setText } from '../../language/units.svelte';
 
 /** What is looked at of a vehicle. */
 export type Subject = {
@@ -52,7 +53,7 @@ export function forecast(subjects: readonly Subject[], offer: Offer, heightM: nu
     if (why === '') able.push(subject.id);
     else unable.set(why, [...(unable.get(why) ?? []), subject.id]);
   }
-  const what = offer.verb === 'take_off' ? t('Arm if need be, climb to {height} m and hold there', { height: heightM }) : t(offer.describe);
+  const what = offer.verb === 'take_off' ? t('Arm if need be, climb to {height} and hold there', { height: setText('height', heightM) }) : t(offer.describe);
   return {
     text: `${what}: ${able.length === 0 ? t('nobody') : idRanges(able)}`,
     doubts: [...unable].map(([why, ids]) => `${ids.length} ${why}: ${idRanges(ids)}`),

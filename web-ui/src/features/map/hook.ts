@@ -36,6 +36,8 @@ export type Hook = {
   measured(): { distanceM: number; bearingDeg: number | null; riseM: number | null }[];
   /** The drawn links: of which vehicle, and how good. */
   links(): { id: number; quality: string; text: string }[];
+  /** Vehicles that bear the sign of another operator's hands, and whether that one is heard. */
+  held(): { id: number; heard: boolean }[];
   /** Zones of the fences that are drawn. */
   zones(): { name: string; kind: string; corners: number }[];
   /** Slots of the previewed formation, in metres about the swarm's origin; up counts from its anchor. */
@@ -62,6 +64,7 @@ export function installHook(app: Console, painter: Painter): () => void {
     hitTest: (x, y) => fleet.ids[hitTest(view, fleet, x, y, 20)] ?? null,
     measured: () => painter.measured().map(({ distanceM, bearingDeg, riseM }) => ({ distanceM, bearingDeg, riseM })),
     links: () => drawnLinks(app.session, performance.now()).map(({ id, quality, text }) => ({ id, quality: QUALITY_WORDS[quality], text })),
+    held: () => [...painter.held()].filter(([id]) => painter.locate(id) !== null).map(([id, kind]) => ({ id, heard: kind === 'heard' })),
     zones: () => painter.fences().zones.map(({ name, kind, corners }) => ({ name, kind, corners: corners.length })),
     previewSlots: () => app.formation.previewSlots(),
     toCanvas: (northM, eastM) => ({ x: view.x(eastM), y: view.y(northM) }),

@@ -3,6 +3,7 @@
 
 import type { Console } from '../../app/console.svelte';
 import type { RouteDraft } from '../../model/routeDraft.svelte';
+import { placeText } from '../../language/units.svelte';
 import { toggleMeasuring } from '../measure/measuring';
 import { hitTest, within } from './paintFleet';
 import { waypointAt } from './paintPlan';
@@ -210,7 +211,7 @@ export class Interaction {
   #showCursor(x: number, y: number): void {
     const { view } = this.console.map;
     const part = (metres: number, positive: string, negative: string) =>
-      `${Math.abs(metres).toFixed(1)} m ${metres >= 0 ? positive : negative}`;
+      `${placeText(metres)} ${metres >= 0 ? positive : negative}`;
     this.console.map.cursor = `${part(view.north(y), 'N', 'S')}  ${part(view.east(x), 'E', 'W')}`;
   }
 }

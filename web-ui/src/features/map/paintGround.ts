@@ -1,8 +1,8 @@
 // What lies under the vehicles: graticule, scale bar, compass, and the hatching of a map that is out of date.
 
 import type { Palette } from './palette';
-import { distanceText, roundStep } from './view';
 import type { View } from './view';
+import { ruleStep, ruleStepUp, ruleText } from '../../language/units.svelte';
 
 export const FONT = '11px system-ui, "Segoe UI", Roboto, "Liberation Sans", Arial, sans-serif';
 /** Least distance between two fine grid lines in pixels. */
@@ -14,9 +14,9 @@ export function paintGround(ctx: CanvasRenderingContext2D, view: View, palette: 
   ctx.fillRect(0, 0, view.width, view.height);
 }
 
-/** Metre grid about the swarm's origin; every fifth line is stronger and labelled. */
+/** Grid of round steps about the swarm's origin; every fifth line is stronger and labelled. */
 export function paintGrid(ctx: CanvasRenderingContext2D, view: View, palette: Palette): void {
-  const minor = roundStepUp(MINOR_PX / view.scale);
+  const minor = ruleStepUp(MINOR_PX / view.scale);
   const major = minor * 5;
   lines(ctx, view, minor, palette.minor);
   lines(ctx, view, major, palette.major);
@@ -29,7 +29,7 @@ export function paintGrid(ctx: CanvasRenderingContext2D, view: View, palette: Pa
   ctx.moveTo(0, y0);
   ctx.lineTo(view.width, y0);
   ctx.stroke();
-  gridLabels(ctx, view, major, palette);
+  gridLabels(ctx, view, minor, major, palette);
 }
 
 function lines(ctx: CanvasRenderingContext2D, view: View, step: number, colour: string): void {
@@ -49,36 +49,29 @@ function lines(ctx: CanvasRenderingContext2D, view: View, step: number, colour: 
   ctx.stroke();
 }
 
-function gridLabels(ctx: CanvasRenderingContext2D, view: View, step: number, palette: Palette): void {
+function gridLabels(ctx: CanvasRenderingContext2D, view: View, minor: number, step: number, palette: Palette): void {
   ctx.font = FONT;
   ctx.fillStyle = palette.label;
   ctx.textBaseline = 'alphabetic';
   ctx.textAlign = 'center';
   // Room for the tool column on the right and the scale bar on the left is kept free.
   for (let e = Math.ceil(view.east(190) / step) * step; view.x(e) <= view.width - 130; e += step) {
-    ctx.fillText(axisLabel(e, 'E', 'W'), view.x(e), view.height - 8);
+    ctx.fillText(axisLabel(e, minor, 'E', 'W'), view.x(e), view.height - 8);
   }
   ctx.textAlign = 'left';
   for (let n = Math.ceil(view.north(view.height - 70) / step) * step; view.y(n) >= 96; n += step) {
-    ctx.fillText(axisLabel(n, 'N', 'S'), 8, view.y(n) - 4);
+    ctx.fillText(axisLabel(n, minor, 'N', 'S'), 8, view.y(n) - 4);
   }
 }
 
-function axisLabel(value: number, positive: string, negative: string): string {
-  const metres = Math.abs(Math.round(value * 100) / 100);
-  return metres === 0 ? '0' : `${distanceText(metres)} ${value > 0 ? positive : negative}`;
-}
-
-/** The smallest of 1, 2, 5 times a power of ten that is not below `least`. */
-export function roundStepUp(least: number): number {
-  let step = roundStep(least);
-  while (step < least) step = roundStep(step * 2.5);
-  return step;
+function axisLabel(value: number, minor: number, positive: string, negative: string): string {
+  const metres = Math.abs(value);
+  return metres < minor / 2 ? '0' : `${ruleText(metres, minor)} ${value > 0 ? positive : negative}`;
 }
 
 /** Scale bar at the lower left, north arrow at the upper left. */
 export function paintFurniture(ctx: CanvasRenderingContext2D, view: View, palette: Palette): void {
-  const metres = roundStep(SCALE_BAR_PX / view.scale);
+  const metres = ruleStep(SCALE_BAR_PX / view.scale);
   const width = metres * view.scale;
   const x = 14;
   const y = view.height - 16;
@@ -93,7 +86,7 @@ export function paintFurniture(ctx: CanvasRenderingContext2D, view: View, palett
   ctx.font = `600 ${FONT}`;
   ctx.fillStyle = palette.text;
   ctx.textAlign = 'left';
-  ctx.fillText(distanceText(metres), x + 2, y - 9);
+  ctx.fillText(ruleText(metres, metres), x + 2, y - 9);
   ctx.beginPath();
   ctx.moveTo(28, 16);
   ctx.lineTo(35, 40);

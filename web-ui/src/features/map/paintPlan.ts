@@ -5,6 +5,7 @@ import type { Waypoint } from '../../model/routeDraft.svelte';
 import { FONT } from './paintGround';
 import type { Palette } from './palette';
 import type { View } from './view';
+import { shown, unitName } from '../../language/units.svelte';
 
 type Place = { north: number; east: number };
 
@@ -97,9 +98,9 @@ export function paintPreview(ctx: CanvasRenderingContext2D, view: View, palette:
   ctx.restore();
 }
 
-function upsText(ups: readonly number[]): string {
+export function upsText(ups: readonly number[]): string {
   const signed = (up: number) => `${up < -0.05 ? '-' : '+'}${Math.abs(up).toFixed(1).replace('.0', '')}`;
-  return `${[...ups].sort((a, b) => a - b).map(signed).join(' ')} m`;
+  return `${ups.map((up) => shown('height', up)).sort((a, b) => a - b).map(signed).join(' ')} ${unitName('height')}`;
 }
 
 /** What a formation without a leader goes by: a cross in a diamond, and a line where it looks. */

@@ -9,6 +9,8 @@ import type { Leg, Spot } from '../measure/measure';
 import { paintMeasure } from '../measure/paintMeasure';
 import { everything, flownRoute, followedBounds } from './extent';
 import { FenceCache } from './fenceCache';
+import { HeldCache } from './heldByOthers';
+import type { Held } from './heldByOthers';
 import { toolsBox } from './labelRoom';
 import { drawnLinks } from './linkTable';
 import { markingOf } from './marking';
@@ -16,6 +18,7 @@ import { paintMotion, paintSlots, paintTrails, paintVehicles } from './paintFlee
 import type { FleetScene, Marking } from './paintFleet';
 import { paintFences } from './paintFences';
 import { paintFurniture, paintGrid, paintGround, paintHatching } from './paintGround';
+import { paintHands } from './paintHands';
 import { paintLabels } from './paintLabels';
 import type { OnCanvas } from './paintLabels';
 import { paintLadder } from './paintLadder';
@@ -52,6 +55,7 @@ export class Painter {
   #ratio = 1;
   #placedOnce = false;
   readonly #fences: FenceCache;
+  readonly #held: HeldCache;
   readonly #ctx: CanvasRenderingContext2D;
 
   constructor(
@@ -62,6 +66,7 @@ export class Painter {
     if (!ctx) throw new Error('this browser gives no 2D canvas');
     this.#ctx = ctx;
     this.#fences = new FenceCache(console);
+    this.#held = new HeldCache(() => console.session.control, console.operator.id);
     this.#palette = readPalette(canvas);
   }
 
@@ -118,6 +123,7 @@ export class Painter {
     const scene = { fleet: session.fleet, now: performance.now(), selected: targets.selected, marking: this.#marking };
     this.#paintUnder(ctx, palette, scene);
     paintVehicles(ctx, view, palette, scene);
+    paintHands(ctx, view, palette, session.fleet, this.held(), this.#onCanvas);
     if (map.layers.labels) paintLabels(ctx, view, palette, scene, this.#onCanvas);
     this.#paintMarks(ctx, palette);
     paintFurniture(ctx, view, palette);
@@ -197,6 +203,11 @@ export class Painter {
 
   fences(): PlacedFences {
     return this.#fences.get();
+  }
+
+  /** Which vehicles are in another operator's hands. */
+  held(): Held {
+    return this.#held.get();
   }
 
   #paintAnchors(ctx: CanvasRenderingContext2D, palette: Palette): void {

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { MAX_SCALE, View, distanceText, include, noBounds, roundStep } from './view';
+import { MAX_SCALE, View, include, noBounds } from './view';
 
 function view(): View {
   const v = new View();
@@ -70,25 +70,5 @@ describe('View', () => {
     v.fit(bounds, 50);
     expect(v.north(300)).toBeCloseTo(7, 9);
     expect(v.scale).toBeLessThanOrEqual(600 / 30);
-  });
-});
-
-describe('steps', () => {
-  it.each([
-    [0.9, 0.5],
-    [1, 1],
-    [4.9, 2],
-    [70, 50],
-    [1999, 1000],
-  ])('not above %d is %d', (limit, expected) => {
-    expect(roundStep(limit)).toBeCloseTo(expected, 12);
-  });
-
-  it.each([
-    [0.2, '20 cm'],
-    [5, '5 m'],
-    [2000, '2 km'],
-  ])('%d m reads %s', (metres, expected) => {
-    expect(distanceText(metres)).toBe(expected);
   });
 });

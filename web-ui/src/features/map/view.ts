@@ -84,17 +84,3 @@ export function include(bounds: Bounds, north: number, east: number): void {
 export function isEmpty(bounds: Bounds): boolean {
   return bounds.minNorth > bounds.maxNorth;
 }
-
-/** The largest of 1, 2, 5 times a power of ten that is not above `limit`. */
-export function roundStep(limit: number): number {
-  const power = 10 ** Math.floor(Math.log10(limit));
-  const lead = limit / power;
-  return (lead >= 5 ? 5 : lead >= 2 ? 2 : 1) * power;
-}
-
-/** A distance for a scale bar or a grid label. */
-export function distanceText(metres: number): string {
-  if (metres >= 1000) return `${metres / 1000} km`;
-  if (metres < 1) return `${Math.round(metres * 100)} cm`;
-  return `${metres} m`;
-}

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { bearingText, leg, legText, legs, lengthText, totalM } from './measure';
+import { bearingText, leg, legText, legs, totalM } from './measure';
 import type { MeasurePoint, Spot } from './measure';
 
 const spot = (north: number, east: number, up: number | null = null): Spot => ({ north, east, up, words: '' });
@@ -39,10 +39,6 @@ describe('legs', () => {
 });
 
 describe('words', () => {
-  it.each([[0.456, '0.46 m'], [42.04, '42.0 m'], [512.4, '512 m'], [12_345, '12.35 km']])('%d reads %s', (metres, text) => {
-    expect(lengthText(metres)).toBe(text);
-  });
-
   it.each([[0, '000°'], [7.4, '007°'], [359.7, '000°'], [null, '–']])('bearing %s reads %s', (degrees, text) => {
     expect(bearingText(degrees)).toBe(text);
   });

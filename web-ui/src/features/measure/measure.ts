@@ -1,6 +1,7 @@
 // Distances and bearings between places and vehicles. Pure arithmetic in the swarm's frame.
 
 import { t } from '../../language/language.svelte';
+import { lengthText, riseText } from '../../language/units.svelte';
 
 /** A place on the ground, or a vehicle wherever it is by then. */
 export type MeasurePoint = { kind: 'place'; north: number; east: number } | { kind: 'vehicle'; id: number };
@@ -47,20 +48,12 @@ export function totalM(all: readonly Leg[]): number {
   return all.reduce((sum, l) => sum + l.distanceM, 0);
 }
 
-/** A measured distance: centimetres below ten metres, metres above a hundred, kilometres from ten. */
-export function lengthText(metres: number): string {
-  if (metres < 10) return `${metres.toFixed(2)} m`;
-  if (metres < 100) return `${metres.toFixed(1)} m`;
-  if (metres < 10_000) return `${Math.round(metres)} m`;
-  return `${(metres / 1000).toFixed(2)} km`;
-}
-
 export function bearingText(bearingDeg: number | null): string {
   if (bearingDeg === null) return '–';
   return `${(Math.round(bearingDeg) % 360).toString().padStart(3, '0')}°`;
 }
 
 export function legText(l: Leg): string {
-  const rise = l.riseM === null ? '' : t(', {rise} m up', { rise: `${l.riseM < 0 ? '−' : '+'}${Math.abs(l.riseM).toFixed(1)}` });
+  const rise = l.riseM === null ? '' : t(', {rise} up', { rise: riseText(l.riseM) });
   return `${lengthText(l.distanceM)}, ${bearingText(l.bearingDeg)}${rise}`;
 }

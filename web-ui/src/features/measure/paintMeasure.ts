@@ -1,9 +1,10 @@
 // What is measured, on the canvas: legs with their distance and bearing, and the sum where there are several.
 
+import { lengthText } from '../../language/units.svelte';
 import { FONT } from '../map/paintGround';
 import type { Palette } from '../map/palette';
 import type { View } from '../map/view';
-import { legText, lengthText, totalM } from './measure';
+import { legText, totalM } from './measure';
 import type { Leg } from './measure';
 
 export function paintMeasure(ctx: CanvasRenderingContext2D, view: View, palette: Palette, legs: readonly Leg[], first: { north: number; east: number } | null): void {

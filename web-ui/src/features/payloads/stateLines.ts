@@ -2,6 +2,7 @@
 
 import type { CameraState, GimbalState, PayloadKind, RadioState } from '../../protocol/types';
 import { spoken } from '../../protocol/words';
+import { wayText } from '../../language/units.svelte';
 
 export type Line = { name: string; value: string; warn?: boolean };
 
@@ -58,8 +59,8 @@ function radio(s: RadioState): Line[] {
     { name: 'Signal', value: known(s.rssi_dbm, (dbm) => `${dbm.toFixed(0)} dBm`) },
     { name: 'Signal/noise', value: known(s.snr_db, (db) => `${db.toFixed(0)} dB`) },
     { name: 'Loss', value: known(s.loss, (loss) => `${(loss * 100).toFixed(0)} %`) },
-    { name: 'Range', value: known(s.range_m, (m) => `${m.toFixed(0)} m`), warn: s.warning },
-    { name: 'Distance', value: known(s.distance_m, (m) => `${m.toFixed(0)} m`) },
+    { name: 'Range', value: known(s.range_m, wayText), warn: s.warning },
+    { name: 'Distance', value: known(s.distance_m, wayText) },
   ];
 }
 

@@ -4,14 +4,16 @@
 import type { Console } from '../../app/console.svelte';
 import { FLAG } from '../../protocol/frame';
 import { classify } from '../../telemetry/staleness';
+import { HeldCache } from '../map/heldByOthers';
 import { markingOf } from '../map/marking';
 import { brackets, cross, eachPlaced, leaderRing, stopSign } from '../map/paintFleet';
 import type { FleetScene } from '../map/paintFleet';
 import { FONT, paintHatching } from '../map/paintGround';
+import { paintHands } from '../map/paintHands';
 import { paintLabels } from '../map/paintLabels';
 import { levelColour, readPalette } from '../map/palette';
 import type { Palette } from '../map/palette';
-import { distanceText } from '../map/view';
+import { ruleText } from '../../language/units.svelte';
 import type { Drawer } from './drawer';
 import { Orbit } from './orbit';
 import { SpaceModel } from './spaceModel';
@@ -26,6 +28,7 @@ export class Space {
   #ratio = 1;
   #placed = false;
   readonly #ctx: CanvasRenderingContext2D;
+  readonly #held: HeldCache;
   readonly #at = { x: 0, y: 0, depth: 0 };
 
   constructor(
@@ -36,6 +39,7 @@ export class Space {
     const ctx = overlay.getContext('2d');
     if (!ctx) throw new Error('this browser gives no 2D canvas');
     this.#ctx = ctx;
+    this.#held = new HeldCache(() => console.session.control, console.operator.id);
     this.#palette = readPalette(overlay);
     this.model = new SpaceModel(console);
   }
@@ -132,6 +136,7 @@ export class Space {
     if (session.everLive && !session.canCommand) this.#hatch(ctx);
     if (map.layers.fences) this.#zoneNames(ctx);
     eachPlaced(scene.fleet, (i) => this.#sign(ctx, scene, i));
+    paintHands(ctx, this.orbit, this.#palette, scene.fleet, this.#held.get(), this.place);
     if (map.layers.labels) paintLabels(ctx, this.orbit, this.#palette, scene, this.place);
     this.#furniture(ctx);
     this.frames++;
@@ -221,6 +226,7 @@ export class Space {
     ctx.textAlign = 'left';
     ctx.textBaseline = 'alphabetic';
     ctx.fillStyle = this.#palette.label;
-    ctx.fillText(`grid ${distanceText(this.model.gridStepM)}, fine ${distanceText(this.model.gridStepM / 5)}`, 14, this.orbit.height - 16);
+    const { gridStepM } = this.model;
+    ctx.fillText(`grid ${ruleText(gridStepM, gridStepM / 5)}, fine ${ruleText(gridStepM / 5, gridStepM / 5)}`, 14, this.orbit.height - 16);
   }
 }

@@ -11,7 +11,7 @@ import { FenceCache } from '../map/fenceCache';
 import { drawnLinks } from '../map/linkTable';
 import { MOTION_S, eachPlaced } from '../map/paintFleet';
 import type { FleetScene } from '../map/paintFleet';
-import { roundStepUp } from '../map/paintGround';
+import { ruleStepUp } from '../../language/units.svelte';
 import { isEmpty } from '../map/view';
 import { Craft } from './craft';
 import { LineSet } from './lineSet';
@@ -107,7 +107,7 @@ export class SpaceModel {
   }
 
   #grid(orbit: Orbit, shown: boolean): void {
-    const step = roundStepUp(orbit.distanceM / 24);
+    const step = ruleStepUp(orbit.distanceM / 24);
     this.gridStepM = step * 5;
     if (!shown) return;
     const north = Math.round(orbit.north / step);

@@ -23,6 +23,8 @@ export const always = {
   Dark: 'Dunkel', 'for a room or the night': 'für Innenräume und die Nacht', Light: 'Hell', 'for daylight': 'für Tageslicht', Sunlight: 'Sonnenlicht',
   'strongest contrast, for a screen the sun shines on': 'stärkster Kontrast, wenn die Sonne auf den Bildschirm scheint', Language: 'Sprache',
   'what the program itself says stays English': 'was das Programm selbst sagt, bleibt englisch',
+  Units: 'Einheiten', Metric: 'Metrisch', Aviation: 'Luftfahrt',
+  'what the program itself says and what a plugin asks for keep their units': 'was das Programm selbst sagt und was ein Plugin verlangt, behält seine Einheiten',
   // keys
   'Close the list of keys': 'Liste der Tasten schließen',
   'Keys of commands bring the button into focus and show whom it is for. Space or Enter presses it, held as long as the button wants.':
@@ -75,7 +77,7 @@ export const always = {
   'likely refused: {doubts}': 'wohl abgelehnt: {doubts}', Arm: 'Schärfen', Disarm: 'Entschärfen', 'Take off': 'Starten', Hold: 'Halten', Land: 'Landen', Return: 'Zurück',
   'Start the motors and stay on the ground': 'Motoren starten und am Boden bleiben', 'Stop the motors; refused in the air': 'Motoren ausschalten; in der Luft abgelehnt',
   'Arm if need be, climb to the height and hold there': 'Wenn nötig schärfen, auf die Höhe steigen und dort halten',
-  'Arm if need be, climb to {height} m and hold there': 'Wenn nötig schärfen, auf {height} m steigen und dort halten',
+  'Arm if need be, climb to {height} and hold there': 'Wenn nötig schärfen, auf {height} steigen und dort halten',
   'Stop and hold the position': 'Anhalten und Position halten', 'Land where it is': 'Landen, wo es ist', 'Fly back to the launch place and land': 'Zum Startplatz zurückfliegen und landen',
   nobody: 'niemand', 'not heard': 'nicht gehört', 'flown by a pilot': 'vom Piloten geflogen', 'disarmed already': 'schon entschärft', 'armed already': 'schon geschärft',
   'not ready to arm': 'nicht bereit zum Schärfen', '{count} of {all} {phase}': '{count} von {all} {phase}', Less: 'Weniger', 'Each vehicle': 'Jedes Fahrzeug',

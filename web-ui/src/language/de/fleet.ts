@@ -34,7 +34,7 @@ export const fleet = {
   'Height above launch': 'Höhe über Start', 'Distance to its place': 'Abstand zu seinem Platz', 'Round trip of the link': 'Laufzeit der Verbindung', 'Frames lost': 'Verlorene Rahmen',
   height: 'Höhe', speed: 'Tempo', error: 'Fehler', charge: 'Ladung', 'round trip': 'Laufzeit', loss: 'Verlust', 'Messages and events of {id}': 'Meldungen und Ereignisse von {id}', 'Payloads and plugins': 'Nutzlasten und Plugins',
   Facts: 'Daten', 'MAVLink system': 'MAVLink-System', Model: 'Modell', Place: 'Ort', 'Height above sea': 'Höhe über Meer', 'Launch place': 'Startplatz', Received: 'Empfangen', '{rate} frames/s': '{rate} Rahmen/s', "Autopilot's clock": 'Uhr des Autopiloten',
-  "{offset} s to the node's": '{offset} s zu der des Knotens', 'At most': 'Höchstens', '{speed} m/s, climbs {climb}, sinks {sink}': '{speed} m/s, steigt {climb}, sinkt {sink}', 'Can coordinate': 'Kann koordinieren', 'yes, priority {priority}': 'ja, Vorrang {priority}', no: 'nein',
+  "{offset} s to the node's": '{offset} s zu der des Knotens', 'At most': 'Höchstens', '{speed}, climbs {climb}, sinks {sink}': '{speed}, steigt {climb}, sinkt {sink}', 'Can coordinate': 'Kann koordinieren', 'yes, priority {priority}': 'ja, Vorrang {priority}', no: 'nein',
   'this node': 'dieser Knoten', 'clock of {node} jumped': 'Uhr von {node} ist gesprungen', ', not ours': ', nicht unserer',
   // alerts and events
   'none to acknowledge': 'nichts zu bestätigen', '{count} to acknowledge': '{count} zu bestätigen', 'Sound on': 'Ton an', 'Sound off': 'Ton aus', 'Acknowledge all': 'Alle bestätigen', 'To acknowledge': 'Zu bestätigen', Acknowledge: 'Bestätigen',

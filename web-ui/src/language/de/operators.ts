@@ -6,6 +6,7 @@ export const operators = {
   // whose a vehicle is
   'In hand': 'In der Hand', 'Whose commands it takes': 'Wessen Befehle es annimmt', you: 'Sie', asked: 'angefragt', 'in the hands of {name}': 'in der Hand von {name}', 'by operator': 'nach Bediener',
   "In nobody's hands": 'In niemandes Hand', 'In the hands of {name}': 'In der Hand von {name}', 'In your hands': 'In Ihrer Hand',
+  "in another operator's hands": 'in der Hand eines anderen Bedieners', 'the same, and not heard': 'ebenso, und nicht gehört',
   // the targets
   'Who has the targets in hand': 'Wer die Ziele in der Hand hat', '{count} yours': '{count} bei Ihnen', '{count} with {name}': '{count} bei {name}', '{count} with others': '{count} bei anderen', "{count} nobody's": '{count} bei niemandem',
   'Take {count}': '{count} übernehmen', 'Ask for {count}': 'Um {count} bitten', 'asked for {count}': 'um {count} gebeten', 'Let go {count}': '{count} freigeben', 'Target your {count}': 'Ihre {count} zu Zielen machen',
