@@ -151,3 +151,21 @@ test('the map pans, zooms and fits', async ({ page }) => {
     expect(v.x).toBeLessThan(frame.width);
   }
 });
+
+test('a sheet over a page is over all of it, also over the head of a table', async ({ page }) => {
+  await open(page, program.url, VEHICLES);
+  for (const name of ['Map', 'Fleet', 'Preflight', 'Alerts', 'Plugins']) {
+    await page.getByRole('navigation').getByRole('link', { name }).click();
+    await button(page, 'Settings').click();
+    const sheet = page.getByRole('dialog', { name: 'Settings' });
+    const covered = await sheet.evaluate((dialog) => {
+      const { left, top, width, height } = dialog.getBoundingClientRect();
+      const at = (x: number, y: number): Element | null => document.elementFromPoint(left + (width * x) / 20, top + (height * y) / 40);
+      const over = new Set<string>();
+      for (let y = 1; y < 40; y++) for (let x = 1; x < 20; x++) if (!dialog.contains(at(x, y))) over.add(at(x, y)?.outerHTML.slice(0, 80) ?? 'nothing');
+      return [...over];
+    });
+    expect(covered, name).toEqual([]);
+    await page.keyboard.press('Escape');
+  }
+});
