@@ -153,7 +153,6 @@ test('the map pans, zooms and fits', async ({ page }) => {
 });
 
 test('a sheet over a page is over all of it, also over the head of a table', async ({ page }) => {
-  await open(page, program.url, VEHICLES);
   for (const name of ['Map', 'Fleet', 'Preflight', 'Alerts', 'Plugins']) {
     await page.getByRole('navigation').getByRole('link', { name }).click();
     await button(page, 'Settings').click();
