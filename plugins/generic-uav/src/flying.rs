@@ -50,7 +50,7 @@ impl GenericUav {
         }
         flying.blend = flying.blend.map(|blend| blend.hastened(&sample.motion, &self.settings));
         let motion = flying.blend.map_or(sample.motion, |blend| blend.apply(&sample.motion));
-        let (yaw_rad, yaw_rate_rad_s) = flying.yaw(&sample);
+        let (yaw_rad, yaw_rate_rad_s) = flying.yaw(sample.yaw);
         self.stream(&motion, yaw_rad, yaw_rate_rad_s, out);
         self.publish(&flying, &sample, &motion, out);
         self.flight.phase = Phase::Flying(flying.clone());
@@ -378,8 +378,9 @@ impl GenericUav {
 }
 
 impl Flying {
-    fn yaw(&self, sample: &Sample) -> (Option<f64>, Option<f64>) {
-        match (&self.purpose, sample.yaw) {
+    /// Yaw and its rate, of a plan that may have its own.
+    pub(crate) fn yaw(&self, planned: Option<(f64, f64)>) -> (Option<f64>, Option<f64>) {
+        match (&self.purpose, planned) {
             (Purpose::Lead(lead), _) => (Some(lead.heading_rad), Some(lead.heading_rate_rad_s)),
             (_, Some((yaw_rad, rate_rad_s))) => (Some(yaw_rad), Some(rate_rad_s)),
             (Purpose::Steer(steered), None) => (self.yaw_rad, Some(steered.yaw_rate_rad_s)),

@@ -20,12 +20,14 @@ use skein_plugin_sdk::Effects;
 const TURN_RAMP_S: f64 = 0.4;
 /// The same for a formation, whose outermost vehicles have to swing round.
 const FORMATION_RAMP_S: f64 = 1.0;
-/// A reference that is moved on by hand is no farther ahead of the vehicle than this, in metres, and what the vehicle flies in so many seconds
-/// at its speed: where something holds the vehicle back, as a fence does, letting the stick go or turning it round is felt at once.
+/// A reference that is moved on by hand is no farther ahead of the vehicle than this, in metres, and what is flown in so many seconds at its
+/// speed. Beyond that something holds the vehicle back, as a fence does.
 const LEASH_M: f64 = 1.5;
 const LEASH_S: f64 = 0.3;
-/// A stick below this asks for nothing, in metres per second.
-const STANDS_M_S: f64 = 0.05;
+/// The share of it that is left when the stick does not ask to go on: it is felt at once that it was let go or turned round.
+const BACK_SHARE: f64 = 0.4;
+/// A reference that is slower than this stands, in metres per second.
+const STANDS_M_S: f64 = 0.3;
 
 /// A flight by hand, but for the stick itself: one from before a restart is not followed.
 #[derive(Debug, Clone, Copy, PartialEq, Encode, Decode)]
@@ -141,14 +143,19 @@ impl GenericUav {
 
     /// Whether the vehicle does not come after the reference that a stick moves on.
     pub(crate) fn has_run_ahead(&self, flying: &Flying) -> bool {
-        let asks = self.good_stick().is_some_and(|stick| {
-            stick.forward_m_s.hypot(stick.right_m_s).hypot(stick.up_m_s) > STANDS_M_S
-        });
         let (Plan::Guided { position, velocity, .. }, Some(here)) = (&flying.plan, self.measured()) else {
             return false;
         };
-        let ahead_m = position.distance_m(&here.position);
-        asks && flying.purpose.steered().is_some() && ahead_m > LEASH_M + LEASH_S * velocity.norm()
+        let (ahead, velocity) = (position.vector() - here.position.vector(), velocity.vector());
+        let runs = velocity.norm() > STANDS_M_S && ahead.dot(&velocity) > 0.0;
+        if flying.purpose.steered().is_none() || !runs {
+            return false;
+        }
+        let heading_rad = flying.yaw(None).0.unwrap_or_default();
+        let asked = self.good_stick().map(|stick| stick.velocity(heading_rad).vector());
+        let goes_on = asked.is_some_and(|asked| asked.dot(&ahead) > 0.0);
+        let share = if goes_on { 1.0 } else { BACK_SHARE };
+        ahead.norm() > share * (LEASH_M + LEASH_S * velocity.norm())
     }
 
     /// Whether nobody has the vehicle in hand any more: then it holds. Who leads a formation stands and leads it.
