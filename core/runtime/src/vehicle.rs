@@ -27,7 +27,7 @@ use model::Model;
 use ractor::{Actor, ActorProcessingErr, ActorRef, RpcReplyPort};
 use skein_domain::exchange::{CommandProgress, Event, FaultDrill, Severity};
 use skein_domain::link::RoutePoint;
-use skein_domain::{CommandId, Incarnation, NodeTime, PositionNed, Refusal, RequestId, VehicleCommand};
+use skein_domain::{CommandId, FlightState, Incarnation, NodeTime, PositionNed, Refusal, RequestId, VehicleCommand};
 use skein_plugin_host::Plugin;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -243,6 +243,9 @@ impl VehicleState {
         if let Some(refusal) = self.model.take_refusal(flown_id) {
             self.pilot = was_pilot;
             return Err(refusal);
+        }
+        if matches!(flown, VehicleCommand::Steer) && self.cell.state.lock().flight_state != FlightState::Leading {
+            self.board.withdraw(&self.cell);
         }
         // Most of the time the model has said of the former leg that it is replaced; between two legs it had nothing to say.
         self.abandon_itinerary();
