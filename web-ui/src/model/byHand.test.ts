@@ -86,6 +86,14 @@ describe('the dead-man', () => {
     expect([grip.take(true, false), grip.take(true, true)]).toEqual([false, false]);
   });
 
+  it('does not outlast what came between two looks', () => {
+    const grip = new Grip();
+    grip.break();
+    expect(grip.take(true, true)).toBe(true);
+    grip.break();
+    expect(grip.take(true, true)).toBe(false);
+  });
+
   it('that was let go meanwhile may be taken at once', () => {
     const grip = new Grip();
     grip.take(true, true);

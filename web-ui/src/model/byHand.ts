@@ -90,6 +90,11 @@ export class Grip {
     return this.#is === 'closed';
   }
 
+  /** Something came between, however short: a grip that counted does not any more. */
+  break(): void {
+    if (this.#is === 'closed') this.#is = 'spent';
+  }
+
   /** It is held, but does not count any more. */
   get spent(): boolean {
     return this.#is === 'spent';

@@ -5,7 +5,7 @@
 use super::NodeHandle;
 use crate::swarm::asks::{Answer, Ask};
 use skein_domain::stick::STICK_GOOD_S;
-use skein_domain::{NodeId, NodeTime, Refusal, Stick, VehicleId};
+use skein_domain::{NodeId, NodeTime, Refusal, Stick, VehicleCommand, VehicleId};
 use std::time::Duration;
 
 /// Longest wait for another node's answer to a stick: it is old by then.
@@ -35,7 +35,7 @@ impl NodeHandle {
         let state = cell.state.lock().flight_state;
         Err(Refusal::WrongState {
             state,
-            command: "stick".to_owned(),
+            command: VehicleCommand::Steer.name().to_owned(),
         })
     }
 
