@@ -41,9 +41,10 @@ export class HandFlight {
   /** What a stick was refused for, if that may pass. */
   trouble = $state('');
 
-  /** The dead-man on the screen is held, and where fingers and keys hold the sticks. */
+  /** The dead-man on the screen is held, by a finger or by a key; and where fingers and keys hold the sticks. */
   screenHeld = false;
-  screenAxes: Axes = CENTRED;
+  fingers: Axes = CENTRED;
+  keys: Axes = CENTRED;
 
   readonly #source: Source;
   readonly #orders: Orders;
@@ -85,6 +86,8 @@ export class HandFlight {
       removeEventListener('blur', gone);
       removeEventListener('focus', back);
       document.removeEventListener('visibilitychange', hidden);
+      this.screenHeld = false;
+      this.fingers = this.keys = CENTRED;
       this.#over('');
     };
   }
@@ -154,7 +157,8 @@ export class HandFlight {
     const { reading, unread } = firstPad(navigator.getGamepads());
     this.pad = reading?.name ?? '';
     this.unread = unread;
-    this.axes = merged(reading?.axes ?? CENTRED, this.screenAxes);
+    const onScreen = merged(this.fingers, this.keys);
+    this.axes = merged(reading?.axes ?? CENTRED, onScreen);
     if (now - this.#troubleAt > TROUBLE_SHOWN_MS) this.trouble = '';
     const order = this.#order();
     const attended = !document.hidden && document.hasFocus() && this.#focused;
@@ -165,7 +169,7 @@ export class HandFlight {
     this.is = shown({ order, attended, heard, gripped, spent: this.#grip.spent });
     if (this.vehicle === null) return;
     if (this.is === 'steering') {
-      const held = merged(byPad && reading ? reading.axes : CENTRED, this.screenHeld ? this.screenAxes : CENTRED);
+      const held = merged(byPad && reading ? reading.axes : CENTRED, this.screenHeld ? onScreen : CENTRED);
       this.#source.stick(this.vehicle, stickOf(held, this.speed));
     } else if (this.is === 'let go' && before === 'steering') {
       // It need not wait until the last one is too old.
