@@ -28,6 +28,11 @@ impl Hand {
         };
     }
 
+    /// Whether it is flown by hand because of this command.
+    pub fn is_by(&self, command: CommandId) -> bool {
+        self.command == Some(command)
+    }
+
     /// That command is over.
     pub fn end(&mut self, command: CommandId) {
         if self.command == Some(command) {
