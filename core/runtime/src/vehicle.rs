@@ -245,11 +245,11 @@ impl VehicleState {
             self.pilot = was_pilot;
             return Err(refusal);
         }
-        if matches!(flown, VehicleCommand::Steer) {
-            if let Err(refusal) = self.begin_by_hand(flown_id, asked) {
-                self.pilot = was_pilot;
-                return Err(self.refuse(id, &command, refusal));
-            }
+        if matches!(flown, VehicleCommand::Steer)
+            && let Err(refusal) = self.begin_by_hand(flown_id, asked)
+        {
+            self.pilot = was_pilot;
+            return Err(self.refuse(id, &command, refusal));
         }
         // Most of the time the model has said of the former leg that it is replaced; between two legs it had nothing to say.
         self.abandon_itinerary();

@@ -69,3 +69,6 @@ impl Sticks {
         self.told = None;
     }
 }
+
+#[cfg(test)]
+mod tests;
