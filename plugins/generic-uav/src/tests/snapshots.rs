@@ -104,6 +104,8 @@ fn by_hand(rig: &mut Rig) {
         }));
         rig.tick();
     }
+    // The last says to stand: what a stick said is not saved.
+    rig.inbox.push(Event::Stick(Stick::default()));
     rig.run(12.0);
 }
 

@@ -13,7 +13,7 @@ use skein_domain::{
 };
 use skein_plugin_sdk::UavModel;
 
-/// A stick every this many periods: twenty per second are five in two.
+/// A stick comes with every third period.
 const STICK_EVERY: u32 = 3;
 
 fn forward(forward_m_s: f64) -> Stick {
