@@ -6,7 +6,7 @@ import { t } from '../language/language.svelte';
 import type { Refusal } from '../protocol/types';
 import { refusalText } from '../protocol/words';
 import { CENTRED, Grip, SPEEDS, firstPad, isWell, merged, shown, stickOf } from './byHand';
-import type { Axes, Order, Shown, Speed } from './byHand';
+import type { Axes, Order, PadState, Shown, Speed } from './byHand';
 import type { Commander } from './commander.svelte';
 import type { Control } from './control.svelte';
 import type { Session } from './session.svelte';
@@ -36,6 +36,8 @@ export class HandFlight {
   /** The gamepad that is read, and one that is there and cannot be. */
   pad = $state('');
   unread = $state('');
+  /** This browser gives this page gamepads: over plain HTTP from another computer it may not. */
+  allowed = $state(true);
   /** Why the last flight by hand ended; empty if it was ended by hand. */
   ended = $state('');
   /** What a stick was refused for, if that may pass. */
@@ -146,6 +148,17 @@ export class HandFlight {
     return 'over';
   }
 
+  #pads(): readonly (PadState | null)[] {
+    try {
+      const pads = navigator.getGamepads();
+      this.allowed = true;
+      return pads;
+    } catch {
+      this.allowed = false;
+      return [];
+    }
+  }
+
   #isHeard(now: number): boolean {
     const row = this.#source.rows.find(({ id }) => id === this.vehicle);
     const fresh = row !== undefined && row.staleness !== 'stale' && row.staleness !== 'lost';
@@ -154,7 +167,7 @@ export class HandFlight {
 
   #beat(): void {
     const now = performance.now();
-    const { reading, unread } = firstPad(navigator.getGamepads());
+    const { reading, unread } = firstPad(this.#pads());
     this.pad = reading?.name ?? '';
     this.unread = unread;
     const onScreen = merged(this.fingers, this.keys);

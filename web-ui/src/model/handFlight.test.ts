@@ -212,6 +212,13 @@ describe('a flight by hand', () => {
     expect([leader.commands, leader.pass()]).toEqual([['steer'], []]);
   });
 
+  it('goes on without gamepads where the browser gives none', () => {
+    const { hand, pass } = made();
+    vi.stubGlobal('navigator', {});
+    pass();
+    expect([hand.allowed, hand.pad]).toEqual([false, '']);
+  });
+
   it('ends with its panel', () => {
     const { hand, close, pass } = steering();
     close();

@@ -10,6 +10,7 @@ export const hand = {
   'Let the dead-man go, then hold it again: {who} stands': 'Totmann loslassen und wieder halten: {who} steht', 'Let go: {who} stands': 'Losgelassen: {who} steht', 'Steering {who}': '{who} wird gesteuert',
   'Refused for now: {why}': 'Vorerst abgelehnt: {why}', 'it is not flown by hand any more': 'es wird nicht mehr von Hand geflogen', 'nobody has held the sticks for ten seconds': 'zehn Sekunden lang hat niemand gesteuert',
   'Gamepad: {name}. RB or R1 is the dead-man.': 'Gamepad: {name}. RB oder R1 ist der Totmann.', 'This browser does not know the layout of {name}: it is not used.': 'Dieser Browser kennt die Belegung von {name} nicht: es wird nicht benutzt.',
+  'This browser gives this page no gamepads: it wants HTTPS, or the page on this computer.': 'Dieser Browser gibt dieser Seite keine Gamepads: er verlangt HTTPS oder die Seite auf diesem Rechner.',
   'No gamepad. One that is connected is seen when a button on it is pressed.': 'Kein Gamepad. Ein angeschlossenes wird erkannt, sobald eine Taste daran gedrückt wird.',
   'Left stick': 'Linker Knüppel', 'Right stick': 'Rechter Knüppel', climb: 'steigen', turn: 'drehen', forward: 'vorwärts', sideways: 'seitwärts', 'Hold to steer': 'Zum Steuern halten', Held: 'Gehalten',
   'It flies only while this or RB is held, and stands otherwise. By keyboard: hold Space on the button, then W A S D and the arrows.': 'Es fliegt nur, solange dies oder RB gehalten wird, und steht sonst. Mit der Tastatur: Leertaste auf dem Knopf halten, dazu W A S D und die Pfeile.',
