@@ -6,10 +6,10 @@
 pub(crate) mod golden;
 
 use crate::protocol::{
-    Accepted, ClientMessage, CommandBody, CommandReceipts, ControlBody, ControlReceipts, ControlState, CoordinatorBody, EmergencyStopBody, ErrorBody, EventList,
-    FenceFileBody, FencePlanBody, FormationAnswer, FormationPreview, Health, ImportedFencePlan, OverrideBody,
-    PayloadList, PluginList, ReferenceList, RestartList, RouteBody, ServerMessage, SupervisionTree, TrajectoriesEnded,
-    TrajectoryList, VehicleList, VersionInfo,
+    Accepted, ClientMessage, CommandBody, CommandReceipts, ControlBody, ControlReceipts, ControlState, CoordinatorBody,
+    EmergencyStopBody, ErrorBody, EventList, FenceFileBody, FencePlanBody, FormationAnswer, FormationPreview, Health,
+    ImportedFencePlan, OverrideBody, PayloadList, PluginList, ReferenceList, RestartList, RouteBody, ServerMessage,
+    SupervisionTree, TrajectoriesEnded, TrajectoryList, VehicleList, VersionInfo,
 };
 use crate::wire::{self, Field, Header, Record, flag};
 use skein_config::PayloadRule;

@@ -20,7 +20,8 @@ use skein_runtime::snapshot::{
     ActorHealth, Avoidance, EventRecord, FormationSnapshot, UnadoptedVehicle, VehicleSnapshot,
 };
 use skein_runtime::{
-    CommandReceipt, ControlAction, ControlReceipt, PayloadSnapshot, PluginInfo, ReferenceSnapshot, RestartRecord, SwarmSnapshot, Targets,
+    CommandReceipt, ControlAction, ControlReceipt, PayloadSnapshot, PluginInfo, ReferenceSnapshot, RestartRecord,
+    SwarmSnapshot, Targets,
 };
 use ts_rs::TS;
 

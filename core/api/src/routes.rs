@@ -144,7 +144,12 @@ pub(crate) async fn set_route(
     console: FromConsole,
     Body(body): Body<RouteBody>,
 ) -> Result<Response, ApiError> {
-    let members = app.node.snapshot().formation.as_ref().map(|formation| formation.members.clone());
+    let members = app
+        .node
+        .snapshot()
+        .formation
+        .as_ref()
+        .map(|formation| formation.members.clone());
     may_move(&app, &console, Some(&members.unwrap_or_default()))?;
     let flown = app.node.set_route(body.route).await?;
     Ok((StatusCode::ACCEPTED, Json(flown)).into_response())

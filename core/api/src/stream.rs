@@ -152,7 +152,9 @@ impl Client {
         let events = app.node.subscribe();
         let newest = app.node.events_after(0).last().map_or(0, |event| event.seq);
         // A number that was never given out comes from an earlier run of the node: all of this run is news then.
-        let last_event = query.after.map_or(newest, |after| if after > newest { 0 } else { after });
+        let last_event = query
+            .after
+            .map_or(newest, |after| if after > newest { 0 } else { after });
         Self {
             socket,
             app,

@@ -42,7 +42,9 @@ pub use board::{PeerEntry, PeerSnapshot};
 pub use clock::TokioClock;
 pub use emergency::EmergencyKey;
 pub use fences::FenceAnswer;
-pub use handle::{ControlAction, ControlReceipt, CommandReceipt, Fault, FormationReceipt, FormationSlots, NodeHandle, Targets};
+pub use handle::{
+    CommandReceipt, ControlAction, ControlReceipt, Fault, FormationReceipt, FormationSlots, NodeHandle, Targets,
+};
 pub use node::{Adapter, AdapterStart, Node, NodeError};
 pub use plugins::{InstanceUpgrade, PluginInfo, PluginRefusal, UpgradeReceipt};
 pub use preflight::PreflightAnswer;

@@ -110,7 +110,11 @@ impl ControlTable {
             return;
         }
         if self.heard.len() >= MOST_CONSOLES
-            && let Some(oldest) = self.heard.iter().min_by_key(|(_, heard)| heard.at).map(|(id, _)| id.clone())
+            && let Some(oldest) = self
+                .heard
+                .iter()
+                .min_by_key(|(_, heard)| heard.at)
+                .map(|(id, _)| id.clone())
         {
             self.heard.remove(&oldest);
         }
@@ -199,7 +203,12 @@ impl ControlTable {
         if !self.holds(vehicle, console) {
             return Err(not_yours(vehicle));
         }
-        let present: Vec<String> = self.heard.keys().filter(|id| self.is_present(id, now)).cloned().collect();
+        let present: Vec<String> = self
+            .heard
+            .keys()
+            .filter(|id| self.is_present(id, now))
+            .cloned()
+            .collect();
         self.change(vehicle, |entry| {
             let next = entry.requests.iter().position(|r| present.contains(&r.console.id));
             entry.holder = next.map(|at| (entry.requests.remove(at).console, now));

@@ -45,7 +45,8 @@ enum Task {
     },
     /// Everything CI runs, or the tiers named. Sets up what they need.
     Test {
-        /// Tiers: unit, integration, plugin-boundary, faults, e2e, interop, ui. None: all of them and the static checks.
+        /// Tiers: static, unit, integration, plugin-boundary, faults, seeded, e2e, multihost, interop, ui. None: all of them, without what
+        /// takes long.
         #[arg(value_parser = tiers::parse)]
         tiers: Vec<tiers::Tier>,
         /// Also the long ones: a soak flight of 50 vehicles, and fuzzing.

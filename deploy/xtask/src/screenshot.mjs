@@ -1,5 +1,5 @@
-// Takes pictures of the dashboard: node screenshot.mjs ADDRESS SECONDS FOLDER, run in web-ui. Every panel that the page has, at three
-// widths, light and dark, as small WebP files in FOLDER/pages; and two PNG files of the whole console.
+// Takes pictures of the dashboard: node screenshot.mjs ADDRESS SECONDS FOLDER, run in web-ui. Every page and panel that there is, at three
+// widths, light and dark, some in sunlight and in German, as small WebP files in FOLDER/pages; and two PNG files of the whole console.
 import { createRequire } from 'node:module';
 import { mkdirSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
@@ -54,6 +54,40 @@ async function maps(page, cdp, prefix) {
   await page.waitForFunction(() => (window.__skeinSpace?.frames() ?? 0) > 3);
   await wait(SETTLE_MS);
   await picture(page, cdp, `${prefix}-space`);
+}
+
+/** Every page of the rail, and that of a vehicle. */
+async function pagesOf(page, cdp, prefix) {
+  const links = await page.locator('nav a[href^="#"]').evaluateAll((all) => all.map((link) => link.getAttribute('href').slice(1)));
+  for (const name of [...links.filter((name) => name !== 'map'), 'vehicle/1']) {
+    await page.goto(`${address}#${name}`);
+    await wait(SETTLE_MS);
+    await picture(page, cdp, `${prefix}-page-${name.split('/')[0]}`);
+  }
+  await page.goto(`${address}#map`);
+  await wait(PANEL_MS);
+}
+
+/** What this browser can be set to. */
+async function settings(browser) {
+  const page = await browser.newPage({ viewport: { width: 1024, height: 768 } });
+  const cdp = await page.context().newCDPSession(page);
+  await page.goto(address);
+  await wait(SETTLE_MS);
+  await press(page, 'Settings');
+  await page.getByRole('radio', { name: /^Sunlight/ }).check();
+  await wait(PANEL_MS);
+  await picture(page, cdp, '1024-sunlight-settings');
+  await press(page, 'Close the settings');
+  await picture(page, cdp, '1024-sunlight-map');
+  await page.goto(`${address}#fleet`);
+  await wait(SETTLE_MS);
+  await picture(page, cdp, '1024-sunlight-page-fleet');
+  await press(page, 'Settings');
+  await page.getByRole('radio', { name: 'Deutsch' }).check();
+  await wait(SETTLE_MS);
+  await picture(page, cdp, '1024-sunlight-german');
+  await page.close();
 }
 
 async function emergency(page, cdp, prefix) {
@@ -139,9 +173,11 @@ try {
       await panels(page, cdp, prefix);
       await emergency(page, cdp, prefix);
       await maps(page, cdp, prefix);
+      await pagesOf(page, cdp, prefix);
       await page.close();
     }
   }
+  await settings(browser);
   for (const name of ['console', 'console-tablet']) total += statSync(join(folder, `${name}.png`)).size;
   console.log(`${(total / 1e6).toFixed(2)} MB together`);
 } finally {

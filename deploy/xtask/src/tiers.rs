@@ -15,6 +15,8 @@ use std::process::{Command, ExitCode};
 /// A tier of tests. `tests/README.md` says what each proves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tier {
+    /// Formatting, habits, lints, licences: nothing that runs our code.
+    Static,
     /// Beside the code: every crate's own tests, and the dashboard's.
     Unit,
     /// The whole node in one process, against simulated vehicles.
@@ -35,7 +37,8 @@ pub enum Tier {
     Ui,
 }
 
-const ALL: [(Tier, &str); 9] = [
+const ALL: [(Tier, &str); 10] = [
+    (Tier::Static, "static"),
     (Tier::Unit, "unit"),
     (Tier::Integration, "integration"),
     (Tier::PluginBoundary, "plugin-boundary"),
@@ -87,7 +90,7 @@ impl Tier {
     /// The crate that holds the tier, if it is one.
     fn package(self) -> Option<&'static str> {
         match self {
-            Self::Unit | Self::Ui => None,
+            Self::Static | Self::Unit | Self::Ui => None,
             Self::Integration => Some("skein-tests-integration"),
             Self::PluginBoundary => Some("skein-tests-plugin-boundary"),
             Self::Faults => Some("skein-tests-faults"),
@@ -99,7 +102,7 @@ impl Tier {
     }
 }
 
-/// Runs the tiers named; with none, the static checks and every tier.
+/// Runs the tiers named; with none, every tier.
 pub fn run(workspace: &Workspace, tiers: &[Tier], long_ones_too: bool) -> Result<ExitCode> {
     let mut report = Report::new();
     let everything = tiers.is_empty();
@@ -111,16 +114,20 @@ pub fn run(workspace: &Workspace, tiers: &[Tier], long_ones_too: bool) -> Result
     let needs_page = tiers
         .iter()
         .any(|tier| matches!(tier, Tier::Unit | Tier::E2e | Tier::Ui));
-    if everything {
-        static_checks(workspace, &mut report);
+    let whole = !everything || long_ones_too;
+    if tiers.contains(&Tier::Static) {
+        static_checks(workspace, &mut report, whole);
+    }
+    if tiers == [Tier::Static] {
+        return Ok(report.close());
     }
     if needs_page {
         report.check("dashboard built", "run `cargo xtask build-ui`", || ui::build(workspace));
     }
     let built = build_all(workspace, &mut report);
-    let whole = !everything || long_ones_too;
     for tier in &tiers {
         match (tier, &built) {
+            (Tier::Static, _) => {}
             (_, None) => report.left_out(tier.name(), "the workspace does not compile"),
             (Tier::Unit, Some(built)) => unit(workspace, &mut report, built),
             (Tier::Ui, Some(built)) => browser_tests(workspace, &mut report, built),
@@ -136,8 +143,9 @@ pub fn run(workspace: &Workspace, tiers: &[Tier], long_ones_too: bool) -> Result
     Ok(report.close())
 }
 
-/// Formatting, habits, lints, licences: nothing that runs our code.
-fn static_checks(workspace: &Workspace, report: &mut Report) {
+/// The lints only where the tier is named, and with `--all`: they compile every dependency once more, for a quarter of an hour of a
+/// run from a cold cache. `fast` has them for what has changed.
+fn static_checks(workspace: &Workspace, report: &mut Report, whole: bool) {
     let mut format = workspace.cargo();
     format.args(["fmt", "--all", "--check"]);
     report.step("formatting", "run `cargo fmt --all`", Step::new(format));
@@ -146,6 +154,10 @@ fn static_checks(workspace: &Workspace, report: &mut Report) {
         "each finding says what to do; `cargo xtask tidy` repeats them",
         || tidy::check(workspace),
     );
+    if !whole {
+        report.left_out("clippy", "`cargo xtask fast` and `cargo xtask test static` have it");
+        return;
+    }
     let mut lints = workspace.cargo();
     lints.args(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]);
     report.step("clippy", "mend what clippy names above", Step::new(lints));

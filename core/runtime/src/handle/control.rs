@@ -110,6 +110,8 @@ impl NodeHandle {
     /// The first of them that another one has in hand.
     pub fn may_command(&self, console: Option<&str>, vehicles: &[VehicleId]) -> Result<(), Refusal> {
         let (table, now) = (self.board.control.lock(), self.board.now());
-        vehicles.iter().try_for_each(|vehicle| table.may(*vehicle, console, now))
+        vehicles
+            .iter()
+            .try_for_each(|vehicle| table.may(*vehicle, console, now))
     }
 }

@@ -7,9 +7,9 @@ use crate::board::Board;
 use crate::references::ReferenceReport;
 use serde::{Deserialize, Serialize};
 use skein_domain::NodeTime;
+use skein_domain::VehicleId;
 use skein_domain::fence::FencePlan;
 use skein_domain::payload::Track;
-use skein_domain::VehicleId;
 use skein_domain::preflight::PreflightOverride;
 use skein_safety::control::Entry;
 
@@ -37,7 +37,10 @@ impl Desk {
         let (control, consoles) = {
             let table = board.control.lock();
             let entries = table.entries().iter();
-            (entries.map(|(id, entry)| (*id, entry.clone())).collect(), table.heard_here(board.now()))
+            (
+                entries.map(|(id, entry)| (*id, entry.clone())).collect(),
+                table.heard_here(board.now()),
+            )
         };
         Self {
             control,
@@ -74,7 +77,11 @@ impl Desk {
             for (console, at) in &self.consoles {
                 table.hear_elsewhere(console, here(*at));
             }
-            table.merge(self.control.into_iter().map(|(vehicle, entry)| (vehicle, entry.timed(here))));
+            table.merge(
+                self.control
+                    .into_iter()
+                    .map(|(vehicle, entry)| (vehicle, entry.timed(here))),
+            );
         }
         let mut overrides = board.overrides.lock();
         for mut given in self.overrides {

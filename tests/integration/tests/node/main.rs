@@ -3,6 +3,7 @@
 mod adoption;
 mod by_hand;
 mod common_frame;
+mod control;
 mod flock;
 mod gate;
 mod neighbours;
