@@ -81,10 +81,11 @@ impl Relays {
         let relay = relays.entry(vehicle).or_default();
         relay.waiting = Some((stick, now));
         let begins = !std::mem::replace(&mut relay.under_way, true);
-        relay
+        relay.refused.take_if(|(_, at)| now.seconds_since(*at) > REFUSAL_TOLD_S);
+        let last = relay
             .refused
-            .take_if(|(_, at)| now.seconds_since(*at) > REFUSAL_TOLD_S);
-        let last = relay.refused.as_ref().map_or(Ok(()), |(refusal, _)| Err(refusal.clone()));
+            .as_ref()
+            .map_or(Ok(()), |(refusal, _)| Err(refusal.clone()));
         (begins, last)
     }
 

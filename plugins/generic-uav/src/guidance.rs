@@ -164,7 +164,10 @@ impl GenericUav {
     /// Turns the vehicle's nose, where its flight leaves that open; whether it does.
     pub fn look_along(&mut self, towards_rad: f64) -> bool {
         if let Phase::Flying(flying) = &mut self.flight.phase
-            && !matches!(flying.purpose, Purpose::Lead(_) | Purpose::Follow(_) | Purpose::Steer(_))
+            && !matches!(
+                flying.purpose,
+                Purpose::Lead(_) | Purpose::Follow(_) | Purpose::Steer(_)
+            )
             && towards_rad.is_finite()
         {
             flying.yaw_rad = Some(towards_rad);

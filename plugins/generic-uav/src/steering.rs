@@ -106,7 +106,9 @@ impl GenericUav {
     /// The stick, as long as it is good.
     fn good_stick(&self) -> Option<&Stick> {
         let (stick, at) = self.stick.as_ref()?;
-        (0.0..=STICK_GOOD_S).contains(&self.now.seconds_since(*at)).then_some(stick)
+        (0.0..=STICK_GOOD_S)
+            .contains(&self.now.seconds_since(*at))
+            .then_some(stick)
     }
 
     /// Moves the reference on by a period, as the stick says; without one it comes to a stand. What is held back stays where it is.
@@ -264,6 +266,10 @@ impl Lead {
                 .unwrap_or(settings.heading_rate_rad_s)
                 .min(settings.heading_rate_rad_s),
         };
-        if most.is_finite() { most.clamp(0.0, YAW_RATE_RAD_S) } else { 0.0 }
+        if most.is_finite() {
+            most.clamp(0.0, YAW_RATE_RAD_S)
+        } else {
+            0.0
+        }
     }
 }

@@ -76,7 +76,11 @@ impl GenericUav {
                     before.heading_rate_rad_s,
                 );
                 // Whoever was led by hand is not on its way any more.
-                (follower, before.route == route && before.steered.is_none(), before.finished)
+                (
+                    follower,
+                    before.route == route && before.steered.is_none(),
+                    before.finished,
+                )
             }
             _ => (self.first_heading(heading), false, false),
         };

@@ -229,7 +229,10 @@ async fn a_stick_that_is_refused_is_answered() {
     assert_eq!(error["detail"]["refusal"]["reason"], "unknown_vehicle");
     client.send(stick(9, "51")).await.unwrap();
     let error = next_of(&mut client, "error").await["error"].clone();
-    assert_eq!((&error["code"], &error["detail"]["stick"]), (&json!("invalid_value"), &json!(9)));
+    assert_eq!(
+        (&error["code"], &error["detail"]["stick"]),
+        (&json!("invalid_value"), &json!(9))
+    );
     // What is no stick at all is answered as any message.
     for text in [
         r#"{"type":"stick","vehicle":9}"#.to_owned(),
@@ -237,7 +240,11 @@ async fn a_stick_that_is_refused_is_answered() {
         stick(9, "null").to_string(),
     ] {
         client.send(Message::text(text.as_str())).await.unwrap();
-        assert_eq!(next_of(&mut client, "error").await["error"]["code"], "invalid_message", "{text}");
+        assert_eq!(
+            next_of(&mut client, "error").await["error"]["code"],
+            "invalid_message",
+            "{text}"
+        );
     }
     served.stop().await;
 }

@@ -89,14 +89,17 @@ fn left_is_against_right_and_turning_too() {
 fn no_velocity_stops_at_once_and_moves_nobody() {
     let mut steering = Steering::new(0.5, 12.0);
     steering.take(&forward(0.0), 0.0);
-    assert_eq!(
-        steering.decide(0.0),
-        Order::Nothing,
-        "who does not move is not stopped"
-    );
+    assert_eq!(steering.decide(0.0), Order::Nothing, "who does not move is not stopped");
     let mut steering = engaged();
     steering.take(&forward(0.0), 0.2);
-    assert_eq!(steering.decide(0.2), Order::Move(Stick { right_m_s: -0.0, yaw_rate_rad_s: -0.0, ..Stick::default() }));
+    assert_eq!(
+        steering.decide(0.2),
+        Order::Move(Stick {
+            right_m_s: -0.0,
+            yaw_rate_rad_s: -0.0,
+            ..Stick::default()
+        })
+    );
     // Repeated it stays in hand; ended it holds.
     assert!(steering.is_engaged());
     assert_eq!(steering.decide(0.8), Order::Stop);
@@ -138,16 +141,20 @@ fn a_refusal_is_told_and_not_asked_again_at_once() {
 
 fn any_twist() -> impl Strategy<Value = Twist> {
     let number = || prop_oneof![any::<f64>(), Just(f64::NAN), Just(1e308), -15.0..15.0f64, Just(0.0)];
-    (number(), number(), number(), prop_oneof![Just(0.0), any::<f64>(), -3.0..3.0f64]).prop_map(|(x, y, z, rate)| {
-        Twist {
+    (
+        number(),
+        number(),
+        number(),
+        prop_oneof![Just(0.0), any::<f64>(), -3.0..3.0f64],
+    )
+        .prop_map(|(x, y, z, rate)| Twist {
             linear: Vector3 { x, y, z },
             angular: Vector3 {
                 x: 0.0,
                 y: 0.0,
                 z: rate,
             },
-        }
-    })
+        })
 }
 
 proptest! {

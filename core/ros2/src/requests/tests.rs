@@ -123,7 +123,11 @@ fn a_velocity_that_is_too_fast_or_tips_over_is_refused() {
         (turning(1.0, 0.5, 0.0), "not_supported"),
         (turning(1.0, f64::NAN, 0.0), "not_supported"),
     ] {
-        assert_eq!(velocity(&refused, 5.0).expect_err("refused").code(), code, "{refused:?}");
+        assert_eq!(
+            velocity(&refused, 5.0).expect_err("refused").code(),
+            code,
+            "{refused:?}"
+        );
     }
     assert_eq!(
         velocity(&twist(1e308, 0.0), 5.0).expect_err("refused").code(),

@@ -23,7 +23,10 @@ fn only_who_is_steered_takes_sticks_and_of_several_the_newest() {
     assert_eq!(hand.take(at(1.02)), Some(forward(2.0)));
     assert_eq!(hand.take(at(1.04)), None);
     hand.end(CommandId(4));
-    assert!(hand.put(forward(3.0), at(2.0)), "another command's end is none of its own");
+    assert!(
+        hand.put(forward(3.0), at(2.0)),
+        "another command's end is none of its own"
+    );
     hand.end(CommandId(5));
     assert!(!hand.put(forward(3.0), at(2.0)));
     assert_eq!(hand.take(at(2.0)), None);
@@ -46,8 +49,14 @@ fn one_is_on_its_way_at_a_time_and_the_newest_waits() {
     assert_eq!(relays.put(vehicle, forward(3.0), at(0.2)), (false, Ok(())));
     assert_eq!(relays.next(vehicle), Some((forward(3.0), at(0.2))));
     assert_eq!(relays.next(vehicle), None);
-    assert!(relays.put(vehicle, forward(4.0), at(0.3)).0, "somebody has to begin again");
-    assert!(relays.put(VehicleId(4), forward(4.0), at(0.3)).0, "each vehicle has its own");
+    assert!(
+        relays.put(vehicle, forward(4.0), at(0.3)).0,
+        "somebody has to begin again"
+    );
+    assert!(
+        relays.put(VehicleId(4), forward(4.0), at(0.3)).0,
+        "each vehicle has its own"
+    );
 }
 
 #[test]
@@ -55,7 +64,10 @@ fn what_the_other_node_refuses_is_told_for_a_while() {
     let (relays, vehicle) = (Relays::default(), VehicleId(3));
     relays.put(vehicle, forward(1.0), at(0.0));
     relays.answered(vehicle, Err(Refusal::PilotInControl), at(0.1));
-    assert_eq!(relays.put(vehicle, forward(1.0), at(0.2)).1, Err(Refusal::PilotInControl));
+    assert_eq!(
+        relays.put(vehicle, forward(1.0), at(0.2)).1,
+        Err(Refusal::PilotInControl)
+    );
     assert_eq!(relays.put(vehicle, forward(1.0), at(1.3)).1, Ok(()));
     relays.answered(vehicle, Err(Refusal::PilotInControl), at(1.4));
     relays.answered(vehicle, Ok(()), at(1.5));

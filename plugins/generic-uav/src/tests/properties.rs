@@ -9,8 +9,8 @@ use proptest::prelude::*;
 use skein_domain::exchange::{CommandProgress, Effect, Event};
 use skein_domain::payload::Target;
 use skein_domain::{
-    AnchorReference, AutopilotCommand, CommandId, FlightMode, FlightState, NodeTime, PositionNed, Refusal, Route, Stick,
-    Task, VehicleCommand, VehicleId,
+    AnchorReference, AutopilotCommand, CommandId, FlightMode, FlightState, NodeTime, PositionNed, Refusal, Route,
+    Stick, Task, VehicleCommand, VehicleId,
 };
 use skein_plugin_sdk::UavModel;
 

@@ -50,9 +50,33 @@ fn last(rig: &Rig) -> Setpoint {
 fn it_goes_where_the_stick_points() {
     for (stick, forward_m, right_m, up_m) in [
         (forward(4.0), 4.0, 0.0, 0.0),
-        (Stick { right_m_s: -3.0, ..Stick::default() }, 0.0, -3.0, 0.0),
-        (Stick { up_m_s: 1.5, ..Stick::default() }, 0.0, 0.0, 1.5),
-        (Stick { up_m_s: -1.0, ..forward(2.0) }, 2.0, 0.0, -1.0),
+        (
+            Stick {
+                right_m_s: -3.0,
+                ..Stick::default()
+            },
+            0.0,
+            -3.0,
+            0.0,
+        ),
+        (
+            Stick {
+                up_m_s: 1.5,
+                ..Stick::default()
+            },
+            0.0,
+            0.0,
+            1.5,
+        ),
+        (
+            Stick {
+                up_m_s: -1.0,
+                ..forward(2.0)
+            },
+            2.0,
+            0.0,
+            -1.0,
+        ),
     ] {
         let (mut rig, id) = steered();
         let (start, yaw_rad) = (rig.now, rig.autopilot.yaw_rad);
@@ -64,7 +88,10 @@ fn it_goes_where_the_stick_points() {
             assert!((got - wanted).abs() < 0.1, "{stick:?}: {got} is not {wanted}");
         }
         assert_eq!(rig.progress(id), [CommandProgress::Executing]);
-        assert!(wrap_angle_rad(rig.autopilot.yaw_rad - yaw_rad).abs() < 1e-9, "it does not turn");
+        assert!(
+            wrap_angle_rad(rig.autopilot.yaw_rad - yaw_rad).abs() < 1e-9,
+            "it does not turn"
+        );
         rig.assert_no_jump_since(start);
     }
 }
@@ -85,7 +112,10 @@ fn a_stick_that_ends_is_good_for_half_a_second_and_then_it_brakes_to_a_stand() {
     hold_stick(&mut rig, forward(4.0), 4.0);
     let (let_go_at, let_go) = (rig.here(), rig.now);
     rig.run(STICK_GOOD_S - 0.1);
-    assert!(rig.autopilot.velocity.norm() > 3.9, "one that is late by a little changes nothing");
+    assert!(
+        rig.autopilot.velocity.norm() > 3.9,
+        "one that is late by a little changes nothing"
+    );
     // The rest of the half second, 4 m/s at 2 m/s², and the last of it fades out.
     rig.run(0.1 + 2.0 + 1.5);
     assert!(rig.autopilot.velocity.norm() < 0.1, "{}", rig.autopilot.velocity.norm());
@@ -110,7 +140,10 @@ fn who_is_gone_for_ten_seconds_steers_no_more() {
     assert_eq!((rig.is_done(id), rig.state), (true, FlightState::Holding));
     let here = rig.here();
     hold_stick(&mut rig, forward(3.0), 2.0);
-    assert!(rig.here().distance_m(&here) < 0.2, "a stick that nobody asked for moves nothing");
+    assert!(
+        rig.here().distance_m(&here) < 0.2,
+        "a stick that nobody asked for moves nothing"
+    );
     assert_eq!(rig.state, FlightState::Holding);
 }
 
@@ -174,7 +207,10 @@ fn what_is_too_fast_or_no_number_is_not_flown() {
     within_limits(&rig, start).expect("the limits are kept");
     let here = rig.autopilot.velocity.norm();
     hold_stick(&mut rig, forward(f64::NAN), 8.0);
-    assert!(here > 10.0 && rig.autopilot.velocity.norm() < 0.1, "no number is no stick");
+    assert!(
+        here > 10.0 && rig.autopilot.velocity.norm() < 0.1,
+        "no number is no stick"
+    );
 }
 
 /// No setpoint is faster than the limits, or changes its velocity faster than they allow.
@@ -211,7 +247,10 @@ fn what_holds_it_back_does_not_wind_the_reference_up() {
         rig.autopilot.position = wall;
         rig.autopilot.velocity = Default::default();
         rig.tick();
-        let ahead_m = last(&rig).position.expect("a place").distance_m(&PositionNed::from(wall));
+        let ahead_m = last(&rig)
+            .position
+            .expect("a place")
+            .distance_m(&PositionNed::from(wall));
         assert!(period < 50 || ahead_m < 3.0, "{ahead_m} m");
     }
     // Turned round, it comes away at once: not after it has unwound ten seconds of four metres.
@@ -234,7 +273,11 @@ fn what_the_gate_refuses_stays_where_it_is() {
     hold_stick(&mut rig, forward(4.0), 6.0);
     let ahead_m = last(&rig).position.expect("a place").distance_m(&rig.here());
     assert!(ahead_m < 1.0, "{ahead_m} m");
-    assert_eq!(rig.progress(id), [CommandProgress::Executing], "a fence does not end it");
+    assert_eq!(
+        rig.progress(id),
+        [CommandProgress::Executing],
+        "a fence does not end it"
+    );
     assert_eq!(last(&rig).yaw_rate_rad_s, Some(0.0));
     rig.gate = None;
     let (from, start) = (rig.here(), rig.now.plus_seconds(0.1));
@@ -257,7 +300,10 @@ fn a_new_instance_goes_on_but_not_with_the_stick_from_before() {
     assert!(rig.autopilot.velocity.norm() < 0.1);
     assert_eq!(rig.state, FlightState::GoingTo);
     hold_stick(&mut rig, forward(3.0), 3.0);
-    assert!((rig.autopilot.velocity.norm() - 3.0).abs() < 0.1, "sticks that come now are flown");
+    assert!(
+        (rig.autopilot.velocity.norm() - 3.0).abs() < 0.1,
+        "sticks that come now are flown"
+    );
     rig.assert_no_jump_since(start.plus_seconds(PERIOD_S / 2.0));
     rig.run(10.5);
     assert!(rig.is_done(id));
@@ -280,12 +326,18 @@ fn any_other_command_ends_it_and_so_does_a_pilot_and_a_task() {
     let streamed = rig.setpoints().len();
     hold_stick(&mut rig, forward(4.0), 2.0);
     assert_eq!(rig.refusal(id), Some(Refusal::PilotInControl));
-    assert_eq!((rig.state, rig.setpoints().len()), (FlightState::PilotControl, streamed));
+    assert_eq!(
+        (rig.state, rig.setpoints().len()),
+        (FlightState::PilotControl, streamed)
+    );
 
     let (mut rig, id) = steered();
     rig.task(follow(0.0));
     rig.run(0.2);
-    assert_eq!((rig.refusal(id), rig.state), (Some(Refusal::Superseded), FlightState::Following));
+    assert_eq!(
+        (rig.refusal(id), rig.state),
+        (Some(Refusal::Superseded), FlightState::Following)
+    );
 }
 
 #[test]
@@ -329,7 +381,10 @@ fn a_leader_that_is_steered_goes_on_leading() {
     rig.run(4.0);
     let id = rig.command(VehicleCommand::Steer);
     rig.run(0.2);
-    assert_eq!((rig.state, rig.progress(id)), (FlightState::Leading, vec![CommandProgress::Executing]));
+    assert_eq!(
+        (rig.state, rig.progress(id)),
+        (FlightState::Leading, vec![CommandProgress::Executing])
+    );
     let finished = rig.log.iter().filter(|(_, e)| *e == Effect::RouteFinished).count();
     assert_eq!(finished, 1, "its route is over");
     rig.run(4.0);
@@ -344,7 +399,11 @@ fn a_leader_that_is_steered_goes_on_leading() {
     };
     hold_stick(&mut rig, aside, 4.0);
     // No faster than its followers can come after.
-    assert!((rig.autopilot.velocity.norm() - 5.0).abs() < 0.2, "{:?}", rig.autopilot.velocity);
+    assert!(
+        (rig.autopilot.velocity.norm() - 5.0).abs() < 0.2,
+        "{:?}",
+        rig.autopilot.velocity
+    );
     hold_stick(&mut rig, turning, 5.0);
     let anchors = anchors(&rig);
     assert_eq!(anchors.len() - told, 450, "one in every period");

@@ -91,7 +91,10 @@ fn forward(forward_m_s: f64) -> Stick {
 
 async fn post(swarm: &Swarm, console: &str, path: &str, body: Value) -> Value {
     let url = format!("http://{}{path}", swarm.web_address());
-    let request = reqwest::Client::new().post(url).header("skein-console", console).json(&body);
+    let request = reqwest::Client::new()
+        .post(url)
+        .header("skein-console", console)
+        .json(&body);
     let answer = request.send().await.unwrap();
     assert!(answer.status().is_success(), "{path}: {}", answer.status());
     answer.json().await.unwrap()
@@ -118,7 +121,9 @@ fn speed_m_s(fleet: &FleetSnapshot, id: u16) -> f64 {
 async fn seconds(swarm: &Swarm, seconds: f64) -> FleetSnapshot {
     let later = swarm.node().now().plus_seconds(seconds);
     let extra = Duration::from_secs_f64(seconds);
-    swarm.until("some seconds more", extra, |fleet| fleet.time > later).await
+    swarm
+        .until("some seconds more", extra, |fleet| fleet.time > later)
+        .await
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -132,32 +137,51 @@ async fn a_vehicle_goes_where_the_stick_points_and_stands_when_it_is_let_go() {
 
     // A stick for who is not steered is refused, and moves nothing.
     hand.holds(1, forward(3.0));
-    swarm.until("told that it is not steered", Duration::ZERO, |_| hand.was_told("wrong_state")).await;
+    swarm
+        .until("told that it is not steered", Duration::ZERO, |_| {
+            hand.was_told("wrong_state")
+        })
+        .await;
     assert!(!steer(&swarm, "other", 1).await.is_null(), "it is in another's hands");
     assert_eq!(steer(&swarm, "hand", 1).await, Value::Null);
     let flies = |fleet: &FleetSnapshot| speed_m_s(fleet, 1) > 2.5;
     let flown = swarm.until("flies by hand", Duration::from_secs(10), flies).await;
     assert_eq!(vehicle(&flown, 1).flight_state, FlightState::GoingTo);
     let kinematics = vehicle(&flown, 1).kinematics.expect("is known");
-    let ahead = kinematics.velocity.north_m_s * kinematics.yaw_rad.cos() + kinematics.velocity.east_m_s * kinematics.yaw_rad.sin();
+    let ahead = kinematics.velocity.north_m_s * kinematics.yaw_rad.cos()
+        + kinematics.velocity.east_m_s * kinematics.yaw_rad.sin();
     assert!(ahead > 2.4, "forward is along its nose: {kinematics:?}");
     assert!(place(&flown, 2).distance_m(&place(&up, 2)) < 1.0, "nobody else moves");
 
     // Another console's stick is refused, and changes nothing.
     other.holds(1, forward(-3.0));
-    swarm.until("the other is refused", Duration::ZERO, |_| other.was_told("in_other_hands")).await;
+    swarm
+        .until("the other is refused", Duration::ZERO, |_| {
+            other.was_told("in_other_hands")
+        })
+        .await;
     other.lets_go();
 
     hand.lets_go();
     let stands = |fleet: &FleetSnapshot| speed_m_s(fleet, 1) < 0.2;
     let stood = swarm.until("stands", Duration::from_secs(10), stands).await;
     let later = seconds(&swarm, 2.0).await;
-    assert!(place(&later, 1).distance_m(&place(&stood, 1)) < 0.8, "it stands where it came to a stand");
-    assert!(place(&later, 1).distance_m(&place(&up, 1)) > 2.0, "and not where it came from");
+    assert!(
+        place(&later, 1).distance_m(&place(&stood, 1)) < 0.8,
+        "it stands where it came to a stand"
+    );
+    assert!(
+        place(&later, 1).distance_m(&place(&up, 1)) > 2.0,
+        "and not where it came from"
+    );
 
     // It can be taken up again for a while, and is over when nobody does.
     hand.holds(1, forward(2.0));
-    swarm.until("flies again", Duration::from_secs(10), |fleet| speed_m_s(fleet, 1) > 1.5).await;
+    swarm
+        .until("flies again", Duration::from_secs(10), |fleet| {
+            speed_m_s(fleet, 1) > 1.5
+        })
+        .await;
     hand.lets_go();
     let holds = |fleet: &FleetSnapshot| vehicle(fleet, 1).flight_state == FlightState::Holding;
     swarm.until("holds", Duration::from_secs(15), holds).await;
@@ -175,16 +199,25 @@ async fn a_leader_that_is_steered_takes_its_formation_along() {
     swarm.node().set_formation(request).await.expect("it is flown");
     let formed = |fleet: &FleetSnapshot| {
         let settled = fleet.formation.as_ref().is_some_and(|f| fleet.time > f.settled_at);
-        settled && [2, 3].iter().all(|id| vehicle(fleet, *id).flight_state == FlightState::Following)
+        settled
+            && [2, 3]
+                .iter()
+                .all(|id| vehicle(fleet, *id).flight_state == FlightState::Following)
     };
     let before = swarm.until("formed", Duration::from_secs(30), formed).await;
     let hand = Hand::at(&swarm, "hand").await;
     assert_eq!(steer(&swarm, "hand", 1).await, Value::Null);
     hand.holds(1, forward(2.5));
     let moved = |fleet: &FleetSnapshot| (1..=3).all(|id| place(fleet, id).distance_m(&place(&before, id)) > 8.0);
-    let flown = swarm.until("all of them went along", Duration::from_secs(20), moved).await;
+    let flown = swarm
+        .until("all of them went along", Duration::from_secs(20), moved)
+        .await;
     assert_eq!(vehicle(&flown, 1).flight_state, FlightState::Leading);
-    assert_eq!(flown.formation.as_ref().map(|f| f.members.len()), Some(3), "nobody left");
+    assert_eq!(
+        flown.formation.as_ref().map(|f| f.members.len()),
+        Some(3),
+        "nobody left"
+    );
     hand.lets_go();
     let stands = |fleet: &FleetSnapshot| (1..=3).all(|id| speed_m_s(fleet, id) < 0.3);
     let stood = swarm.until("all stand", Duration::from_secs(20), stands).await;
@@ -217,14 +250,18 @@ async fn a_vehicle_of_another_node_is_steered_over_the_swarm() {
     let flock = Flock::start(&members, folder.path().to_owned(), |_| ()).await;
     let id = VehicleId(1);
     let ready = |fleet: &FleetSnapshot| {
-        let known = |v: &skein_runtime::VehicleSnapshot| {
-            v.id == id && v.ready_to_arm == Some(true) && v.kinematics.is_some()
-        };
-        let led = fleet.swarm.as_ref().is_some_and(|swarm| swarm.allegiance == AllegianceKind::Led);
+        let known =
+            |v: &skein_runtime::VehicleSnapshot| v.id == id && v.ready_to_arm == Some(true) && v.kinematics.is_some();
+        let led = fleet
+            .swarm
+            .as_ref()
+            .is_some_and(|swarm| swarm.allegiance == AllegianceKind::Led);
         led && fleet.vehicles.iter().any(known)
     };
     flock.until(1, "ready", Duration::from_secs(20), ready).await;
-    flock.until(2, "the other's vehicle is known", Duration::from_secs(20), ready).await;
+    flock
+        .until(2, "the other's vehicle is known", Duration::from_secs(20), ready)
+        .await;
     let (ground, one) = (flock.node(2), Targets::Vehicles(vec![id]));
     let receipts = ground.command(&one, VehicleCommand::TakeOff { height_m: 6.0 }).await;
     assert_eq!(receipts[0].refusal, None);
@@ -233,7 +270,14 @@ async fn a_vehicle_of_another_node_is_steered_over_the_swarm() {
 
     let (task, last) = says(flock.node(2), id, forward(2.0));
     let refused = |_: &FleetSnapshot| matches!(*last.lock(), Some(Refusal::WrongState { .. }));
-    flock.until(2, "told by the other node that it is not steered", Duration::from_secs(5), refused).await;
+    flock
+        .until(
+            2,
+            "told by the other node that it is not steered",
+            Duration::from_secs(5),
+            refused,
+        )
+        .await;
     let receipts = ground.command(&one, VehicleCommand::Steer).await;
     assert_eq!(receipts[0].refusal, None);
     let flies = |fleet: &FleetSnapshot| speed_m_s(fleet, 1) > 1.6;

@@ -29,7 +29,10 @@ async fn of_a_flood_the_newest_goes_on() {
 async fn a_refusal_is_told_once_until_it_is_another_or_one_was_taken() {
     let (mut sticks, id) = (Sticks::new(), VehicleId(3));
     let told = sticks.refused(id, Refusal::PilotInControl).expect("is told");
-    assert_eq!((told.code.as_str(), &told.detail["stick"]), ("pilot_in_control", &json!(3)));
+    assert_eq!(
+        (told.code.as_str(), &told.detail["stick"]),
+        ("pilot_in_control", &json!(3))
+    );
     assert_eq!(sticks.refused(id, Refusal::PilotInControl), None);
     assert!(sticks.refused(VehicleId(4), Refusal::PilotInControl).is_some());
     assert!(sticks.refused(id, Refusal::NoPosition).is_some());
