@@ -3,7 +3,7 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import type { Refusal } from '../protocol/types';
 import { LIMITS } from './byHand';
-import type { PadState, Stick } from './byHand';
+import type { PadState, Shown, Stick } from './byHand';
 import type { Phase } from './commandLedger';
 import { HandFlight } from './handFlight.svelte';
 import type { Hands, Orders, Source } from './handFlight.svelte';
@@ -131,11 +131,14 @@ describe('a flight by hand', () => {
     expect(hand.is).toBe('let go');
   });
 
-  it.each([
-    ['lost focus', 'away', () => void (page.focused = false), () => void (page.focused = true)],
-    ['a window that is left', 'away', () => void dispatchEvent(new Event('blur')), () => void dispatchEvent(new Event('focus'))],
-    ['a hidden page', 'away', () => void (page.hidden = true), () => void (page.hidden = false)],
-  ] as const)('says nothing with %s, nor when it is back while the dead-man is still held', (_, shown, leave, come) => {
+  type Leaving = readonly [what: string, shown: Shown, leave: () => void, come: () => void];
+  const leavings: readonly Leaving[] = [
+    ['lost focus', 'away', () => (page.focused = false), () => (page.focused = true)],
+    ['a window that is left', 'away', () => dispatchEvent(new Event('blur')), () => dispatchEvent(new Event('focus'))],
+    ['a hidden page', 'away', () => (page.hidden = true), () => (page.hidden = false)],
+  ];
+
+  it.each(leavings)('says nothing with %s, nor when it is back while the dead-man is still held', (_, shown, leave, come) => {
     const { hand, pass } = steering();
     leave();
     expect([pass(10), hand.is]).toEqual([[], shown]);
