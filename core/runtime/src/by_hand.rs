@@ -4,6 +4,7 @@
 //! Bound: one stick per vehicle, the newest. Must never do: keep a stick for later, or let one be followed that is old.
 
 use parking_lot::Mutex;
+use skein_domain::stick::STICK_GOOD_S;
 use skein_domain::{CommandId, NodeTime, Refusal, Stick, VehicleId};
 use std::collections::BTreeMap;
 
@@ -104,6 +105,30 @@ impl Relays {
             relay.refused = outcome.err().map(|refusal| (refusal, now));
         }
     }
+}
+
+/// Whether a stick that was told by another node, at that time of its clock, has come in time. This node's clock is ahead of that one by so many
+/// microseconds, if that was measured.
+///
+/// # Errors
+/// For one that was too long on its way, and where that cannot be known.
+pub fn in_time(told: NodeTime, ahead_us: Option<i64>, now: NodeTime) -> Result<(), Refusal> {
+    let unknown = |detail: &str| Refusal::Clock { detail: detail.into() };
+    let ahead_us = ahead_us.ok_or_else(|| unknown("how far the clocks of the two nodes are apart is not known yet"))?;
+    let age_s = now.seconds_since(told.on_clock_ahead_by(ahead_us));
+    if age_s > STICK_GOOD_S {
+        return Err(Refusal::TimedOut {
+            what: "a stick on its way".into(),
+            after_s: age_s,
+        });
+    }
+    // A clock that has gone wrong would make an old one look new.
+    if age_s < -STICK_GOOD_S {
+        return Err(unknown(
+            "a stick comes from the future: the clocks of the two nodes have gone apart",
+        ));
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -62,7 +62,7 @@ fn one_is_on_its_way_at_a_time_and_the_newest_waits() {
 #[test]
 fn what_the_other_node_refuses_is_told_for_a_while() {
     let (relays, vehicle) = (Relays::default(), VehicleId(3));
-    relays.put(vehicle, forward(1.0), at(0.0));
+    assert_eq!(relays.put(vehicle, forward(1.0), at(0.0)), (true, Ok(())));
     relays.answered(vehicle, Err(Refusal::PilotInControl), at(0.1));
     assert_eq!(
         relays.put(vehicle, forward(1.0), at(0.2)).1,
@@ -72,4 +72,18 @@ fn what_the_other_node_refuses_is_told_for_a_while() {
     relays.answered(vehicle, Err(Refusal::PilotInControl), at(1.4));
     relays.answered(vehicle, Ok(()), at(1.5));
     assert_eq!(relays.put(vehicle, forward(1.0), at(1.6)).1, Ok(()));
+}
+
+#[test]
+fn one_that_was_long_on_its_way_is_not_followed() {
+    // This node's clock is three seconds ahead.
+    let ahead_us = Some(3_000_000);
+    assert_eq!(in_time(at(10.0), ahead_us, at(13.1)), Ok(()));
+    assert!(matches!(
+        in_time(at(10.0), ahead_us, at(13.6)),
+        Err(Refusal::TimedOut { .. })
+    ));
+    for (ahead_us, now) in [(None, at(10.0)), (ahead_us, at(12.0))] {
+        assert!(matches!(in_time(at(10.0), ahead_us, now), Err(Refusal::Clock { .. })));
+    }
 }

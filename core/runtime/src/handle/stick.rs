@@ -3,8 +3,8 @@
 //! Must never do: wait, or leave anything in the event log: sticks come twenty times a second.
 
 use super::NodeHandle;
+use crate::by_hand;
 use crate::swarm::asks::{Answer, Ask};
-use skein_domain::stick::STICK_GOOD_S;
 use skein_domain::{NodeId, NodeTime, Refusal, Stick, VehicleCommand, VehicleId};
 use std::time::Duration;
 
@@ -13,7 +13,7 @@ const ANSWERED_WITHIN: Duration = Duration::from_secs(1);
 
 impl NodeHandle {
     /// How a vehicle that is steered by hand is to move, from a console. The newest replaces what was not taken up; it is good for
-    /// [`STICK_GOOD_S`]. To be called inside of a runtime.
+    /// [`skein_domain::stick::STICK_GOOD_S`]. To be called inside of a runtime.
     ///
     /// # Errors
     /// For numbers that cannot be meant, a vehicle that is not known, is in another console's hands or is not steered by hand. What another
@@ -69,16 +69,7 @@ impl NodeHandle {
         ahead_us: Option<i64>,
     ) -> Result<(), Refusal> {
         stick.check()?;
-        let ahead_us = ahead_us.ok_or_else(|| Refusal::Clock {
-            detail: "how far the clocks of the two nodes are apart is not known yet".into(),
-        })?;
-        let age_s = self.now().seconds_since(told.on_clock_ahead_by(ahead_us));
-        if age_s > STICK_GOOD_S {
-            return Err(Refusal::TimedOut {
-                what: "a stick on its way".into(),
-                after_s: age_s,
-            });
-        }
+        by_hand::in_time(told, ahead_us, self.now())?;
         self.stick_here(vehicle, stick)
     }
 }
