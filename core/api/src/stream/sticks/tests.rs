@@ -20,7 +20,7 @@ async fn of_a_flood_the_newest_goes_on() {
     assert_eq!(sticks.due().now_or_never(), None, "none is left");
     // One that nobody waited for to its end is still there, or what has replaced it.
     sticks.put(id, forward(1.0));
-    drop(sticks.due().now_or_never());
+    let _ = sticks.due().now_or_never();
     sticks.put(id, forward(2.0));
     assert_eq!(sticks.due().await, (id, forward(2.0)));
 }
