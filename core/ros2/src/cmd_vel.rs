@@ -116,11 +116,39 @@ impl Steering {
 
     /// Somebody else has commanded the vehicle, or it flies otherwise: it is theirs.
     pub fn taken_over(&mut self, by: &str, now_s: f64) {
-        if std::mem::take(&mut self.engaged) {
+        if self.engaged {
             self.report.reason = format!("taken over: {by}");
-            self.silent_since_s = Some(now_s);
-            self.wanted = None;
+            self.leave(now_s);
         }
+    }
+
+    /// The node refused a stick. What passes by itself is only counted: the vehicle stands meanwhile. Otherwise somebody else has the vehicle,
+    /// whether that was heard of already or not.
+    pub fn stick_refused(&mut self, refusal: &Refusal, now_s: f64) {
+        self.refuse(refusal);
+        let passes = matches!(
+            refusal,
+            Refusal::TimedOut { .. } | Refusal::Clock { .. } | Refusal::NotRunning { .. }
+        );
+        if !passes {
+            self.leave(now_s);
+        }
+    }
+
+    /// A pilot flies the vehicle: a velocity is no reason to take it from him, however long there was none.
+    pub fn leave_to_pilot(&mut self, now_s: f64) {
+        if self.wanted.is_some_and(|(stick, _)| !is_none(&stick)) {
+            self.refuse(&Refusal::PilotInControl);
+            self.leave(now_s);
+        }
+        (self.engaged, self.wanted) = (false, None);
+    }
+
+    /// Nothing is taken until it was silent here.
+    fn leave(&mut self, now_s: f64) {
+        self.engaged = false;
+        self.silent_since_s = Some(now_s);
+        self.wanted = None;
     }
 
     fn refuse(&mut self, refusal: &Refusal) {

@@ -124,6 +124,9 @@ impl Driver {
         // A hold would take a leader out of its formation: it stands, and leads on.
         let leads = vehicle.is_some_and(|v| v.flight_state == FlightState::Leading);
         let now_s = self.now_s();
+        if vehicle.is_some_and(|v| v.flight_state == FlightState::PilotControl) {
+            self.steering.leave_to_pilot(now_s);
+        }
         match self.steering.decide(now_s) {
             Order::Nothing => {}
             Order::Begin => self.steered_by = self.command(VehicleCommand::Steer).await,
@@ -157,7 +160,7 @@ impl Driver {
     fn tell(&mut self, stick: Stick) {
         if let Err(refusal) = self.node.stick(None, self.vehicle, stick) {
             let now_s = self.now_s();
-            self.steering.refused(&refusal, now_s);
+            self.steering.stick_refused(&refusal, now_s);
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::*;
 use crate::interfaces::geometry::Vector3;
 use proptest::prelude::*;
+use skein_domain::FlightState;
 
 fn forward(x: f64) -> Twist {
     Twist {
@@ -118,6 +119,59 @@ fn who_commands_otherwise_keeps_the_vehicle_until_it_was_silent_here() {
     assert_eq!(steering.report().refused, 27);
     steering.take(&forward(1.0), 4.0);
     assert_eq!(steering.decide(4.0), Order::Begin);
+}
+
+#[test]
+fn a_stick_that_is_refused_means_that_somebody_else_has_the_vehicle_though_nobody_said_so() {
+    let landing = Refusal::WrongState {
+        state: FlightState::Landing,
+        command: "steer".to_owned(),
+    };
+    let mut steering = engaged();
+    steering.stick_refused(&landing, 0.2);
+    // What tells of the other's command comes later, and the program goes on all the time.
+    steering.taken_over("land", 0.21);
+    for step in 3..60 {
+        let now_s = f64::from(step) * 0.1;
+        steering.take(&forward(1.0), now_s);
+        assert_eq!(steering.decide(now_s), Order::Nothing, "{now_s}");
+    }
+    assert!(steering.report().reason.starts_with("wrong_state"));
+    steering.take(&forward(1.0), 7.0);
+    assert_eq!(steering.decide(7.0), Order::Begin);
+}
+
+#[test]
+fn what_passes_by_itself_does_not_end_it() {
+    let mut steering = engaged();
+    let late = Refusal::TimedOut {
+        what: "a stick on its way".to_owned(),
+        after_s: 0.7,
+    };
+    steering.stick_refused(&late, 0.2);
+    assert_eq!(moved(steering.decide(0.25)).forward_m_s, 1.0);
+    assert_eq!(steering.report().refused, 1);
+}
+
+#[test]
+fn no_velocity_takes_the_vehicle_from_a_pilot() {
+    // One that came before the pilot was seen, and one that begins in his flight.
+    for mut steering in [engaged(), Steering::new(0.5, 12.0)] {
+        for step in 2..60 {
+            let now_s = f64::from(step) * 0.1;
+            if !(20..40).contains(&step) {
+                steering.take(&forward(1.0), now_s);
+            }
+            steering.leave_to_pilot(now_s);
+            assert_eq!(steering.decide(now_s), Order::Nothing, "{now_s}");
+        }
+        assert!(steering.report().reason.starts_with("pilot_in_control"));
+        // Nor when an operator has it back, but for a velocity that begins after that.
+        steering.take(&forward(1.0), 6.0);
+        assert_eq!(steering.decide(6.0), Order::Nothing);
+        steering.take(&forward(1.0), 7.0);
+        assert_eq!(steering.decide(7.0), Order::Begin);
+    }
 }
 
 #[test]
