@@ -7,7 +7,9 @@
 use futures_util::{SinkExt, StreamExt};
 use parking_lot::Mutex;
 use serde_json::{Value, json};
-use skein_domain::{FlightState, FormationRequest, PositionNed, Refusal, Shape, Stick, VehicleCommand, VehicleId};
+use skein_domain::{
+    FlightMode, FlightState, FormationRequest, PositionNed, Refusal, Shape, Stick, VehicleCommand, VehicleId,
+};
 use skein_runtime::{AllegianceKind, FleetSnapshot, NodeHandle, Targets};
 use skein_testkit::{Flock, Member, Swarm};
 use std::sync::Arc;
@@ -222,6 +224,87 @@ async fn a_leader_that_is_steered_takes_its_formation_along() {
     let stands = |fleet: &FleetSnapshot| (1..=3).all(|id| speed_m_s(fleet, id) < 0.3);
     let stood = swarm.until("all stand", Duration::from_secs(20), stands).await;
     assert_eq!(vehicle(&stood, 1).flight_state, FlightState::Leading);
+    swarm.stop().await;
+}
+
+/// How far it is from the middle of the fence, along the axis on which it is farther, in metres.
+fn out_m(fleet: &FleetSnapshot, id: u16) -> f64 {
+    let place = place(fleet, id);
+    place.north_m.abs().max(place.east_m.abs())
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn no_stick_leads_over_a_fence() {
+    const FENCE_M: f64 = 30.0;
+    let swarm = Swarm::start_with(1, |config, _| {
+        let (low, high) = (-FENCE_M, FENCE_M);
+        config.safety.fence = Some(skein_config::FenceSettings {
+            polygon_m: vec![[low, low], [high, low], [high, high], [low, high]],
+            floor_m: -5.0,
+            ceiling_m: 30.0,
+        });
+    })
+    .await;
+    swarm.take_off(8.0).await;
+    let hand = Hand::at(&swarm, "hand").await;
+    assert_eq!(steer(&swarm, "hand", 1).await, Value::Null);
+    hand.holds(1, forward(6.0));
+    let inside = |fleet: &FleetSnapshot| {
+        let out_m = out_m(fleet, 1);
+        assert!(out_m < FENCE_M, "{out_m} m out");
+        out_m
+    };
+    let flight = Duration::from_secs(30);
+    swarm
+        .until("fast towards the fence", flight, |fleet| {
+            inside(fleet) < FENCE_M && speed_m_s(fleet, 1) > 4.0
+        })
+        .await;
+    // The stick is held on: it comes to a stand at the fence, and stays in hand.
+    let stands = |fleet: &FleetSnapshot| inside(fleet) > FENCE_M / 2.0 && speed_m_s(fleet, 1) < 0.3;
+    swarm.until("stands at the fence", flight, stands).await;
+    let later = swarm.node().now().plus_seconds(4.0);
+    let still = swarm
+        .until("some seconds more", flight, |fleet| {
+            inside(fleet) < FENCE_M && fleet.time > later
+        })
+        .await;
+    assert!(speed_m_s(&still, 1) < 0.5, "{} m/s", speed_m_s(&still, 1));
+    hand.holds(1, forward(-3.0));
+    let from_m = out_m(&still, 1);
+    swarm
+        .until("comes back", flight, |fleet| inside(fleet) < from_m - 5.0)
+        .await;
+    swarm.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_pilot_takes_a_vehicle_out_of_the_hand_that_steers_it() {
+    let swarm = Swarm::start(1).await;
+    swarm.take_off(8.0).await;
+    let hand = Hand::at(&swarm, "hand").await;
+    assert_eq!(steer(&swarm, "hand", 1).await, Value::Null);
+    hand.holds(1, forward(2.0));
+    let flies = |fleet: &FleetSnapshot| speed_m_s(fleet, 1) > 1.5;
+    swarm.until("flies by hand", Duration::from_secs(10), flies).await;
+    swarm
+        .simulation()
+        .pilot_mode(1, FlightMode::Position)
+        .expect("has a remote control");
+    let taken = |fleet: &FleetSnapshot| vehicle(fleet, 1).flight_state == FlightState::PilotControl;
+    swarm.until("the pilot has it", Duration::ZERO, taken).await;
+    let before = swarm.truth_now().await.vehicle(1).expect("is simulated").setpoints;
+    // The stick is held all the time.
+    swarm
+        .until("told that it is not steered", Duration::ZERO, |_| {
+            hand.was_told("wrong_state")
+        })
+        .await;
+    let later = seconds(&swarm, 2.0).await;
+    assert_eq!(vehicle(&later, 1).flight_state, FlightState::PilotControl);
+    let truth = swarm.truth_now().await;
+    let flown = truth.vehicle(1).expect("is simulated");
+    assert_eq!((flown.setpoints, flown.mode), (before, FlightMode::Position));
     swarm.stop().await;
 }
 
