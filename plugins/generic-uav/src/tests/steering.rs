@@ -420,6 +420,12 @@ fn a_leader_that_is_steered_goes_on_leading() {
     let heading_rad = self::anchors(&rig).last().expect("an anchor").heading_rad;
     rig.run(9.0);
     assert!(rig.is_done(id) && rig.state == FlightState::Leading);
+    let here = rig.here();
+    hold_stick(&mut rig, forward(3.0), 2.0);
+    assert!(
+        rig.here().distance_m(&here) < 0.1,
+        "a stick that nobody asked for moves no leader"
+    );
     let again = Task::Lead {
         route: lead_route(&rig),
         heading: COURSE,
