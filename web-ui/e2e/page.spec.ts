@@ -35,7 +35,7 @@ for (const theme of ['Dark', 'Light', 'Sunlight']) {
     await page.reload();
     await expect(page.locator('html')).toHaveAttribute('data-theme', theme.toLowerCase());
     await button(page, /^Target 1,/).click();
-    for (const tab of ['Formation', 'Route', 'Preflight', 'Fences', 'Payloads', 'Commands']) {
+    for (const tab of ['Formation', 'Route', 'By hand', 'Preflight', 'Fences', 'Payloads', 'Commands']) {
       await page.getByRole('tab', { name: tab }).click();
       expect(await findings(page), tab).toEqual([]);
     }

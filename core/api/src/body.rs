@@ -257,7 +257,9 @@ impl MakesSense for Targets {
 impl MakesSense for VehicleCommand {
     fn check(&self, place: &Place<'_>) -> Result<(), ApiError> {
         match self {
-            Self::Arm | Self::Disarm | Self::Land | Self::Hold | Self::Return | Self::StopObserving => Ok(()),
+            Self::Arm | Self::Disarm | Self::Land | Self::Hold | Self::Return | Self::StopObserving | Self::Steer => {
+                Ok(())
+            }
             Self::TakeOff { height_m } => place.field("height_m").positive(*height_m, MAX_HEIGHT_M),
             Self::LandAt { spot } => place.field("spot").position(spot),
             Self::GoTo {

@@ -177,7 +177,7 @@ fn node() -> Vec<Endpoint> {
             .about(
                 "node",
                 "A WebSocket: binary telemetry frames and, as text, the messages of the schema. A client may send the messages \
-                 of the schema ClientMessage.",
+                 of the schema ClientMessage: another rate of frames, and the sticks of a vehicle that is steered by hand.",
             )
             .asks::<StreamQuery>()
             .json::<crate::protocol::ServerMessage>(StatusCode::SWITCHING_PROTOCOLS, "The stream is open. The schema is that of its text messages.")

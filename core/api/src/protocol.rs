@@ -474,4 +474,23 @@ pub enum ClientMessage {
         #[schemars(range(min = 1.0, max = 50.0))]
         rate_hz: f64,
     },
+    /// How a vehicle that was commanded to `steer` is to move, along the axes of the level vehicle. Good for half a second: to be said again,
+    /// about 20 times a second, for as long as somebody holds the stick. Of more than 50 per second the newest are flown. One that is
+    /// refused is answered with an error whose `detail` has the `refusal` and the vehicle as `stick`, at most once a second.
+    Stick {
+        /// The vehicle.
+        vehicle: VehicleId,
+        /// Forward in metres per second.
+        #[schemars(range(min = -50.0, max = 50.0))]
+        forward_m_s: f64,
+        /// To the right in metres per second.
+        #[schemars(range(min = -50.0, max = 50.0))]
+        right_m_s: f64,
+        /// Up in metres per second.
+        #[schemars(range(min = -50.0, max = 50.0))]
+        up_m_s: f64,
+        /// Turning clockwise as seen from above, in radians per second.
+        #[schemars(range(min = -6.283, max = 6.283))]
+        yaw_rate_rad_s: f64,
+    },
 }

@@ -6,6 +6,8 @@
 //!
 //! Must never do: make anything else wait. A client that does not read, or does not answer, is closed.
 
+mod sticks;
+
 use crate::app::{App, Closing};
 use crate::error::ApiError;
 use crate::protocol::{ClientMessage, ErrorDetail, PROTOCOL_VERSION, ServerMessage, VehicleSafety};
@@ -19,12 +21,13 @@ use axum::{Extension, body::Bytes};
 use metrics::{counter, gauge};
 use schemars::JsonSchema;
 use serde::Deserialize;
-use skein_domain::VehicleId;
 use skein_domain::control::{LONGEST_CONSOLE_TEXT, VehicleControl};
+use skein_domain::{Stick, VehicleId};
 use skein_runtime::EventRecord;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
+use sticks::Sticks;
 use tokio::sync::broadcast;
 use tokio::sync::broadcast::error::RecvError;
 use tokio::time::{Instant, Interval, MissedTickBehavior, interval, timeout};
@@ -47,7 +50,7 @@ const SEND_WITHIN: Duration = Duration::from_secs(5);
 const HEARD_WITHIN: Duration = Duration::from_secs(10);
 /// How often that is looked at.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
-/// Largest message a client may send. What it may say has under a hundred bytes.
+/// Largest message a client may send. What it may say has under two hundred bytes.
 const MAX_MESSAGE_BYTES: usize = 4096;
 
 /// What may be said when a stream is opened.
@@ -135,6 +138,8 @@ struct Client {
     safety: BTreeMap<VehicleId, VehicleSafety>,
     rate_hz: f64,
     frames: Interval,
+    /// Of a vehicle that it steers by hand.
+    sticks: Sticks,
     /// Frames sent, and the last of them whose ping was answered.
     sent: u32,
     answered: u32,
@@ -161,6 +166,7 @@ impl Client {
             safety: BTreeMap::new(),
             rate_hz: DEFAULT_RATE_HZ,
             frames: ticks(Duration::from_secs_f64(1.0 / DEFAULT_RATE_HZ)),
+            sticks: Sticks::new(),
             sent: 0,
             answered: 0,
             heard: Instant::now(),
@@ -203,6 +209,7 @@ impl Client {
             tokio::select! {
                 () = &mut closed => return Err(End::Closing),
                 received = self.socket.recv() => self.received(received).await?,
+                (vehicle, stick) = self.sticks.due() => self.steer(vehicle, stick).await?,
                 event = self.events.recv() => match event {
                     // Only a wake-up: what is sent comes from the log, so that falling behind loses nothing it still keeps.
                     Ok(event) if event.seq <= self.last_event => {}
@@ -327,8 +334,37 @@ impl Client {
         }
     }
 
+    /// Passes a stick on to the vehicle.
+    async fn steer(&mut self, vehicle: VehicleId, stick: Stick) -> Result<(), End> {
+        match self.app.node.stick(self.console.as_deref(), vehicle, stick) {
+            Ok(()) => self.sticks.taken(),
+            Err(refusal) => {
+                if let Some(error) = self.sticks.refused(vehicle, refusal) {
+                    return self.say(&ServerMessage::Error { error }).await;
+                }
+            }
+        }
+        Ok(())
+    }
+
     async fn obey(&mut self, text: &str) -> Result<(), End> {
         let error = match serde_json::from_str::<ClientMessage>(text) {
+            Ok(ClientMessage::Stick {
+                vehicle,
+                forward_m_s,
+                right_m_s,
+                up_m_s,
+                yaw_rate_rad_s,
+            }) => {
+                let stick = Stick {
+                    forward_m_s,
+                    right_m_s,
+                    up_m_s,
+                    yaw_rate_rad_s,
+                };
+                self.sticks.put(vehicle, stick);
+                return Ok(());
+            }
             Ok(ClientMessage::Rate { rate_hz }) if RATES_HZ.contains(&rate_hz) => {
                 self.rate_hz = rate_hz;
                 self.frames = ticks(Duration::from_secs_f64(1.0 / rate_hz));

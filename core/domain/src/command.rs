@@ -85,6 +85,10 @@ pub enum VehicleCommand {
     /// End `observe` or `look_at`: hold, gimbal ahead.
     #[n(10)]
     StopObserving,
+    /// Be flown by hand: it goes where the sticks that follow point, and stands while none come. A leader goes on leading. Done when no
+    /// stick has come for ten seconds.
+    #[n(11)]
+    Steer,
 }
 
 impl VehicleCommand {
@@ -103,6 +107,7 @@ impl VehicleCommand {
             Self::Observe { .. } => "observe",
             Self::LookAt { .. } => "look_at",
             Self::StopObserving => "stop_observing",
+            Self::Steer => "steer",
         }
     }
 }

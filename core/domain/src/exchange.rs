@@ -6,8 +6,8 @@ use crate::preflight::PreflightItem;
 use crate::telemetry::VehicleKinematics;
 use crate::{
     AnchorReference, AutopilotCommand, Battery, CommandId, FlightLimits, FlightMode, FlightState, Geodetic,
-    Incarnation, LandedState, NodeTime, PositionNed, Refusal, RequestId, Setpoint, SystemId, VehicleCommand, VehicleId,
-    VehicleTask,
+    Incarnation, LandedState, NodeTime, PositionNed, Refusal, RequestId, Setpoint, Stick, SystemId, VehicleCommand,
+    VehicleId, VehicleTask,
 };
 use minicbor::{Decode, Encode};
 
@@ -162,6 +162,9 @@ pub enum Event {
         #[n(1)]
         refusal: Option<Refusal>,
     },
+    /// How somebody who steers the vehicle by hand wants it to move: the newest, once per period at most.
+    #[n(19)]
+    Stick(#[n(0)] Stick),
 }
 
 /// What a payload last reported.

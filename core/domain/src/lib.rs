@@ -21,6 +21,7 @@ pub mod payload;
 pub mod preflight;
 pub mod refusal;
 pub mod setpoint;
+pub mod stick;
 pub mod telemetry;
 pub mod time;
 pub mod trajectory;
@@ -46,6 +47,7 @@ pub use limits::FlightLimits;
 pub use preflight::{ItemStatus, PreflightItem, PreflightOverride, PreflightReport, PreflightSettings};
 pub use refusal::Refusal;
 pub use setpoint::Setpoint;
+pub use stick::Stick;
 pub use telemetry::{
     Battery, BatteryUse, EstimatorHealth, FlightMode, FlightState, Gnss, GnssFix, HeardTimes, LandedState, LinkHealth,
     Telemetry,

@@ -1,39 +1,33 @@
-//! `cmd_vel`: a velocity that expires, flown as a chain of short ways to a place, each of which passes the gate like any other.
-//!
-//! The model flies straight to places; it takes no velocity by itself. So a velocity becomes a way of a few seconds in its direction, which is
-//! laid out anew before its end as long as the velocity is repeated. One that is not repeated in time becomes a hold. If whatever decides this
-//! here ended without a word, the vehicle would still hold at the end of its way.
+//! `cmd_vel`: a velocity that expires, flown by hand as any stick is: the vehicle is commanded to be steered, then told how to move as long
+//! as the velocity is repeated. One that is not repeated in time becomes a hold. If whatever decides this here ended without a word, the
+//! vehicle would stand half a second later all the same.
 //!
 //! Must never do: fly on when the velocity has expired, or take a vehicle back from somebody who has commanded it since.
 
 pub mod driver;
 
-use crate::frames;
-use crate::interfaces::geometry::{Twist, Vector3};
+use crate::interfaces::geometry::Twist;
 use crate::requests;
-use skein_domain::telemetry::VehicleKinematics;
-use skein_domain::{PositionNed, Refusal, VehicleCommand, VelocityNed};
+use skein_domain::{Refusal, Stick};
 
-/// A way leads so many seconds ahead.
-const AHEAD_S: f64 = 5.0;
-/// It is laid out anew when less than this is left, in seconds: the model begins to brake before its end.
-const ANEW_WITH_LEFT_S: f64 = 2.5;
-/// Ways are not laid out more often than this, in seconds.
-const SOONEST_S: f64 = 0.5;
 /// After a refusal it is not asked again for so long, in seconds.
 const AFTER_REFUSAL_S: f64 = 1.0;
-/// A change of the velocity below this is none, in metres per second.
-const SAME_M_S: f64 = 0.15;
 /// A velocity below this is none, in metres per second.
 const STANDS_M_S: f64 = 0.05;
+/// A rate of turning below this is none, in radians per second.
+const NO_RATE_RAD_S: f64 = 1e-3;
 
 /// What is to be asked of the vehicle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Order {
     /// Nothing new.
     Nothing,
-    /// This.
-    Give(VehicleCommand),
+    /// To be steered from now on.
+    Begin,
+    /// To move like this.
+    Move(Stick),
+    /// To hold.
+    Stop,
 }
 
 /// What is flown by velocity, and what came of it.
@@ -49,20 +43,14 @@ pub struct Report {
     pub reason: String,
 }
 
-#[derive(Debug, Clone, Copy)]
-struct Way {
-    velocity: VelocityNed,
-    goal: PositionNed,
-}
-
 /// One vehicle flown by velocity.
 #[derive(Debug)]
 pub struct Steering {
     valid_s: f64,
     fastest_m_s: f64,
-    /// The last velocity: forward, left, up; and when it came.
-    wanted: Option<(Vector3, f64)>,
-    way: Option<Way>,
+    /// The last velocity, and when it came.
+    wanted: Option<(Stick, f64)>,
+    engaged: bool,
     not_before_s: f64,
     /// Somebody else has commanded it: nothing is taken until it was silent here for as long as a velocity is good.
     silent_since_s: Option<f64>,
@@ -77,7 +65,7 @@ impl Steering {
             valid_s,
             fastest_m_s,
             wanted: None,
-            way: None,
+            engaged: false,
             not_before_s: 0.0,
             silent_since_s: None,
             report: Report::default(),
@@ -96,7 +84,7 @@ impl Steering {
     /// Whether the vehicle is flown by velocity.
     #[must_use]
     pub fn is_engaged(&self) -> bool {
-        self.way.is_some()
+        self.engaged
     }
 
     /// A velocity came in.
@@ -110,9 +98,9 @@ impl Steering {
             self.silent_since_s = None;
         }
         match requests::velocity(twist, self.fastest_m_s) {
-            Ok(velocity) => {
+            Ok(stick) => {
                 self.report.taken += 1;
-                self.wanted = Some((velocity, now_s));
+                self.wanted = Some((stick, now_s));
             }
             // The one before it stays good until it expires.
             Err(refusal) => self.refuse(&refusal),
@@ -122,17 +110,45 @@ impl Steering {
     /// The node refused what was asked last.
     pub fn refused(&mut self, refusal: &Refusal, now_s: f64) {
         self.refuse(refusal);
-        self.way = None;
+        self.engaged = false;
         self.not_before_s = now_s + AFTER_REFUSAL_S;
     }
 
     /// Somebody else has commanded the vehicle, or it flies otherwise: it is theirs.
     pub fn taken_over(&mut self, by: &str, now_s: f64) {
-        if self.way.take().is_some() {
+        if self.engaged {
             self.report.reason = format!("taken over: {by}");
-            self.silent_since_s = Some(now_s);
-            self.wanted = None;
+            self.leave(now_s);
         }
+    }
+
+    /// The node refused a stick. What passes by itself is only counted: the vehicle stands meanwhile. Otherwise somebody else has the vehicle,
+    /// whether that was heard of already or not.
+    pub fn stick_refused(&mut self, refusal: &Refusal, now_s: f64) {
+        self.refuse(refusal);
+        let passes = matches!(
+            refusal,
+            Refusal::TimedOut { .. } | Refusal::Clock { .. } | Refusal::NotRunning { .. }
+        );
+        if !passes {
+            self.leave(now_s);
+        }
+    }
+
+    /// A pilot flies the vehicle: a velocity is no reason to take it from him, however long there was none.
+    pub fn leave_to_pilot(&mut self, now_s: f64) {
+        if self.wanted.is_some_and(|(stick, _)| !is_none(&stick)) {
+            self.refuse(&Refusal::PilotInControl);
+            self.leave(now_s);
+        }
+        (self.engaged, self.wanted) = (false, None);
+    }
+
+    /// Nothing is taken until it was silent here.
+    fn leave(&mut self, now_s: f64) {
+        self.engaged = false;
+        self.silent_since_s = Some(now_s);
+        self.wanted = None;
     }
 
     fn refuse(&mut self, refusal: &Refusal) {
@@ -140,48 +156,35 @@ impl Steering {
         self.report.reason = format!("{}: {refusal}", refusal.code());
     }
 
-    /// What is to be asked now of the vehicle, which is here.
-    pub fn decide(&mut self, here: Option<&VehicleKinematics>, now_s: f64) -> Order {
-        let good = self.wanted.as_ref().filter(|(_, at_s)| now_s - at_s <= self.valid_s);
-        let Some((body, _)) = good else {
-            if self.wanted.take().is_some() && self.is_engaged() {
+    /// What is to be asked now of the vehicle. To be looked at more often than a stick is good for.
+    pub fn decide(&mut self, now_s: f64) -> Order {
+        let good = self.wanted.filter(|(_, at_s)| now_s - at_s <= self.valid_s);
+        let Some((stick, _)) = good else {
+            let expired = self.wanted.take().is_some();
+            if !std::mem::take(&mut self.engaged) {
+                return Order::Nothing;
+            }
+            if expired {
                 self.report.reason = format!("no velocity for {:.1} s", self.valid_s);
             }
-            return self.stop();
+            return Order::Stop;
         };
-        if body.x.hypot(body.y).hypot(body.z) < STANDS_M_S {
-            return self.stop();
+        if self.engaged {
+            return Order::Move(stick);
         }
-        let Some(here) = here else { return Order::Nothing };
-        let velocity = frames::velocity_from_level_body(body, here.yaw_rad);
-        if now_s < self.not_before_s || !self.is_due(&velocity, here) {
+        // Who does not move is not stopped, and is not taken from what it does.
+        if is_none(&stick) || now_s < self.not_before_s {
             return Order::Nothing;
         }
-        self.not_before_s = now_s + SOONEST_S;
-        let goal = here.position.after(&velocity, AHEAD_S);
-        self.way = Some(Way { velocity, goal });
-        Order::Give(VehicleCommand::GoTo {
-            position: goal,
-            // It does not turn, so that forward stays where it is.
-            yaw_rad: Some(here.yaw_rad),
-            speed_m_s: Some(velocity.norm()),
-        })
+        self.engaged = true;
+        Order::Begin
     }
+}
 
-    fn stop(&mut self) -> Order {
-        match self.way.take() {
-            Some(_) => Order::Give(VehicleCommand::Hold),
-            None => Order::Nothing,
-        }
-    }
-
-    /// Whether the way it is on is not the one wanted, or is about to end.
-    fn is_due(&self, velocity: &VelocityNed, here: &VehicleKinematics) -> bool {
-        let Some(way) = &self.way else { return true };
-        let changed_m_s = (way.velocity.vector() - velocity.vector()).norm();
-        let left_m = here.position.distance_m(&way.goal);
-        changed_m_s > SAME_M_S || left_m < velocity.norm() * ANEW_WITH_LEFT_S
-    }
+/// Whether it asks for nothing.
+fn is_none(stick: &Stick) -> bool {
+    let speed_m_s = stick.forward_m_s.hypot(stick.right_m_s).hypot(stick.up_m_s);
+    speed_m_s < STANDS_M_S && stick.yaw_rate_rad_s.abs() < NO_RATE_RAD_S
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@
 use crate::interfaces::geometry::{Point, Quaternion, Vector3};
 use nalgebra::{UnitQuaternion, Vector3 as Vector};
 use skein_domain::frames::wrap_angle_rad;
-use skein_domain::{PositionNed, VelocityNed};
+use skein_domain::{PositionNed, Stick, VelocityNed};
 use std::f64::consts::FRAC_PI_2;
 
 /// The common frame.
@@ -73,11 +73,15 @@ pub fn velocity_in_body(velocity: &VelocityNed, roll_rad: f64, pitch_rad: f64, y
     vector(turned)
 }
 
-/// A velocity forward, left and up of a level body with this yaw (clockwise from north), in the swarm's frame, in metres per second.
+/// A velocity forward, left and up of a level body, in metres per second, and its turning about up, in radians per second, as a stick.
 #[must_use]
-pub fn velocity_from_level_body(body: &Vector3, yaw_cw_rad: f64) -> VelocityNed {
-    let (sin, cos) = yaw_cw_rad.sin_cos();
-    VelocityNed::new(body.x * cos + body.y * sin, body.x * sin - body.y * cos, -body.z)
+pub fn stick(body: &Vector3, turning_rad_s: f64) -> Stick {
+    Stick {
+        forward_m_s: body.x,
+        right_m_s: -body.y,
+        up_m_s: body.z,
+        yaw_rate_rad_s: -turning_rad_s,
+    }
 }
 
 /// Pitch (upwards positive) and yaw (clockwise) of a direction, in radians: from north for one of `map`, from the nose for one of a body.

@@ -9,7 +9,8 @@ use crate::interfaces::skein::{
 };
 use skein_domain::formation::HeadingRequest;
 use skein_domain::payload::{GimbalCommand, GimbalYawFrame};
-use skein_domain::{FormationRequest, Refusal, Shape, VehicleCommand, VehicleId};
+use skein_domain::stick::FASTEST_STICK_RAD_S;
+use skein_domain::{FormationRequest, Refusal, Shape, Stick, VehicleCommand, VehicleId};
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
@@ -172,11 +173,11 @@ fn vehicles(what: &str, ids: &[u16]) -> Result<Vec<VehicleId>, Refusal> {
     Ok(ids.iter().copied().map(VehicleId).collect())
 }
 
-/// A velocity, in metres per second forward, left and up.
+/// A velocity, in metres per second forward, left and up, and a rate of turning about up in radians per second, as a stick.
 ///
 /// # Errors
-/// For numbers that cannot be meant, and for rates of turning, which are not flown.
-pub fn velocity(twist: &Twist, fastest_m_s: f64) -> Result<crate::interfaces::geometry::Vector3, Refusal> {
+/// For numbers that cannot be meant, and for rates about other axes: the vehicle is level.
+pub fn velocity(twist: &Twist, fastest_m_s: f64) -> Result<Stick, Refusal> {
     let linear = &twist.linear;
     for (axis, value) in [("x", linear.x), ("y", linear.y), ("z", linear.z)] {
         within(&format!("linear.{axis}"), value, -FASTEST_M_S, FASTEST_M_S)?;
@@ -189,16 +190,14 @@ pub fn velocity(twist: &Twist, fastest_m_s: f64) -> Result<crate::interfaces::ge
         });
     }
     let angular = &twist.angular;
+    within("angular.z", angular.z, -FASTEST_STICK_RAD_S, FASTEST_STICK_RAD_S)?;
     // Also for what is no number.
-    if ![angular.x, angular.y, angular.z]
-        .iter()
-        .all(|rate| rate.abs() <= NO_RATE_RAD_S)
-    {
+    if ![angular.x, angular.y].iter().all(|rate| rate.abs() <= NO_RATE_RAD_S) {
         return Err(Refusal::NotSupported {
-            detail: "rates of turning over cmd_vel; go_to takes a yaw".to_owned(),
+            detail: "rates of rolling and pitching over cmd_vel: the vehicle is level".to_owned(),
         });
     }
-    Ok(linear.clone())
+    Ok(frames::stick(linear, angular.z))
 }
 
 /// A unit of an enumeration as serde writes it.

@@ -4,6 +4,7 @@
 //! Must never do: wait, or hold a lock across an await.
 
 use crate::anchor::AnchorKeeper;
+use crate::by_hand::{Hand, Relays};
 use crate::coordination::Coordination;
 use crate::emergency::EmergencyUnlock;
 use crate::events::EventLog;
@@ -85,6 +86,8 @@ pub struct Board {
     pub references: References,
     /// Which console has which vehicles in hand.
     pub control: Mutex<ControlTable>,
+    /// Sticks on their way to vehicles of other nodes that are flown by hand.
+    pub relays: Relays,
     /// Works out the anchor of a formation that follows no vehicle.
     pub anchor: Mutex<AnchorKeeper>,
     /// Which tracks are of our own vehicles.
@@ -151,6 +154,7 @@ impl Board {
             sightings: Sightings::new(),
             references: References::new(max_speed_m_s),
             control: Mutex::new(ControlTable::new(node.unwrap_or(NodeId(0)))),
+            relays: Relays::default(),
             anchor: Mutex::default(),
             own_tracks: Mutex::default(),
             coordinator_seen_us: AtomicU64::new(0),
@@ -345,6 +349,8 @@ pub struct VehicleCell {
     pub watch: Mutex<Watch>,
     /// A command in several legs that is being carried out.
     pub itinerary: Mutex<Option<Itinerary>>,
+    /// Whether it is flown by hand, and the newest stick for it.
+    pub hand: Mutex<Hand>,
     /// The route that was put on its autopilot.
     pub route: Mutex<HeldRoute>,
     /// Its motors were stopped in an emergency: nothing flies it until an operator arms it again.
@@ -375,6 +381,7 @@ impl VehicleCell {
             state: Mutex::default(),
             watch: Mutex::default(),
             itinerary: Mutex::default(),
+            hand: Mutex::default(),
             route: Mutex::default(),
             stopped: AtomicBool::new(false),
             withdrawals: AtomicU32::new(0),

@@ -3,6 +3,7 @@
 mod commands;
 mod control;
 mod coordination;
+mod stick;
 mod trajectories;
 
 pub use control::{ControlAction, ControlReceipt};

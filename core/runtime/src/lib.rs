@@ -6,6 +6,7 @@
 
 mod anchor;
 mod board;
+mod by_hand;
 mod clock;
 pub mod coordination;
 mod coordinator;

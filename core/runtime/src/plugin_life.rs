@@ -443,6 +443,7 @@ fn is_worth_a_second_try(event: &Event) -> bool {
             | Event::Own(_)
             | Event::Anchor(_)
             | Event::Peers(_)
+            | Event::Stick(_)
             | Event::Frame(_)
             | Event::FaultDrill(FaultDrill::Panic | FaultDrill::Hang | FaultDrill::Abort)
     )

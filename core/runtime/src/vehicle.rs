@@ -27,7 +27,7 @@ use model::Model;
 use ractor::{Actor, ActorProcessingErr, ActorRef, RpcReplyPort};
 use skein_domain::exchange::{CommandProgress, Event, FaultDrill, Severity};
 use skein_domain::link::RoutePoint;
-use skein_domain::{CommandId, Incarnation, NodeTime, PositionNed, Refusal, RequestId, VehicleCommand};
+use skein_domain::{CommandId, FlightState, Incarnation, NodeTime, PositionNed, Refusal, RequestId, VehicleCommand};
 use skein_plugin_host::Plugin;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -239,10 +239,17 @@ impl VehicleState {
             command: flown,
             not_before,
         });
+        let asked = self.model.life.incarnation();
         self.call_model(events).await;
         if let Some(refusal) = self.model.take_refusal(flown_id) {
             self.pilot = was_pilot;
             return Err(refusal);
+        }
+        if matches!(flown, VehicleCommand::Steer)
+            && let Err(refusal) = self.begin_by_hand(flown_id, asked)
+        {
+            self.pilot = was_pilot;
+            return Err(self.refuse(id, &command, refusal));
         }
         // Most of the time the model has said of the former leg that it is replaced; between two legs it had nothing to say.
         self.abandon_itinerary();
@@ -250,6 +257,22 @@ impl VehicleState {
             let returns = matches!(command, VehicleCommand::Return);
             self.record_progress(id, command.name(), &CommandProgress::Executing);
             self.begin_itinerary(id, command.name(), legs, flown_id, returns);
+        }
+        Ok(())
+    }
+
+    /// Who is flown by hand has left its formation, unless it leads it.
+    fn begin_by_hand(&mut self, id: CommandId, asked: Incarnation) -> Result<(), Refusal> {
+        let answered = self.model.life.is_running() && self.model.life.incarnation() == asked;
+        if answered && !self.cell.hand.lock().is_by(id) {
+            // A command that it has no word for is nothing to an older library.
+            self.commands.remove(&id);
+            return Err(Refusal::NotSupported {
+                detail: format!("the model of vehicle {} is not flown by hand", self.cell.id),
+            });
+        }
+        if self.cell.state.lock().flight_state != FlightState::Leading {
+            self.board.withdraw(&self.cell);
         }
         Ok(())
     }

@@ -264,6 +264,8 @@ impl Gate {
             VehicleCommand::LookAt { target } => finite_target(target),
             VehicleCommand::Arm
             | VehicleCommand::StopObserving
+            // Where it leads is looked at setpoint by setpoint.
+            | VehicleCommand::Steer
             | VehicleCommand::Disarm
             | VehicleCommand::Land
             | VehicleCommand::Hold

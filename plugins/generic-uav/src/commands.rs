@@ -96,6 +96,7 @@ impl GenericUav {
                 let goal = None;
                 self.fly(Purpose::Guided(Guided { id, command, goal }), None, "observing", out);
             }
+            VehicleCommand::Steer => self.begin_steering(out),
             // Never admitted.
             VehicleCommand::LookAt { .. } | VehicleCommand::StopObserving => {}
         }
@@ -212,7 +213,10 @@ impl GenericUav {
             VehicleCommand::Hold | VehicleCommand::Return => {
                 airborne && !matches!(phase, Phase::Idle | Phase::Arming(_) | Phase::Disarming(_))
             }
-            VehicleCommand::GoTo { .. } | VehicleCommand::LandAt { .. } | VehicleCommand::Observe { .. } => {
+            VehicleCommand::GoTo { .. }
+            | VehicleCommand::LandAt { .. }
+            | VehicleCommand::Observe { .. }
+            | VehicleCommand::Steer => {
                 airborne && (in_nobodys_hands || matches!(phase, Phase::Flying(_) | Phase::Landing(_)))
             }
             // Refused for what they are, before.
@@ -230,6 +234,7 @@ impl GenericUav {
                 | VehicleCommand::GoTo { .. }
                 | VehicleCommand::LandAt { .. }
                 | VehicleCommand::Observe { .. }
+                | VehicleCommand::Steer
         );
         if needs_position && self.measured().is_none() {
             return Err(Refusal::NoPosition);

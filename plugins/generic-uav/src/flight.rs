@@ -6,6 +6,7 @@ use crate::asking::Asking;
 use crate::blend::{Blend, Stop};
 use crate::guidance::Guided;
 use crate::keeping::Kept;
+use crate::steering::Steered;
 use minicbor::{Decode, Encode};
 use skein_domain::{
     AccelerationNed, AnchorReference, CommandId, FlightMode, FlightState, FormationHeading, Keeping, NodeTime,
@@ -263,6 +264,9 @@ pub(crate) enum Purpose {
     /// Fly a planned trajectory, then hold at its end.
     #[n(9)]
     Fly(#[n(0)] Fly),
+    /// Fly where a hand steers it.
+    #[n(10)]
+    Steer(#[n(0)] Steered),
 }
 
 /// Flying a trajectory.
@@ -290,6 +294,9 @@ pub(crate) struct Lead {
     /// The end of the route was reported.
     #[n(4)]
     pub finished: bool,
+    /// It is steered by hand, or was, and stands since: its route and the way its heading is chosen wait for another task.
+    #[n(5)]
+    pub steered: Option<Steered>,
 }
 
 /// Following.
@@ -403,7 +410,7 @@ impl Purpose {
         match self {
             Self::TakeOff { .. } => FlightState::TakingOff,
             Self::Hold { .. } => FlightState::Holding,
-            Self::GoTo { .. } | Self::Guided(_) | Self::Fly(_) => FlightState::GoingTo,
+            Self::GoTo { .. } | Self::Guided(_) | Self::Fly(_) | Self::Steer(_) => FlightState::GoingTo,
             Self::LandAt { .. } => FlightState::Landing,
             Self::Home { .. } => FlightState::Returning,
             Self::Lead(_) => FlightState::Leading,

@@ -50,7 +50,7 @@ impl GenericUav {
         }
         flying.blend = flying.blend.map(|blend| blend.hastened(&sample.motion, &self.settings));
         let motion = flying.blend.map_or(sample.motion, |blend| blend.apply(&sample.motion));
-        let (yaw_rad, yaw_rate_rad_s) = flying.yaw(&sample);
+        let (yaw_rad, yaw_rate_rad_s) = flying.yaw(sample.yaw);
         self.stream(&motion, yaw_rad, yaw_rate_rad_s, out);
         self.publish(&flying, &sample, &motion, out);
         self.flight.phase = Phase::Flying(flying.clone());
@@ -116,6 +116,7 @@ impl GenericUav {
             self.flight.detail.clear();
             self.command_done(out);
         }
+        flying.purpose.taken_in_hand(self.now);
         self.plan_from_here(flying, out);
     }
 
@@ -163,6 +164,9 @@ impl GenericUav {
         } else if std::mem::take(&mut self.flight.refused_for_s) > LONGEST_STEP_S {
             self.flight.reference = None; // The vehicle was held elsewhere.
         }
+        if self.has_run_ahead(flying) {
+            self.flight.reference = None; // From where it is, and as it moves.
+        }
         let anchored = matches!(flying.plan, Plan::Slot);
         if matches!(flying.purpose, Purpose::Follow(_)) && anchored != self.usable_anchor(flying).is_some() {
             self.anchor_came_or_went(flying, out);
@@ -178,6 +182,7 @@ impl GenericUav {
             self.flight.reference = None;
             self.plan_from_here(flying, out);
         }
+        self.step_steering(flying, dt_s, held_back);
         if !held_back {
             self.step_guided(&mut flying.plan, &flying.purpose, dt_s);
             self.step_keeping(flying, dt_s, out);
@@ -251,6 +256,8 @@ impl GenericUav {
         let at_end = sample.finished && flying.blend.is_none();
         match &flying.purpose {
             Purpose::TakeOff { .. } | Purpose::Follow(_) | Purpose::Guided(_) | Purpose::Keep(_) => {}
+            Purpose::Steer(_) => self.see_whether_let_go(flying, out),
+            Purpose::Lead(lead) if lead.steered.is_some() => self.see_whether_let_go(flying, out),
             Purpose::Fly(fly) => {
                 if at_end && !fly.finished {
                     out.route_finished();
@@ -371,10 +378,12 @@ impl GenericUav {
 }
 
 impl Flying {
-    fn yaw(&self, sample: &Sample) -> (Option<f64>, Option<f64>) {
-        match (&self.purpose, sample.yaw) {
+    /// Yaw and its rate, of a plan that may have its own.
+    pub(crate) fn yaw(&self, planned: Option<(f64, f64)>) -> (Option<f64>, Option<f64>) {
+        match (&self.purpose, planned) {
             (Purpose::Lead(lead), _) => (Some(lead.heading_rad), Some(lead.heading_rate_rad_s)),
             (_, Some((yaw_rad, rate_rad_s))) => (Some(yaw_rad), Some(rate_rad_s)),
+            (Purpose::Steer(steered), None) => (self.yaw_rad, Some(steered.yaw_rate_rad_s)),
             _ => (self.yaw_rad, None),
         }
     }
@@ -390,12 +399,12 @@ impl Purpose {
             Self::LandAt { spot } => Some(*spot),
             Self::Home { home } => Some(*home),
             Self::Guided(guided) => guided.goal.map(|goal| goal.position),
-            Self::Lead(_) | Self::Follow(_) | Self::Keep(_) | Self::Fly(_) => None,
+            Self::Lead(_) | Self::Follow(_) | Self::Keep(_) | Self::Fly(_) | Self::Steer(_) => None,
         }
     }
 
     /// Whether its plan is the reference itself, which begins anew where the vehicle is.
     fn moves_its_reference(&self) -> bool {
-        matches!(self, Self::Guided(_) | Self::Keep(_))
+        matches!(self, Self::Guided(_) | Self::Keep(_)) || self.steered().is_some()
     }
 }

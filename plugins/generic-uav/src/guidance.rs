@@ -94,6 +94,11 @@ pub(crate) fn step(have: &Motion, goal: Option<&Goal>, now: NodeTime, dt_s: f64,
             vertical.clamp(-settings.climb_m_s, settings.descent_m_s),
         )
     });
+    towards(have, wanted, dt_s, acceleration_m_s2)
+}
+
+/// One step of the reference towards a velocity.
+pub(crate) fn towards(have: &Motion, wanted: Vector3<f64>, dt_s: f64, acceleration_m_s2: f64) -> Motion {
     let velocity = have.velocity.vector();
     let change = ((wanted - velocity) / VELOCITY_TIME_S).cap_magnitude(acceleration_m_s2);
     Motion {
@@ -159,7 +164,10 @@ impl GenericUav {
     /// Turns the vehicle's nose, where its flight leaves that open; whether it does.
     pub fn look_along(&mut self, towards_rad: f64) -> bool {
         if let Phase::Flying(flying) = &mut self.flight.phase
-            && !matches!(flying.purpose, Purpose::Lead(_) | Purpose::Follow(_))
+            && !matches!(
+                flying.purpose,
+                Purpose::Lead(_) | Purpose::Follow(_) | Purpose::Steer(_)
+            )
             && towards_rad.is_finite()
         {
             flying.yaw_rad = Some(towards_rad);

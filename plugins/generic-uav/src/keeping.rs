@@ -17,8 +17,8 @@ use skein_plugin_sdk::Effects;
 /// How fast the reference takes up the velocity that the neighbours' states ask for, in seconds: short against the closing of
 /// differences, long enough that what is not known exactly does not shake the vehicle.
 const VELOCITY_TIME_S: f64 = 0.3;
-/// How fast the nose is turned along a trajectory, in radians per second.
-const YAW_RATE_RAD_S: f64 = 0.8;
+/// How fast the nose is turned at most, in radians per second.
+pub(crate) const YAW_RATE_RAD_S: f64 = 0.8;
 
 /// The reference of a vehicle that keeps its place among neighbours.
 #[derive(Debug, Clone, Copy, PartialEq, Encode, Decode)]

@@ -20,6 +20,7 @@ mod model;
 mod modes;
 mod plan;
 mod settings;
+mod steering;
 mod tasks;
 
 pub use guidance::Goal;

@@ -7,7 +7,7 @@ use crate::settings::Settings;
 use skein_domain::exchange::{Create, Event, OwnState, PeerState};
 use skein_domain::manifest::EffectKind;
 use skein_domain::{
-    FlightLimits, FlightMode, LandedState, NodeTime, Refusal, RequestId, Setpoint, Task, VehicleId, VehicleTask,
+    FlightLimits, FlightMode, LandedState, NodeTime, Refusal, RequestId, Setpoint, Stick, Task, VehicleId, VehicleTask,
 };
 use skein_plugin_sdk::{CreateError, Effects, UavManifest, UavModel, log, saved};
 
@@ -34,6 +34,8 @@ pub struct GenericUav {
     pub(crate) track: Option<Track>,
     /// What the neighbours are known to do, while a place among them is to be kept.
     pub(crate) peers: Vec<PeerState>,
+    /// The stick last heard in a flight by hand, and when. Not saved: one from before a restart is not followed.
+    pub(crate) stick: Option<(Stick, NodeTime)>,
     /// The limits last told; a new instance tells them again.
     limits_told: Option<FlightLimits>,
     /// A model that is built on this one says where to be while it observes something.
@@ -77,6 +79,7 @@ impl UavModel for GenericUav {
             now: create.now,
             track: None,
             peers: Vec::new(),
+            stick: None,
             limits_told: None,
             takes_guidance: false,
         })
@@ -142,6 +145,7 @@ impl GenericUav {
             Event::LinkLost(lost) => self.hear(!*lost),
             Event::Rebooted => self.rebooted(out),
             Event::Peers(peers) => self.take_peers(peers),
+            Event::Stick(stick) => self.take_stick(stick),
             Event::Refused(refusal) => self.flight.gate_refusal = Some(refusal.clone()),
             Event::FaultDrill(_) => {} // The SDK's.
             // Payloads and what they see are no matter of this model's.

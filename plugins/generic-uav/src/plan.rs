@@ -87,6 +87,11 @@ impl GenericUav {
             Purpose::GoTo { to, speed_m_s } => straight(*to, *speed_m_s),
             Purpose::LandAt { spot } => straight(above(spot), cruise),
             Purpose::Home { home } => straight(above(home), cruise),
+            Purpose::Guided(_) | Purpose::Steer(_) | Purpose::Lead(Lead { steered: Some(_), .. }) => Plan::Guided {
+                position: here,
+                velocity: have.velocity,
+                acceleration: AccelerationNed::default(),
+            },
             Purpose::Lead(Lead { route: Some(route), .. }) => Plan::Route {
                 start: here,
                 route: route.clone(),
@@ -95,11 +100,6 @@ impl GenericUav {
             Purpose::Lead(_) => stop,
             Purpose::Follow(_) if self.usable_anchor(flying).is_some() => Plan::Slot,
             Purpose::Follow(_) => stop,
-            Purpose::Guided(_) => Plan::Guided {
-                position: here,
-                velocity: have.velocity,
-                acceleration: AccelerationNed::default(),
-            },
             Purpose::Keep(_) => Plan::Kept(Kept::from(&have)),
             Purpose::Fly(_) => Plan::Trajectory,
         };

@@ -51,6 +51,12 @@ impl GenericUav {
         if task == Task::Hold && matches!(flying.purpose, Purpose::Hold { .. }) {
             return; // That is what it does, perhaps by an operator's command.
         }
+        if let (Task::Lead { route, heading }, Purpose::Lead(led)) = (&task, &flying.purpose)
+            && led.steered.is_some()
+            && (&led.route, &led.heading) == (route, heading)
+        {
+            return; // It is led by hand, and nothing else is asked of it.
+        }
         self.command_refused(Refusal::Superseded, out);
         match task {
             Task::Hold => self.fly(Purpose::Hold { at: None }, None, "left the formation", out),
@@ -69,7 +75,12 @@ impl GenericUav {
                     before.heading_rad,
                     before.heading_rate_rad_s,
                 );
-                (follower, before.route == route, before.finished)
+                // Whoever was led by hand is not on its way any more.
+                (
+                    follower,
+                    before.route == route && before.steered.is_none(),
+                    before.finished,
+                )
             }
             _ => (self.first_heading(heading), false, false),
         };
@@ -79,6 +90,7 @@ impl GenericUav {
             heading_rad: follower.heading_rad(),
             heading_rate_rad_s: follower.rate_rad_s(),
             finished: same_route && finished,
+            steered: None,
         };
         flying.purpose = Purpose::Lead(lead);
         if same_route {
@@ -223,6 +235,9 @@ fn turning_towards(heading: FormationHeading, settings: &crate::Settings) -> For
 impl Lead {
     /// Turns the formation for one period, along the course of the route if it has one.
     pub(crate) fn turn(&mut self, course_rad: Option<f64>, dt_s: f64, settings: &crate::Settings) {
+        if self.steered.is_some() {
+            return; // By the stick.
+        }
         let towards = course_rad.unwrap_or(self.heading_rad);
         let mode = turning_towards(self.heading, settings);
         let mut follower = HeadingFollower::resume(mode, self.heading_rad, self.heading_rate_rad_s);

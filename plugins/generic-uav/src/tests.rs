@@ -8,5 +8,6 @@ mod pilot;
 mod properties;
 pub(crate) mod rig;
 mod snapshots;
+mod steering;
 mod take_off;
 mod tasks;

@@ -3,8 +3,8 @@
 
 import { getEvents, measureLatencyMs } from '../protocol/rest';
 import { Stream, streamUrl } from '../protocol/stream';
-import type { StreamState } from '../protocol/stream';
-import type { EventRecord, FleetInfo, SwarmSnapshot, VehicleControl, VehicleInfo, VehicleSafety } from '../protocol/types';
+import type { SaidStick, StreamState } from '../protocol/stream';
+import type { EventRecord, FleetInfo, Refusal, SwarmSnapshot, VehicleControl, VehicleInfo, VehicleSafety } from '../protocol/types';
 import { Fleet } from '../telemetry/fleet';
 import type { Commander } from './commander.svelte';
 import type { Journal } from './journal.svelte';
@@ -61,6 +61,7 @@ export class Session {
   #liveListeners: (() => void)[] = [];
   #restartListeners: (() => void)[] = [];
   #controlListeners: (() => void)[] = [];
+  #stickListeners: ((vehicle: number, refusal: Refusal) => void)[] = [];
   #waiting: EventRecord[] = [];
   #historyLoaded = false;
   #historyRequested = false;
@@ -84,6 +85,9 @@ export class Session {
       event: (event) => (this.#historyLoaded ? this.#takeEvent(event) : this.#waiting.push(event)),
       gap: (missed) => journal.notice('warning', 'stream', `${missed} events did not reach this page`),
       unreadable: (why) => journal.notice('warning', 'stream', why),
+      stickRefused: (vehicle, refusal) => {
+        for (const listener of this.#stickListeners) listener(vehicle, refusal);
+      },
     });
   }
 
@@ -125,6 +129,16 @@ export class Session {
   /** Calls `listener` when the server has said anew who has which vehicle in hand. */
   onControl(listener: () => void): void {
     this.#controlListeners.push(listener);
+  }
+
+  /** Calls `listener` when a stick was refused. */
+  onStickRefused(listener: (vehicle: number, refusal: Refusal) => void): void {
+    this.#stickListeners.push(listener);
+  }
+
+  /** Says how a vehicle that is flown by hand is to move; whether it went out. */
+  stick(vehicle: number, stick: SaidStick): boolean {
+    return this.#stream.stick(vehicle, stick);
   }
 
   /** What the node's clock says now, in ms. */

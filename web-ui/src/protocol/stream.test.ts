@@ -11,6 +11,7 @@ class Socket {
   static readonly OPEN = 1;
   binaryType = '';
   readyState = 1;
+  bufferedAmount = 0;
   sent: string[] = [];
   onmessage: ((message: { data: unknown }) => void) | null = null;
   onclose: (() => void) | null = null;
@@ -33,7 +34,7 @@ const newest = (): Socket => Socket.all.at(-1)!;
 
 function started() {
   const states: StreamState[] = [];
-  const heard = { frames: 0, fleets: 0, safeties: 0, controls: 0, swarms: 0, events: 0, gaps: 0, unreadable: [] as string[] };
+  const heard = { frames: 0, fleets: 0, safeties: 0, controls: 0, swarms: 0, events: 0, gaps: 0, unreadable: [] as string[], refused: [] as [number, string][] };
   const stream = new Stream('ws://test/api/v1/stream', {
     state: (state) => states.push(state),
     frame: () => heard.frames++,
@@ -44,6 +45,7 @@ function started() {
     event: () => heard.events++,
     gap: (missed) => (heard.gaps += missed),
     unreadable: (why) => heard.unreadable.push(why),
+    stickRefused: (vehicle, refusal) => heard.refused.push([vehicle, refusal.reason]),
   });
   stream.start();
   return { stream, states, heard, last: () => states.at(-1)! };
@@ -89,6 +91,33 @@ describe('Stream', () => {
     newest().say(HELLO);
     expect(Socket.all).toHaveLength(2);
     expect(newest().sent).toEqual(['{"type":"rate","rate_hz":20}']);
+  });
+
+  it('says a stick at once or not at all', () => {
+    const { stream } = started();
+    const stick = { forward_m_s: 1, right_m_s: 0, up_m_s: -0.5, yaw_rate_rad_s: 0 };
+    expect(stream.stick(3, stick)).toBe(false);
+    newest().say(HELLO);
+    expect(stream.stick(3, stick)).toBe(true);
+    newest().bufferedAmount = 5000;
+    expect(stream.stick(3, stick)).toBe(false);
+    newest().bufferedAmount = 0;
+    newest().readyState = 2;
+    expect(stream.stick(3, stick)).toBe(false);
+    expect(newest().sent).toEqual(['{"type":"stick","vehicle":3,"forward_m_s":1,"right_m_s":0,"up_m_s":-0.5,"yaw_rate_rad_s":0}']);
+    newest().onclose?.();
+    expect(stream.stick(3, stick)).toBe(false);
+    vi.advanceTimersByTime(1000);
+    newest().say(HELLO);
+    expect(newest().sent, 'none is kept for the next connection').toEqual([]);
+  });
+
+  it('tells of a stick that was refused', () => {
+    const { heard } = started();
+    newest().say(HELLO);
+    const refusal = { reason: 'in_other_hands', vehicle: 3, holder: 'Ben' };
+    newest().say({ type: 'error', error: { code: 'in_other_hands', message: '', detail: { stick: 3, refusal } } });
+    expect([heard.refused, heard.unreadable]).toEqual([[[3, 'in_other_hands']], []]);
   });
 
   it('does not go on with a server of another version, nor try again', () => {

@@ -2,7 +2,7 @@
 // Must never keep vehicle state: who listens decides what a message means.
 
 import { waitMs } from './backoff';
-import type { EventRecord, FleetInfo, ServerMessage, SwarmSnapshot, VehicleControl, VehicleSafety } from './types';
+import type { ClientMessage, ErrorDetail, EventRecord, FleetInfo, Refusal, ServerMessage, SwarmSnapshot, VehicleControl, VehicleSafety } from './types';
 
 /** The server's greeting. */
 export type Hello = Extract<ServerMessage, { type: 'hello' }>;
@@ -11,9 +11,14 @@ export type Hello = Extract<ServerMessage, { type: 'hello' }>;
 export const PROTOCOL = 1;
 /** Silence after the first binary frame that counts as a lost connection: a half-open socket says nothing. */
 const SILENCE_MS = 3000;
+/** A stick is not said while so many bytes wait to be sent: it would come late, and the newest one counts. */
+const MOST_WAITING_BYTES = 1024;
 /** A connection attempt that has not led to a greeting in this time is given up. */
 const GREETING_MS = 4000;
 const WATCH_EVERY_MS = 250;
+
+/** How a vehicle that is flown by hand is to move. */
+export type SaidStick = Omit<Extract<ClientMessage, { type: 'stick' }>, 'type' | 'vehicle'>;
 
 export type StreamState =
   | { name: 'connecting' }
@@ -31,6 +36,8 @@ export type StreamListener = {
   control(vehicles: readonly VehicleControl[]): void;
   swarm(swarm: SwarmSnapshot): void;
   event(event: EventRecord): void;
+  /** A stick was refused. */
+  stickRefused(vehicle: number, refusal: Refusal): void;
   /** Events were lost on the way. */
   gap(missed: number): void;
   /** Something came that this page could not read. */
@@ -71,6 +78,14 @@ export class Stream {
     if (this.#rateHz === rateHz) return;
     this.#rateHz = rateHz;
     this.#sendRate();
+  }
+
+  /** Says a stick; whether it went out. None is kept for later. */
+  stick(vehicle: number, stick: SaidStick): boolean {
+    const socket = this.#socket;
+    if (!this.#greeted || socket?.readyState !== WebSocket.OPEN || socket.bufferedAmount > MOST_WAITING_BYTES) return false;
+    socket.send(JSON.stringify({ type: 'stick', vehicle, ...stick }));
+    return true;
   }
 
   /** Tries at once instead of waiting for the back-off. */
@@ -132,9 +147,12 @@ export class Stream {
       case 'gap':
         this.listener.gap(message.missed);
         break;
-      case 'error':
-        this.listener.unreadable(`the server did not understand this page: ${message.error.message}`);
+      case 'error': {
+        const refused = refusedStick(message.error);
+        if (refused) this.listener.stickRefused(refused.vehicle, refused.refusal);
+        else this.listener.unreadable(`the server did not understand this page: ${message.error.message}`);
         break;
+      }
       default:
         // A newer server may say more than this page knows; what it does not know does not concern it.
         break;
@@ -184,6 +202,12 @@ export class Stream {
     this.#retryTimer = setTimeout(() => this.#connect(), wait);
     this.listener.state({ name: 'lost', retryAt: performance.now() + wait, reason });
   }
+}
+
+/** What an error says of a stick; null if it is about something else. */
+function refusedStick({ detail }: ErrorDetail): { vehicle: number; refusal: Refusal } | null {
+  if (typeof detail !== 'object' || detail === null || !('stick' in detail) || !('refusal' in detail)) return null;
+  return { vehicle: Number(detail.stick), refusal: detail.refusal as Refusal };
 }
 
 /** Address of the stream beside the page, whatever prefix the page is served under. That it is open is the console's sign of life. */

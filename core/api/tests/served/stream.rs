@@ -214,6 +214,42 @@ async fn a_client_chooses_its_rate_and_is_told_when_it_is_not_understood() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn a_stick_that_is_refused_is_answered() {
+    let served = Served::start().await;
+    let mut client = open(&served, "?console=c1").await;
+    let stick = |vehicle: u16, forward_m_s: &str| {
+        Message::text(format!(
+            r#"{{"type":"stick","vehicle":{vehicle},"forward_m_s":{forward_m_s},"right_m_s":0,"up_m_s":0,"yaw_rate_rad_s":0}}"#
+        ))
+    };
+    client.send(stick(9, "1")).await.unwrap();
+    let error = next_of(&mut client, "error").await["error"].clone();
+    assert_eq!(error["code"], "unknown_vehicle");
+    assert_eq!(error["detail"]["stick"], 9);
+    assert_eq!(error["detail"]["refusal"]["reason"], "unknown_vehicle");
+    client.send(stick(9, "51")).await.unwrap();
+    let error = next_of(&mut client, "error").await["error"].clone();
+    assert_eq!(
+        (&error["code"], &error["detail"]["stick"]),
+        (&json!("invalid_value"), &json!(9))
+    );
+    // What is no stick at all is answered as any message.
+    for text in [
+        r#"{"type":"stick","vehicle":9}"#.to_owned(),
+        stick(9, "1e999").to_string(),
+        stick(9, "null").to_string(),
+    ] {
+        client.send(Message::text(text.as_str())).await.unwrap();
+        assert_eq!(
+            next_of(&mut client, "error").await["error"]["code"],
+            "invalid_message",
+            "{text}"
+        );
+    }
+    served.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn a_client_that_breaks_the_protocol_is_closed() {
     let served = Served::start().await;
     let mut binary = open(&served, "").await;

@@ -21,6 +21,17 @@ fn batches_survive_the_boundary() {
                 speed_m_s: 12.0,
                 limit_m_s: 8.0,
             }),
+            Event::Command {
+                id: CommandId(4),
+                command: VehicleCommand::Steer,
+                not_before: NodeTime(9),
+            },
+            Event::Stick(Stick {
+                forward_m_s: 1.0,
+                right_m_s: -2.0,
+                up_m_s: 0.5,
+                yaw_rate_rad_s: 0.25,
+            }),
             Event::Tick,
         ],
     };

@@ -8,7 +8,7 @@ use futures_util::StreamExt;
 use parking_lot::Mutex;
 use ros2_client::Subscription;
 use skein_domain::exchange::CommandProgress;
-use skein_domain::{CommandId, FlightState, VehicleCommand, VehicleId};
+use skein_domain::{CommandId, FlightState, Refusal, Stick, VehicleCommand, VehicleId};
 use skein_runtime::{EventKind, EventRecord, NodeHandle, Targets, VehicleSnapshot};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use std::time::Duration;
 use tokio::sync::broadcast::error::RecvError;
 use tokio::time::{Instant, MissedTickBehavior};
 
-/// How often it is looked whether something is to be asked.
+/// How often it is looked whether something is to be asked, and a stick said: several times while one is good.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 /// So many of its own commands it knows again.
 const KNOWN_COMMANDS: usize = 16;
@@ -27,6 +27,8 @@ struct Driver {
     steering: Steering,
     began: Instant,
     own: VecDeque<CommandId>,
+    /// The command by which it is steered.
+    steered_by: Option<CommandId>,
     report: Arc<Mutex<Report>>,
 }
 
@@ -56,6 +58,7 @@ pub async fn drive(node: NodeHandle, vehicle: VehicleId, velocities: Subscriptio
         steering: Steering::new(valid_s, fastest_m_s),
         began: Instant::now(),
         own: VecDeque::new(),
+        steered_by: None,
         report,
     };
     let mut incoming = Box::pin(velocities.async_stream());
@@ -86,15 +89,23 @@ impl Driver {
         self.began.elapsed().as_secs_f64()
     }
 
-    /// Somebody else's command to this vehicle takes it over.
+    /// Somebody else's command to this vehicle takes it over, and so does a task of the coordinator.
     fn hear(&mut self, event: &EventRecord) {
         if event.vehicle != Some(self.vehicle) {
             return;
         }
-        if let EventKind::Command { id, command, progress } = &event.kind
-            && *progress == CommandProgress::Executing
-            && !self.own.contains(id)
-        {
+        let EventKind::Command { id, command, progress } = &event.kind else {
+            return;
+        };
+        let replaced = matches!(
+            progress,
+            CommandProgress::Refused {
+                refusal: Refusal::Superseded
+            }
+        );
+        if replaced && self.steered_by == Some(*id) {
+            self.lose("something else");
+        } else if *progress == CommandProgress::Executing && !self.own.contains(id) {
             self.lose(command);
         }
     }
@@ -110,22 +121,47 @@ impl Driver {
         if let Some(vehicle) = vehicle.filter(|v| is_lost(v)) {
             self.lose(&vehicle.flight_state.to_string());
         }
-        let here = vehicle.and_then(|v| v.kinematics);
+        // A hold would take a leader out of its formation: it stands, and leads on.
+        let leads = vehicle.is_some_and(|v| v.flight_state == FlightState::Leading);
         let now_s = self.now_s();
-        if let Order::Give(command) = self.steering.decide(here.as_ref(), now_s) {
-            let targets = Targets::Vehicles(vec![self.vehicle]);
-            for receipt in self.node.command(&targets, command).await {
-                self.own.push_back(receipt.id);
-                if self.own.len() > KNOWN_COMMANDS {
-                    self.own.pop_front();
-                }
-                if let Some(refusal) = receipt.refusal {
-                    let now_s = self.now_s();
-                    self.steering.refused(&refusal, now_s);
+        if vehicle.is_some_and(|v| v.flight_state == FlightState::PilotControl) {
+            self.steering.leave_to_pilot(now_s);
+        }
+        match self.steering.decide(now_s) {
+            Order::Nothing => {}
+            Order::Begin => self.steered_by = self.command(VehicleCommand::Steer).await,
+            Order::Move(stick) => self.tell(stick),
+            Order::Stop => {
+                self.steered_by = None;
+                if !leads {
+                    self.command(VehicleCommand::Hold).await;
                 }
             }
         }
         *self.report.lock() = self.steering.report();
+    }
+
+    /// Commands the vehicle; the command's number, if it was taken up.
+    async fn command(&mut self, command: VehicleCommand) -> Option<CommandId> {
+        let targets = Targets::Vehicles(vec![self.vehicle]);
+        let receipt = self.node.command(&targets, command).await.into_iter().next()?;
+        self.own.push_back(receipt.id);
+        if self.own.len() > KNOWN_COMMANDS {
+            self.own.pop_front();
+        }
+        let Some(refusal) = receipt.refusal else {
+            return Some(receipt.id);
+        };
+        let now_s = self.now_s();
+        self.steering.refused(&refusal, now_s);
+        None
+    }
+
+    fn tell(&mut self, stick: Stick) {
+        if let Err(refusal) = self.node.stick(None, self.vehicle, stick) {
+            let now_s = self.now_s();
+            self.steering.stick_refused(&refusal, now_s);
+        }
     }
 }
 

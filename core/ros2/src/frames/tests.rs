@@ -41,7 +41,7 @@ fn well_known_cases() {
     let up = matrix(&orientation(0.0, FRAC_PI_2, 0.0)) * Vector::x();
     assert!((up - Vector::z()).norm() < 1e-9, "{up}");
     // Left of a vehicle that looks north is west.
-    let left = velocity_from_level_body(&Vector3 { x: 0.0, y: 1.0, z: 0.0 }, 0.0);
+    let left = stick(&Vector3 { x: 0.0, y: 1.0, z: 0.0 }, 0.0).velocity(0.0);
     assert!((left.vector() - Vector::new(0.0, -1.0, 0.0)).norm() < 1e-12);
     // A camera that looks north: its axis is z, right of it is east, below is below.
     let optical = matrix(&optical(0.0, 0.0, 0.0));
@@ -93,7 +93,7 @@ proptest! {
         prop_assert!((array(&velocity_in_body(&world, roll, pitch, yaw)) - expected).norm() < 1e-9);
         // And back, of a level body.
         let level = velocity_in_body(&world, 0.0, 0.0, yaw);
-        prop_assert!((velocity_from_level_body(&level, yaw).vector() - world.vector()).norm() < 1e-9);
+        prop_assert!((stick(&level, 0.0).velocity(yaw).vector() - world.vector()).norm() < 1e-9);
     }
 
     #[test]

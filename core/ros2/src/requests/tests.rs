@@ -102,25 +102,33 @@ fn a_gimbal_looks_where_it_is_told() {
 }
 
 #[test]
-fn a_velocity_that_is_too_fast_or_turns_is_refused() {
-    let twist = |x, rate| Twist {
+fn a_velocity_that_is_too_fast_or_tips_over_is_refused() {
+    let turning = |x, rolling, turning| Twist {
         linear: Vector3 { x, y: 0.0, z: 0.0 },
         angular: Vector3 {
-            x: 0.0,
+            x: rolling,
             y: 0.0,
-            z: rate,
+            z: turning,
         },
     };
+    let twist = |x, rate| turning(x, 0.0, rate);
     assert!(velocity(&twist(3.0, 0.0), 5.0).is_ok());
     assert_eq!(velocity(&twist(6.0, 0.0), 5.0).expect_err("refused").code(), "too_fast");
-    assert_eq!(
-        velocity(&twist(1.0, 0.5), 5.0).expect_err("refused").code(),
-        "not_supported"
-    );
-    assert_eq!(
-        velocity(&twist(1.0, f64::NAN), 5.0).expect_err("refused").code(),
-        "not_supported"
-    );
+    // Counter-clockwise there is clockwise here, as left is right.
+    let stick = velocity(&twist(1.0, 0.5), 5.0).expect("is flown");
+    assert_eq!((stick.forward_m_s, stick.yaw_rate_rad_s), (1.0, -0.5));
+    for (refused, code) in [
+        (twist(1.0, f64::NAN), "invalid_value"),
+        (twist(1.0, 100.0), "invalid_value"),
+        (turning(1.0, 0.5, 0.0), "not_supported"),
+        (turning(1.0, f64::NAN, 0.0), "not_supported"),
+    ] {
+        assert_eq!(
+            velocity(&refused, 5.0).expect_err("refused").code(),
+            code,
+            "{refused:?}"
+        );
+    }
     assert_eq!(
         velocity(&twist(1e308, 0.0), 5.0).expect_err("refused").code(),
         "invalid_value"
@@ -143,8 +151,9 @@ proptest! {
             prop_assert!(speed_m_s.is_none_or(|speed| speed > 0.0 && speed <= FASTEST_M_S));
         }
         let twist = Twist { linear: Vector3 { x, y, z }, angular: Vector3 { x: a, y: b, z: c } };
-        if let Ok(v) = velocity(&twist, 12.0) {
-            prop_assert!(v.x.hypot(v.y).hypot(v.z) <= 12.0);
+        if let Ok(stick) = velocity(&twist, 12.0) {
+            prop_assert!(stick.forward_m_s.hypot(stick.right_m_s).hypot(stick.up_m_s) <= 12.0);
+            prop_assert!(stick.check().is_ok());
         }
         let request = SetFormationRequest {
             shape: "wedge".into(), spacing_m: x, heading: "fixed".into(), heading_rad: y, altitude_step_m: z,

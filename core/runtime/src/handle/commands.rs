@@ -159,7 +159,9 @@ impl NodeHandle {
     /// the rest must call none of them back. A take-off makes it a newcomer again.
     fn withdraw(&self, ids: &[VehicleId], command: &VehicleCommand) {
         match command {
-            VehicleCommand::Arm
+            // Who leads and is steered stays in the formation; of others the vehicle's actor says that they have left it.
+            VehicleCommand::Steer
+            | VehicleCommand::Arm
             | VehicleCommand::Disarm
             | VehicleCommand::LookAt { .. }
             | VehicleCommand::StopObserving => {}

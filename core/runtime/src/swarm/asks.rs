@@ -11,7 +11,7 @@ use skein_domain::fence::FencePlan;
 use skein_domain::link::RoutePoint;
 use skein_domain::preflight::PreflightReport;
 use skein_domain::{
-    FormationRequest, NodeId, NodeTime, Refusal, Route, TrajectoryObjection, TrajectoryPlan, TrajectoryRequest,
+    FormationRequest, NodeId, NodeTime, Refusal, Route, Stick, TrajectoryObjection, TrajectoryPlan, TrajectoryRequest,
     VehicleCommand, VehicleId,
 };
 use std::collections::{BTreeMap, VecDeque};
@@ -95,6 +95,15 @@ pub enum Ask {
     TakeOffice,
     /// A request to the API about something that the asked node has.
     Api(ApiRequest),
+    /// How a vehicle of the asked node that is steered by hand is to move, and when that was told by the asker's clock.
+    Stick {
+        /// The vehicle.
+        vehicle: VehicleId,
+        /// How.
+        stick: Stick,
+        /// When.
+        told: NodeTime,
+    },
 }
 
 /// The answer to an [`Ask`].

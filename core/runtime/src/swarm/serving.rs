@@ -21,6 +21,9 @@ pub async fn carry_out(handle: NodeHandle, ask: Ask, ahead_us: Option<i64>) -> A
         Ask::Fences(plan) => Answer::Done(handle.set_fences_here(*plan)),
         Ask::Preflight => Answer::Preflight(handle.preflight().vehicles),
         Ask::TakeOffice => Answer::Done(take_office(&handle).await),
+        Ask::Stick { vehicle, stick, told } => {
+            Answer::Done(handle.stick_from_elsewhere(vehicle, stick, told, ahead_us))
+        }
         Ask::Api(request) => {
             let server = handle.board().swarm.as_ref().and_then(|swarm| swarm.api.get().cloned());
             Answer::Api(match server {

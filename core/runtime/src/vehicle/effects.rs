@@ -8,7 +8,9 @@ use crate::snapshot::{Avoidance, EventKind};
 use crate::steering;
 use skein_domain::exchange::{CommandProgress, Effect, Event, Severity};
 use skein_domain::setpoint::LocalSetpoint;
-use skein_domain::{AutopilotCommand, FlightLimits, FlightState, NodeTime, Refusal, RequestId, Setpoint};
+use skein_domain::{
+    AutopilotCommand, FlightLimits, FlightState, NodeTime, Refusal, RequestId, Setpoint, VehicleCommand,
+};
 use skein_safety::avoidance::{Change, NeighbourId};
 
 /// A refusal of the same kind is told again after so long, in seconds: at 50 setpoints a second the log would hold nothing else.
@@ -79,6 +81,9 @@ impl VehicleState {
     }
 
     fn state_changed(&self, state: FlightState, detail: &str) {
+        if !matches!(state, FlightState::GoingTo | FlightState::Leading) {
+            self.cell.hand.lock().end_any();
+        }
         let state = self.shown_state(state);
         {
             let mut published = self.cell.state.lock();
@@ -105,6 +110,11 @@ impl VehicleState {
             CommandProgress::Executing => self.commands.get(&id).copied(),
             CommandProgress::Done | CommandProgress::Refused { .. } => self.commands.remove(&id),
         };
+        match progress {
+            CommandProgress::Executing if name == Some(VehicleCommand::Steer.name()) => self.cell.hand.lock().begin(id),
+            CommandProgress::Executing => {}
+            CommandProgress::Done | CommandProgress::Refused { .. } => self.cell.hand.lock().end(id),
+        }
         self.record_progress(id, name.unwrap_or("command"), &progress);
         if let CommandProgress::Refused { refusal } = progress {
             self.model.note_refusal(id, refusal);

@@ -104,6 +104,7 @@ impl VehicleState {
             link.0
                 .request(now, ACTOR_REQUEST, AutopilotCommand::SetMode { mode: FlightMode::Hold });
         }
+        self.cell.hand.lock().end_any();
         let mut published = self.cell.state.lock();
         published.flight_state = FlightState::Faulted;
         published.detail = "its model failed too often; the autopilot holds".into();

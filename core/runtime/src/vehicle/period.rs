@@ -17,11 +17,14 @@ impl VehicleState {
         let peers = self.board.peers.load_full();
         let running = self.ensure_model().await;
         self.watch(&peers).await;
+        // Taken in any case: none waits for a model that is away.
+        let stick = self.cell.hand.lock().take(self.board.now());
         if !running {
             return;
         }
         self.next_leg();
         let mut events = self.gather(&peers);
+        events.extend(stick.map(Event::Stick));
         events.push(Event::Tick);
         self.call_model(events).await;
         self.model.life.publish_statistics();

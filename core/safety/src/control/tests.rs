@@ -76,7 +76,11 @@ fn stops_are_for_everybody() {
     for command in [VehicleCommand::Hold, VehicleCommand::Land, VehicleCommand::Return] {
         assert!(is_for_everybody(&command));
     }
-    for command in [VehicleCommand::Arm, VehicleCommand::TakeOff { height_m: 5.0 }] {
+    for command in [
+        VehicleCommand::Arm,
+        VehicleCommand::TakeOff { height_m: 5.0 },
+        VehicleCommand::Steer,
+    ] {
         assert!(!is_for_everybody(&command));
     }
 }

@@ -31,6 +31,7 @@ impl Ladder {
     pub fn permits(&self, command: &VehicleCommand) -> Result<(), Refusal> {
         let flies_somewhere = match command {
             VehicleCommand::GoTo { .. }
+            | VehicleCommand::Steer
             | VehicleCommand::Observe { .. }
             | VehicleCommand::LandAt { .. }
             | VehicleCommand::TakeOff { .. } => true,

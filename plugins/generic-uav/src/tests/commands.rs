@@ -24,21 +24,21 @@ const STATES: [FlightState; 12] = [
 
 /// Rows as in [`STATES`], columns as in [`commands`]: `+` taken up, `-` refused as not fitting the state.
 const TABLE: [(&str, &str); 12] = [
-    ("idle", "+++-----"),
-    ("arming", "++++----"),
-    ("taking off", "---++-+-"),
-    ("holding", "---+++++"),
-    ("going to", "---+++++"),
-    ("following", "---+++++"),
-    ("leading", "---+++++"),
-    ("returning", "---+++++"),
-    ("landing", "---+++++"),
-    ("pilot", "---+++++"),
-    ("faulted", "---+++++"),
-    ("pilot on the ground", "+++-----"),
+    ("idle", "+++------"),
+    ("arming", "++++-----"),
+    ("taking off", "---++-+--"),
+    ("holding", "---++++++"),
+    ("going to", "---++++++"),
+    ("following", "---++++++"),
+    ("leading", "---++++++"),
+    ("returning", "---++++++"),
+    ("landing", "---++++++"),
+    ("pilot", "---++++++"),
+    ("faulted", "---++++++"),
+    ("pilot on the ground", "+++------"),
 ];
 
-fn commands(rig: &Rig) -> [VehicleCommand; 8] {
+fn commands(rig: &Rig) -> [VehicleCommand; 9] {
     let place = rig.here();
     [
         VehicleCommand::Arm,
@@ -53,6 +53,7 @@ fn commands(rig: &Rig) -> [VehicleCommand; 8] {
             yaw_rad: None,
             speed_m_s: None,
         },
+        VehicleCommand::Steer,
     ]
 }
 
@@ -115,7 +116,7 @@ fn in_state(row: usize) -> Rig {
 fn every_command_in_every_state() {
     for (row, (name, wanted)) in TABLE.iter().enumerate() {
         let mut got = String::new();
-        for column in 0..8 {
+        for column in 0..9 {
             let mut rig = in_state(row);
             let state = rig.state;
             let command = commands(&rig)[column];

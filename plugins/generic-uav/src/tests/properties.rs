@@ -9,8 +9,8 @@ use proptest::prelude::*;
 use skein_domain::exchange::{CommandProgress, Effect, Event};
 use skein_domain::payload::Target;
 use skein_domain::{
-    AnchorReference, AutopilotCommand, CommandId, FlightMode, FlightState, NodeTime, PositionNed, Refusal, Route, Task,
-    VehicleCommand, VehicleId,
+    AnchorReference, AutopilotCommand, CommandId, FlightMode, FlightState, NodeTime, PositionNed, Refusal, Route,
+    Stick, Task, VehicleCommand, VehicleId,
 };
 use skein_plugin_sdk::UavModel;
 
@@ -29,6 +29,7 @@ enum Happening {
     Answers(Answer, u8),
     Restart,
     Guide(Option<Goal>),
+    Stick(Stick),
     Nothing,
 }
 
@@ -49,6 +50,7 @@ fn command() -> impl Strategy<Value = VehicleCommand> {
         1 => place().prop_map(|spot| VehicleCommand::LandAt { spot }),
         2 => Just(VehicleCommand::Hold),
         1 => Just(VehicleCommand::Return),
+        2 => Just(VehicleCommand::Steer),
         2 => (place(), prop::option::of(number()), prop::option::of(number()))
             .prop_map(|(position, yaw_rad, speed_m_s)| VehicleCommand::GoTo { position, yaw_rad, speed_m_s }),
         2 => place().prop_map(|position| VehicleCommand::Observe {
@@ -111,6 +113,9 @@ fn happening() -> impl Strategy<Value = Happening> {
                 speed_m_s,
             }))
         }),
+        4 => (number(), number(), number(), number()).prop_map(|(forward_m_s, right_m_s, up_m_s, yaw_rate_rad_s)| {
+            Happening::Stick(Stick { forward_m_s, right_m_s, up_m_s, yaw_rate_rad_s })
+        }),
         4 => Just(Happening::Nothing),
     ]
 }
@@ -151,6 +156,7 @@ fn happen(rig: &mut Rig, happening: Happening) -> Option<CommandId> {
             );
         }
         Happening::Guide(goal) => rig.model.guide(goal),
+        Happening::Stick(stick) => rig.inbox.push(Event::Stick(stick)),
         Happening::Nothing => {}
     }
     None

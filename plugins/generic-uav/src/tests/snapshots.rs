@@ -6,7 +6,9 @@ use super::rig::{Rig, create, setpoints_of};
 use super::tasks::{COURSE, lead, slot};
 use proptest::prelude::*;
 use skein_domain::exchange::{Effect, Event, EventBatch};
-use skein_domain::{AnchorReference, FlightState, PositionNed, Route, Task, VehicleCommand, VehicleId, VelocityNed};
+use skein_domain::{
+    AnchorReference, FlightState, PositionNed, Route, Stick, Task, VehicleCommand, VehicleId, VelocityNed,
+};
 use skein_plugin_sdk::{Effects, UavModel};
 
 /// A whole flight with everything in it, as the batches that the model was given and the effects it answered with.
@@ -65,6 +67,7 @@ fn flight() -> (Vec<EventBatch>, Vec<Vec<Effect>>) {
     }
     rig.run(2.0); // The leader is lost.
     among_neighbours_and_along_a_trajectory(&mut rig);
+    by_hand(&mut rig);
     end_of_flight(&mut rig);
 
     // What it answered, batch by batch, from a straight run over what it was given.
@@ -87,6 +90,23 @@ fn among_neighbours_and_along_a_trajectory(rig: &mut Rig) {
         rig.tick();
     }
     rig.run(5.0);
+}
+
+/// By hand, with a stick in every period, and then let go.
+fn by_hand(rig: &mut Rig) {
+    rig.command(VehicleCommand::Steer);
+    for _ in 0..150 {
+        rig.inbox.push(Event::Stick(Stick {
+            forward_m_s: 3.0,
+            up_m_s: 0.5,
+            yaw_rate_rad_s: 0.3,
+            ..Stick::default()
+        }));
+        rig.tick();
+    }
+    // The last says to stand: what a stick said is not saved.
+    rig.inbox.push(Event::Stick(Stick::default()));
+    rig.run(12.0);
 }
 
 /// A hold, a pilot, the way home, and a second take-off.

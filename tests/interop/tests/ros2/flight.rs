@@ -58,10 +58,10 @@ fn was_steered(before: &Value, report: &Value) -> Result<()> {
         report["forward"]
     ));
     ensure!(
-        (7.0..18.0).contains(&forward_m) && aside_m.abs() < 1.5 && gone.z.abs() < 1.0,
+        (9.0..18.0).contains(&forward_m) && aside_m.abs() < 1.5 && gone.z.abs() < 1.0,
         "{gone:?}"
     );
-    ensure!((1.2..2.5).contains(&number(&report["forward"])?), "{report}");
+    ensure!((1.6..2.3).contains(&number(&report["forward"])?), "{report}");
     Ok(())
 }
 

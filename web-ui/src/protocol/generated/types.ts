@@ -314,7 +314,27 @@ export type ClientMessage = { "type": "rate",
 /**
  * Frames per second, 1 to 50.
  */
-rate_hz: number, };
+rate_hz: number, } | { "type": "stick", 
+/**
+ * The vehicle.
+ */
+vehicle: VehicleId, 
+/**
+ * Forward in metres per second.
+ */
+forward_m_s: number, 
+/**
+ * To the right in metres per second.
+ */
+right_m_s: number, 
+/**
+ * Up in metres per second.
+ */
+up_m_s: number, 
+/**
+ * Turning clockwise as seen from above, in radians per second.
+ */
+yaw_rate_rad_s: number, };
 
 /**
  * A command and whom it is for.
@@ -2950,7 +2970,7 @@ height_m: number | null, } | { "command": "look_at",
 /**
  * What is to be looked at.
  */
-target: Target, } | { "command": "stop_observing" };
+target: Target, } | { "command": "stop_observing" } | { "command": "steer" };
 
 /**
  * Who has a vehicle in hand.

@@ -61,6 +61,27 @@ fn what_is_asked_in_many_pieces_arrives_whole_and_is_answered_once() {
 }
 
 #[test]
+fn a_stick_goes_in_one_piece_and_arrives_as_it_was() {
+    let (mut here, mut there) = (Asks::default(), Asks::default());
+    let (sender, _answer) = oneshot::channel();
+    let stick = Stick {
+        forward_m_s: 1.5,
+        right_m_s: -0.25,
+        up_m_s: 0.0,
+        yaw_rate_rad_s: 0.1,
+    };
+    let ask = Ask::Stick {
+        vehicle: VehicleId(3),
+        stick,
+        told: at(7.0),
+    };
+    let pieces = pieces_of(here.begin(THERE, &ask, at(2.0), 300, sender));
+    assert_eq!(pieces.len(), 1);
+    let arrived = there.take(at(0.1), HERE, pieces[0].clone()).expect("understood");
+    assert!(matches!(arrived, Some(Whole::Asked { ask: there, .. }) if *there == ask));
+}
+
+#[test]
 fn who_does_not_answer_is_told_of_at_the_latest_when_time_is_over() {
     let mut here = Asks::default();
     let (sender, mut answer) = oneshot::channel();

@@ -97,10 +97,12 @@ fn nothing_that_needs_a_position_is_permitted_while_it_is_in_doubt() {
     let mut rig = Rig::new();
     assert!(rig.ladder.permits(&go_to()).is_ok());
     rig.run(1.0, stale);
-    assert!(matches!(
-        rig.ladder.permits(&go_to()),
-        Err(Refusal::NotPermitted { .. })
-    ));
+    for flies in [go_to(), VehicleCommand::Steer] {
+        assert!(
+            matches!(rig.ladder.permits(&flies), Err(Refusal::NotPermitted { .. })),
+            "{flies:?}"
+        );
+    }
     for always in [VehicleCommand::Hold, VehicleCommand::Return, VehicleCommand::Land] {
         assert!(rig.ladder.permits(&always).is_ok(), "{always:?}");
     }
