@@ -3,9 +3,11 @@
 mod commands;
 mod control;
 mod coordination;
+mod parameters;
 mod trajectories;
 
 pub use control::{ControlAction, ControlReceipt};
+pub use parameters::ParameterReceipt;
 
 use crate::board::Board;
 use crate::node::Parts;

@@ -17,6 +17,7 @@ impl VehicleState {
         let peers = self.board.peers.load_full();
         let running = self.ensure_model().await;
         self.watch(&peers).await;
+        self.tell_parameters();
         if !running {
             return;
         }

@@ -8,6 +8,7 @@ mod gate;
 mod neighbours;
 mod operator;
 mod overrides;
+mod parameters;
 mod payloads;
 mod pilot;
 mod trajectories;
