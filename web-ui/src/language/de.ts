@@ -4,10 +4,11 @@ import { always } from './de/always';
 import { fleet } from './de/fleet';
 import { machinery } from './de/machinery';
 import { operators } from './de/operators';
+import { parameters } from './de/parameters';
 import { plans } from './de/plans';
 import { words } from './de/words';
 
 export { codes } from './de/codes';
-export const parts = { always, fleet, machinery, operators, plans, words };
-export const de = { ...always, ...fleet, ...machinery, ...operators, ...plans, ...words };
+export const parts = { always, fleet, machinery, operators, parameters, plans, words };
+export const de = { ...always, ...fleet, ...machinery, ...operators, ...parameters, ...plans, ...words };
 export type Dictionary = typeof de;
