@@ -79,7 +79,7 @@ impl Line {
             }
             // What was overtaken comes after something else.
             self.ticks += 1;
-            if self.ticks % 7 == 0 {
+            if self.ticks.is_multiple_of(7) {
                 self.down.extend(self.late.drain(..));
             }
             while let Some(index) = self.down.pop_front() {
