@@ -209,6 +209,39 @@ function preview(request) {
   return { slots: slots.map(([f, r, u]) => ({ forward_m: f, right_m: r, down_m: -u })), smallest_distance_m: request.spacing_m, views: slots.map(() => 'ahead'), looking: 0 };
 }
 
+// As many parameters as PX4 has; vehicle 2 is flown over DDS and has none.
+const PREFIXES = ['BAT1', 'CAL', 'COM', 'EKF2', 'GF', 'IMU', 'MAV', 'MC', 'MPC', 'NAV', 'RC', 'RTL', 'SDLOG', 'SENS', 'SYS'];
+const parameters = Array.from({ length: 1500 }, (_, k) => ({
+  name: `${PREFIXES[k % PREFIXES.length]}_MADE_UP_${k}`,
+  value: k % 3 === 0 ? { type: 'integer', value: k } : { type: 'real', value: k / 8 },
+  changed_from: null,
+  revision: k + 1,
+})).sort((a, b) => (a.name < b.name ? -1 : 1));
+let parameterRevision = parameters.length;
+let readingSince = null;
+/** The parameters as they have been read so far: two hundred a second. */
+function parameterList(url) {
+  if (readingSince === null && url.searchParams.get('read') === 'true') readingSince = Date.now();
+  const read = readingSince === null ? 0 : Math.min(parameters.length, Math.floor((Date.now() - readingSince) / 5));
+  const since = Number(url.searchParams.get('since') ?? 0);
+  const state = readingSince === null ? 'not_begun' : read < parameters.length ? 'reading' : 'complete';
+  const known = parameters.filter((one) => (one.revision <= read || one.revision > parameters.length) && one.revision > since);
+  const revision = read < parameters.length ? read : parameterRevision;
+  return { reading: { state }, read, total: read > 0 ? parameters.length : null, revision, whole: since === 0, parameters: known.map(({ name, value, changed_from }) => ({ name, value, changed_from })) };
+}
+function writeParameter(id, name, value) {
+  const one = parameters.find((other) => other.name === name);
+  const fail = (status, reason, more) => ({ status, error: { code: reason, message: reason, detail: { reason, name, ...more } } });
+  if (!one) return fail(404, 'unknown');
+  if (vehicles[id - 1]?.armed) return fail(409, 'armed');
+  if (one.value.type === 'integer' && !Number.isInteger(value)) return fail(422, 'wrong_type', { actual: 'a whole number', value: { type: 'real', value } });
+  const before = one.value;
+  Object.assign(one, { value: { ...before, value }, changed_from: one.changed_from ?? before, revision: ++parameterRevision });
+  if (one.changed_from.value === value) one.changed_from = null;
+  say(id, 'advisory', { kind: 'parameter', name }, `parameter ${name} set to ${value}, was ${before.value}`);
+  return { status: 200, receipt: { name, value: one.value, before } };
+}
+
 const server = createServer(async (request, response) => {
   const url = new URL(request.url, 'http://localhost');
   if (!url.pathname.startsWith('/api/v1/')) return asset(url.pathname, response);
@@ -217,6 +250,17 @@ const server = createServer(async (request, response) => {
   const body = text ? JSON.parse(text) : null;
   const answer = (status, value) => response.writeHead(status, { 'content-type': 'application/json' }).end(JSON.stringify(value));
   const refuse = (error) => answer(409, { error: { detail: null, ...error } });
+  const [, of, parameter] = /^\/api\/v1\/vehicles\/(\d+)\/parameters(?:\/(\w+))?$/.exec(url.pathname) ?? [];
+  if (of !== undefined) {
+    if (of === '2') return refuse({ code: 'not_supported', message: 'not supported: parameters over DDS', detail: { reason: 'not_supported', detail: 'parameters over DDS' } });
+    if (request.method === 'GET') return answer(200, parameterList(url));
+    if (parameter === 'reading') {
+      readingSince = body.action === 'stop' ? null : Date.now();
+      return answer(202, { accepted: true });
+    }
+    const { status, error, receipt } = writeParameter(Number(of), parameter, body.value);
+    return answer(status, error ? { error } : receipt);
+  }
   switch (`${request.method} ${url.pathname.slice(8)}`) {
     case 'GET version':
       return answer(200, { program: 'skein', version: '0.1.0-dev', node: 'dev', protocol: 1 });

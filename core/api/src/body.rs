@@ -3,7 +3,8 @@
 
 use crate::error::ApiError;
 use crate::protocol::{
-    CommandBody, ControlBody, CoordinatorBody, EmergencyStopBody, FenceFileBody, FencePlanBody, OverrideBody, RouteBody,
+    CommandBody, ControlBody, CoordinatorBody, EmergencyStopBody, FenceFileBody, FencePlanBody, OverrideBody,
+    ParameterBody, ReadingBody, RouteBody,
 };
 use axum::Json;
 use axum::body::Bytes;
@@ -242,6 +243,19 @@ impl MakesSense for CommandBody {
 impl MakesSense for ControlBody {
     fn check(&self, place: &Place<'_>) -> Result<(), ApiError> {
         self.targets.check(&place.field("targets"))
+    }
+}
+
+impl MakesSense for ParameterBody {
+    /// Its range only the autopilot knows.
+    fn check(&self, place: &Place<'_>) -> Result<(), ApiError> {
+        place.field("value").number(self.value, f64::MIN, f64::MAX)
+    }
+}
+
+impl MakesSense for ReadingBody {
+    fn check(&self, _: &Place<'_>) -> Result<(), ApiError> {
+        Ok(())
     }
 }
 

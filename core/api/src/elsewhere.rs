@@ -4,6 +4,7 @@
 //! Must never do: pass on what came from another node.
 
 use crate::app::App;
+use crate::control::HEADER;
 use crate::error::ApiError;
 use crate::{body, endpoints};
 use axum::Router;
@@ -71,6 +72,8 @@ async fn pass_on(node: &NodeHandle, to: NodeId, request: Request) -> Result<Resp
                 method: parts.method.to_string(),
                 path,
                 content_type: parts.headers.get(header::CONTENT_TYPE).and_then(text),
+                // Who has a vehicle in hand has it in hand at every node.
+                console: parts.headers.get(HEADER).and_then(text),
                 body: body.to_vec(),
             },
         )
@@ -107,6 +110,9 @@ async fn answer(routes: Router, asked: ApiRequest) -> ApiAnswer {
     let mut request = Request::builder().method(asked.method.as_str()).uri(asked.path);
     if let Some(kind) = asked.content_type {
         request = request.header(header::CONTENT_TYPE, kind);
+    }
+    if let Some(console) = asked.console {
+        request = request.header(HEADER, console);
     }
     let failed = |status: StatusCode| ApiAnswer {
         status: status.as_u16(),

@@ -4,6 +4,7 @@
 mod carried;
 mod control;
 mod formations;
+mod parameters;
 mod safety;
 mod swarm;
 mod trajectories;
@@ -143,6 +144,7 @@ impl Endpoint {
 pub(crate) fn all() -> Vec<Endpoint> {
     let mut all = node();
     all.extend(fleet());
+    all.extend(parameters::parameters());
     all.extend(control::control());
     all.extend(formations::formations());
     all.extend(trajectories::trajectories());

@@ -9,7 +9,7 @@ use axum::extract::rejection::{JsonRejection, PathRejection, QueryRejection};
 use axum::http::{Method, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 use serde_json::{Value, json};
-use skein_domain::{Refusal, TrajectoryObjection};
+use skein_domain::{ParameterError, Refusal, TrajectoryObjection};
 use skein_runtime::PluginRefusal;
 use thiserror::Error;
 
@@ -22,6 +22,9 @@ pub enum ApiError {
     /// The node refused something about a plugin.
     #[error("{0}")]
     Plugin(#[from] PluginRefusal),
+    /// A parameter was not written.
+    #[error("{0}")]
+    Parameter(ParameterError),
     /// The node refused trajectories, item by item.
     #[error("{}", sentences(.0))]
     Trajectories(Vec<TrajectoryObjection>),
@@ -124,6 +127,7 @@ impl ApiError {
         match self {
             Self::Refused(refusal) => refusal_status(refusal),
             Self::Plugin(refusal) => plugin_refusal(refusal).0,
+            Self::Parameter(error) => parameter_status(error),
             // Of several the status of what they have in common, which is a conflict with the state of things.
             Self::Trajectories(against) => match against.as_slice() {
                 [one] => refusal_status(&one.refusal),
@@ -150,6 +154,7 @@ impl ApiError {
     pub fn code(&self) -> &'static str {
         match self {
             Self::Refused(refusal) => refusal.code(),
+            Self::Parameter(error) => error.code(),
             Self::Plugin(refusal) => plugin_refusal(refusal).1,
             Self::Trajectories(_) => "trajectories_refused",
             Self::NoneKnown(_) => "unknown_vehicle",
@@ -176,6 +181,7 @@ impl ApiError {
     fn facts(&self) -> Value {
         match self {
             Self::Refused(refusal) => json!(refusal),
+            Self::Parameter(error) => json!(error),
             Self::NoneKnown(receipts) => json!(receipts),
             Self::Trajectories(against) => json!({ "against": against }),
             Self::UnknownField { field } => json!({ "field": field }),
@@ -238,6 +244,30 @@ fn refusal_status(refusal: &Refusal) -> StatusCode {
         | Refusal::Clock { .. }
         | Refusal::InOtherHands { .. }
         | Refusal::DuplicateSystemId { .. } => StatusCode::CONFLICT,
+    }
+}
+
+impl From<ParameterError> for ApiError {
+    fn from(error: ParameterError) -> Self {
+        match error {
+            ParameterError::Refused(refusal) => Self::Refused(refusal),
+            error => Self::Parameter(error),
+        }
+    }
+}
+
+fn parameter_status(error: &ParameterError) -> StatusCode {
+    match error {
+        ParameterError::Unknown { .. } => StatusCode::NOT_FOUND,
+        ParameterError::InvalidName { .. } | ParameterError::WrongType { .. } | ParameterError::OutOfRange { .. } => {
+            StatusCode::UNPROCESSABLE_ENTITY
+        }
+        ParameterError::Refused(refusal) => refusal_status(refusal),
+        ParameterError::NoAnswer { .. }
+        | ParameterError::NotTaken { .. }
+        | ParameterError::Armed { .. }
+        | ParameterError::Busy
+        | ParameterError::BrokenOff { .. } => StatusCode::CONFLICT,
     }
 }
 

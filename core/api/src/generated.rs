@@ -8,19 +8,20 @@ pub(crate) mod golden;
 use crate::protocol::{
     Accepted, ClientMessage, CommandBody, CommandReceipts, ControlBody, ControlReceipts, ControlState, CoordinatorBody,
     EmergencyStopBody, ErrorBody, EventList, FenceFileBody, FencePlanBody, FormationAnswer, FormationPreview, Health,
-    ImportedFencePlan, OverrideBody, PayloadList, PluginList, ReferenceList, RestartList, RouteBody, ServerMessage,
-    SupervisionTree, TrajectoriesEnded, TrajectoryList, VehicleList, VersionInfo,
+    ImportedFencePlan, OverrideBody, ParameterBody, PayloadList, PluginList, ReadingBody, ReferenceList, RestartList,
+    RouteBody, ServerMessage, SupervisionTree, TrajectoriesEnded, TrajectoryList, VehicleList, VersionInfo,
 };
 use crate::wire::{self, Field, Header, Record, flag};
 use skein_config::PayloadRule;
 use skein_domain::payload::{CameraCommand, CameraState, GimbalCommand, GimbalState, RadioCommand, RadioState};
 use skein_domain::{
-    FlightMode, FlightState, FormationRequest, GnssFix, LandedState, TrajectoryObjection, TrajectoryPlan,
-    TrajectoryRequest,
+    FlightMode, FlightState, FormationRequest, GnssFix, LandedState, ParameterList, TrajectoryObjection,
+    TrajectoryPlan, TrajectoryRequest,
 };
 use skein_runtime::snapshot::FleetSnapshot;
 use skein_runtime::{
-    EmergencyKey, Fault, FenceAnswer, FormationReceipt, PreflightAnswer, ReferenceReport, UpgradeReceipt,
+    EmergencyKey, Fault, FenceAnswer, FormationReceipt, ParameterReceipt, PreflightAnswer, ReferenceReport,
+    UpgradeReceipt,
 };
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -75,6 +76,10 @@ fn types() -> String {
     found.visit::<CoordinatorBody>();
     found.visit::<CommandBody>();
     found.visit::<CommandReceipts>();
+    found.visit::<ParameterList>();
+    found.visit::<ParameterBody>();
+    found.visit::<ParameterReceipt>();
+    found.visit::<ReadingBody>();
     found.visit::<ControlBody>();
     found.visit::<ControlReceipts>();
     found.visit::<ControlState>();

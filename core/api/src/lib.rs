@@ -18,6 +18,7 @@ mod guard;
 mod metrics;
 pub mod openapi;
 mod operators;
+mod parameters;
 mod payloads;
 mod picture;
 mod preflight;

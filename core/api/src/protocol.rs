@@ -2,8 +2,10 @@
 //!
 //! Each type here is exported to TypeScript and to the OpenAPI document. Must never do: hold behaviour.
 
+mod parameters;
 mod supervision;
 
+pub use parameters::{ParameterBody, ReadingBody};
 pub use supervision::{SupervisedPayload, SupervisedVehicle, SupervisionTree};
 
 use schemars::JsonSchema;

@@ -17,6 +17,7 @@ pub mod ladder;
 pub mod limits;
 pub mod link;
 pub mod manifest;
+pub mod parameter;
 pub mod payload;
 pub mod preflight;
 pub mod refusal;
@@ -44,6 +45,9 @@ pub use ladder::{
     Alarm, LadderEvent, LadderEventKind, LadderSettings, LadderState, Order, Reaction, ReportOnly, Trigger,
 };
 pub use limits::FlightLimits;
+pub use parameter::{
+    Parameter, ParameterError, ParameterEvent, ParameterList, ParameterReading, ParameterValue, ReadingAction,
+};
 pub use preflight::{ItemStatus, PreflightItem, PreflightOverride, PreflightReport, PreflightSettings};
 pub use refusal::Refusal;
 pub use setpoint::Setpoint;

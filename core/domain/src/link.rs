@@ -5,7 +5,10 @@
 
 use crate::payload::MavlinkMessage;
 use crate::setpoint::LocalSetpoint;
-use crate::{AutopilotCommand, FlightMode, Geodetic, LinkHealth, NodeTime, Refusal, RequestId, SystemId, Telemetry};
+use crate::{
+    AutopilotCommand, CommandId, FlightMode, Geodetic, LinkHealth, NodeTime, ParameterEvent, ParameterList,
+    ParameterValue, ReadingAction, Refusal, RequestId, SystemId, Telemetry,
+};
 use minicbor::{Decode, Encode};
 use serde::{Deserialize, Serialize};
 use std::sync::Weak;
@@ -139,4 +142,23 @@ pub trait VehicleLink: Send + Sync + 'static {
     /// # Errors
     /// When it is no message of the dialect, or the link is lost.
     fn send_payload(&self, now: NodeTime, message: &MavlinkMessage) -> Result<(), Refusal>;
+
+    /// What is known of the autopilot's parameters and has changed since a revision; 0 for all.
+    ///
+    /// # Errors
+    /// When there are none over this link.
+    fn parameters(&self, since: u64) -> Result<ParameterList, Refusal>;
+
+    /// Begins to read all parameters, or ends that. How far it has come says [`Self::parameters`].
+    ///
+    /// # Errors
+    /// When there are none over this link, or it is lost.
+    fn read_parameters(&self, now: NodeTime, action: ReadingAction) -> Result<(), Refusal>;
+
+    /// Writes a parameter. The caller has had it pass the gate. The outcome comes from [`Self::take_parameter_events`]; an armed
+    /// vehicle's is not written, also if it is armed while the write waits.
+    fn write_parameter(&self, now: NodeTime, id: CommandId, name: &str, value: ParameterValue);
+
+    /// How operations on single parameters ended since the last call, in the order they were asked for.
+    fn take_parameter_events(&self) -> Vec<ParameterEvent>;
 }

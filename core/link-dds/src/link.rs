@@ -12,13 +12,21 @@ use parking_lot::Mutex;
 use skein_domain::link::{LinkEvent, MessageTap, RoutePoint, StreamState, VehicleLink};
 use skein_domain::payload::MavlinkMessage;
 use skein_domain::setpoint::LocalSetpoint;
-use skein_domain::{AutopilotCommand, LinkHealth, NodeTime, Refusal, RequestId, SystemId, Telemetry};
+use skein_domain::{
+    AutopilotCommand, CommandId, LinkHealth, NodeTime, ParameterError, ParameterEvent, ParameterList, ParameterValue,
+    ReadingAction, Refusal, RequestId, SystemId, Telemetry,
+};
 use skein_link_px4::LinkSettings;
 use std::fmt;
 use std::sync::Weak;
 
+/// More of them are not kept until somebody looks.
+const REFUSED_MAX: usize = 64;
+
 struct Inner {
     session: VehicleSession,
+    /// Writes of parameters that were asked for.
+    refused: Vec<ParameterEvent>,
     writers: Writers,
     due: NodeTime,
     unsent: u64,
@@ -40,7 +48,7 @@ impl Inner {
 
 /// One PX4 vehicle's link over DDS. What stands at `Px4Link` about take-overs and giving up holds here as well.
 ///
-/// There is no way for a route or for a payload's MAVLink over PX4's topics: both are refused as not supported.
+/// There is no way for a route, for a payload's MAVLink or for parameters over PX4's topics: all are refused as not supported.
 pub struct DdsLink {
     system_id: u8,
     namespace: Namespace,
@@ -67,6 +75,7 @@ impl DdsLink {
     ) -> Self {
         let inner = Inner {
             session: VehicleSession::new(settings, system_id, now),
+            refused: Vec::new(),
             writers,
             due: now,
             unsent: 0,
@@ -189,6 +198,35 @@ impl VehicleLink for DdsLink {
         let detail = format!("MAVLink message {} of a payload over DDS", message.message_id);
         Err(Refusal::NotSupported { detail })
     }
+
+    fn parameters(&self, _since: u64) -> Result<ParameterList, Refusal> {
+        Err(no_parameters())
+    }
+
+    fn read_parameters(&self, _now: NodeTime, _action: ReadingAction) -> Result<(), Refusal> {
+        Err(no_parameters())
+    }
+
+    fn write_parameter(&self, _now: NodeTime, id: CommandId, name: &str, _value: ParameterValue) {
+        let refused = &mut self.inner.lock().refused;
+        if refused.len() < REFUSED_MAX {
+            refused.push(ParameterEvent {
+                id: Some(id),
+                name: name.to_owned(),
+                before: None,
+                outcome: Err(ParameterError::Refused(no_parameters())),
+            });
+        }
+    }
+
+    fn take_parameter_events(&self) -> Vec<ParameterEvent> {
+        std::mem::take(&mut self.inner.lock().refused)
+    }
+}
+
+fn no_parameters() -> Refusal {
+    let detail = "parameters over DDS".to_owned();
+    Refusal::NotSupported { detail }
 }
 
 impl Writers {

@@ -7,6 +7,9 @@
 //!   50 ms and half of the round trip. One back by more than two seconds is told as a restart: by its stamps it is none other.
 //! * Wind, second receiver and estimator are told only by autopilots that have them. PX4 estimates the wind of a multicopter only
 //!   with `EKF2_DRAG_CTRL`, and tells no vertical wind. How old each of them is stands in `Telemetry::heard`.
+//! * Parameters are read at the autopilot's own rate, and what got lost of them at most twenty times a second; the reading ends after five
+//!   minutes, and at 4,096 parameters. None is written to an armed vehicle. Ranges only the autopilot knows: it may clip a value or take
+//!   a senseless one.
 //! * A route lies on the vehicle until its mode is set to MISSION. Whether it leads anywhere safe is its caller's business.
 //! * What is heard of others ([`sighting`]) is their word, with their own errors; an aircraft without a valid height is left out.
 //!
@@ -40,5 +43,4 @@ pub use settings::{EndpointSettings, LinkSettings, MessageRates};
 pub use sighting::{ReferenceSink, Sighting, Sightings};
 pub use table::LinkTable;
 pub use vehicle::AutopilotIdentity;
-pub use vehicle::parameters::{ParameterError, ParameterEvent, ParameterValue};
 pub use vehicle::plan::Command;

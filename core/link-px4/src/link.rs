@@ -8,14 +8,16 @@ use crate::frame::Frame;
 use crate::outlet::Outlet;
 use crate::settings::LinkSettings;
 use crate::taps::Taps;
-use crate::vehicle::parameters::{ParameterError, ParameterEvent, ParameterValue};
 use crate::vehicle::plan::Command;
 use crate::vehicle::{AUTOPILOT_COMPONENT, AutopilotIdentity, VehicleCore};
 use parking_lot::Mutex;
 use skein_domain::link::{LinkEvent, MessageTap, RoutePoint, StreamState, VehicleLink};
 use skein_domain::payload::MavlinkMessage;
 use skein_domain::setpoint::LocalSetpoint;
-use skein_domain::{AutopilotCommand, LinkHealth, NodeTime, Refusal, RequestId, SystemId, Telemetry};
+use skein_domain::{
+    AutopilotCommand, CommandId, LinkHealth, NodeTime, ParameterError, ParameterEvent, ParameterList, ParameterValue,
+    ReadingAction, Refusal, RequestId, SystemId, Telemetry,
+};
 use std::net::SocketAddr;
 use std::sync::{Arc, Weak};
 
@@ -243,34 +245,15 @@ impl Px4Link {
         self.inner.lock().core.parameters().known(name)
     }
 
-    /// Reads a parameter from the autopilot; the outcome comes from [`Self::take_parameter_events`].
+    /// Reads a parameter from the autopilot; the outcome comes from [`VehicleLink::take_parameter_events`].
     ///
     /// # Errors
     /// If it can be said at once that it will not work.
     pub fn read_parameter(&self, now: NodeTime, name: &str) -> Result<(), ParameterError> {
-        self.operate(now, name, None)
-    }
-
-    /// Writes a parameter and checks the echo; the outcome comes from [`Self::take_parameter_events`]. It is read first where
-    /// its type is not known: PX4 stores an integer sent as another type as nonsense.
-    ///
-    /// # Errors
-    /// If it can be said at once that it will not work.
-    pub fn write_parameter(&self, now: NodeTime, name: &str, value: ParameterValue) -> Result<(), ParameterError> {
-        self.operate(now, name, Some(value))
-    }
-
-    fn operate(&self, now: NodeTime, name: &str, value: Option<ParameterValue>) -> Result<(), ParameterError> {
         let mut inner = self.inner.lock();
-        let started = inner.core.parameter(now, name, value);
+        let started = inner.core.parameter(now, name, None);
         inner.flush();
         started
-    }
-
-    /// How parameter operations ended since the last call, in the order they were asked for.
-    #[must_use]
-    pub fn take_parameter_events(&self) -> Vec<ParameterEvent> {
-        self.inner.lock().core.parameters().take_events()
     }
 
     /// Sends a command that does not move the vehicle (a camera's, a gimbal's). The outcome comes as [`LinkEvent::Result`].
@@ -332,5 +315,27 @@ impl VehicleLink for Px4Link {
         let sent = inner.core.send_payload(now, message);
         inner.flush();
         sent
+    }
+
+    fn parameters(&self, since: u64) -> Result<ParameterList, Refusal> {
+        Ok(self.inner.lock().core.parameters().list(since))
+    }
+
+    fn read_parameters(&self, now: NodeTime, action: ReadingAction) -> Result<(), Refusal> {
+        let mut inner = self.inner.lock();
+        let begun = inner.core.read_parameters(now, action);
+        inner.flush();
+        begun
+    }
+
+    /// It is read first where its type is not known: PX4 stores an integer sent as another type as nonsense.
+    fn write_parameter(&self, now: NodeTime, id: CommandId, name: &str, value: ParameterValue) {
+        let mut inner = self.inner.lock();
+        inner.core.write_parameter(now, id, name, value);
+        inner.flush();
+    }
+
+    fn take_parameter_events(&self) -> Vec<ParameterEvent> {
+        self.inner.lock().core.parameters().take_events()
     }
 }

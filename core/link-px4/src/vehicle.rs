@@ -32,7 +32,7 @@ use events::EventQueue;
 use local_origin::LocalOrigin;
 use mavlink::dialects::common::{HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavState, MavType};
 use mode_watch::ModeWatch;
-use parameters::{ParameterError, ParameterMessage, ParameterValue, Parameters};
+use parameters::{ParameterMessage, Parameters};
 use plan::{Class, Command, Condition, Goal, Plan, Situation, Step};
 use rates::{RateKeeper, Tuning};
 use route::RouteUpload;
@@ -40,7 +40,10 @@ use setpoints::{HoldPlace, SetpointStream, StreamAction};
 use skein_domain::link::{LinkEvent, StreamState};
 use skein_domain::payload::MavlinkMessage;
 use skein_domain::setpoint::LocalSetpoint;
-use skein_domain::{AutopilotCommand, LinkHealth, NodeTime, Refusal, RequestId, Telemetry, VehicleId};
+use skein_domain::{
+    AutopilotCommand, CommandId, LinkHealth, NodeTime, ParameterError, ParameterValue, ReadingAction, Refusal,
+    RequestId, Telemetry, VehicleId,
+};
 use status_text::StatusTexts;
 use std::sync::Arc;
 use telemetry::Estimate;
@@ -108,6 +111,7 @@ impl VehicleCore {
         };
         let mut parameters = Parameters::default();
         parameters.set_by_number(first.autopilot != Heartbeat::AUTOPILOT_PX4);
+        parameters.set_armed(first.armed());
         Self {
             outbox: Outbox::new(settings.own_system_id, settings.own_component_id),
             rates: RateKeeper::new(settings.rates, system_id, now),
@@ -366,11 +370,33 @@ impl VehicleCore {
         value: Option<ParameterValue>,
     ) -> Result<(), ParameterError> {
         if let Some(refusal) = self.refusal(now) {
-            return Err(ParameterError::BrokenOff {
-                reason: refusal.to_string(),
-            });
+            return Err(refusal.into());
         }
         self.parameters.start(now, name, value)?;
+        self.send_parameters(now);
+        Ok(())
+    }
+
+    /// Writes a parameter; the outcome comes as an event of its parameters.
+    pub fn write_parameter(&mut self, now: NodeTime, id: CommandId, name: &str, value: ParameterValue) {
+        match self.refusal(now) {
+            Some(refusal) => self.parameters.refuse(id, name, refusal.into()),
+            None => {
+                self.parameters.write(now, id, name, value);
+                self.send_parameters(now);
+            }
+        }
+    }
+
+    /// Begins to read all parameters, or ends that.
+    ///
+    /// # Errors
+    /// When everything is refused, or the link is lost.
+    pub fn read_parameters(&mut self, now: NodeTime, action: ReadingAction) -> Result<(), Refusal> {
+        if let Some(refusal) = self.refusal(now).filter(|_| action != ReadingAction::Stop) {
+            return Err(refusal);
+        }
+        self.parameters.read_all(now, action);
         self.send_parameters(now);
         Ok(())
     }
@@ -519,6 +545,7 @@ impl VehicleCore {
 
     fn send_parameters(&mut self, now: NodeTime) {
         match self.parameters.poll(now, (self.system_id, AUTOPILOT_COMPONENT)) {
+            Some(ParameterMessage::List(message)) => self.outbox.push(&message),
             Some(ParameterMessage::Read(message)) => self.outbox.push(&message),
             Some(ParameterMessage::Set(message)) => self.outbox.push(&message),
             None => {}

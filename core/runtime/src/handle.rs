@@ -3,10 +3,12 @@
 mod commands;
 mod control;
 mod coordination;
+mod parameters;
 mod stick;
 mod trajectories;
 
 pub use control::{ControlAction, ControlReceipt};
+pub use parameters::ParameterReceipt;
 
 use crate::board::Board;
 use crate::node::Parts;

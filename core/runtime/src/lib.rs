@@ -43,7 +43,8 @@ pub use clock::TokioClock;
 pub use emergency::EmergencyKey;
 pub use fences::FenceAnswer;
 pub use handle::{
-    CommandReceipt, ControlAction, ControlReceipt, Fault, FormationReceipt, FormationSlots, NodeHandle, Targets,
+    CommandReceipt, ControlAction, ControlReceipt, Fault, FormationReceipt, FormationSlots, NodeHandle,
+    ParameterReceipt, Targets,
 };
 pub use node::{Adapter, AdapterStart, Node, NodeError};
 pub use plugins::{InstanceUpgrade, PluginInfo, PluginRefusal, UpgradeReceipt};

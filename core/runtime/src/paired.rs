@@ -9,7 +9,8 @@ use skein_domain::link::{LinkEvent, MessageTap, RoutePoint, VehicleLink};
 use skein_domain::payload::MavlinkMessage;
 use skein_domain::setpoint::LocalSetpoint;
 use skein_domain::{
-    AutopilotCommand, FlightMode, LinkHealth, NodeTime, Refusal, RequestId, SystemId, Telemetry, VehicleId,
+    AutopilotCommand, CommandId, FlightMode, LinkHealth, NodeTime, ParameterEvent, ParameterList, ParameterValue,
+    ReadingAction, Refusal, RequestId, SystemId, Telemetry, VehicleId,
 };
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Weak};
@@ -401,6 +402,32 @@ impl VehicleLink for PairedLink {
         let inner = self.inner.lock();
         let lost = Refusal::LinkLost { vehicle: inner.vehicle };
         inner.mavlink().ok_or(lost)?.send_payload(now, message)
+    }
+
+    fn parameters(&self, since: u64) -> Result<ParameterList, Refusal> {
+        let inner = self.inner.lock();
+        let lost = Refusal::LinkLost { vehicle: inner.vehicle };
+        inner.mavlink().ok_or(lost)?.parameters(since)
+    }
+
+    fn read_parameters(&self, now: NodeTime, action: ReadingAction) -> Result<(), Refusal> {
+        let inner = self.inner.lock();
+        let lost = Refusal::LinkLost { vehicle: inner.vehicle };
+        inner.mavlink().ok_or(lost)?.read_parameters(now, action)
+    }
+
+    fn write_parameter(&self, now: NodeTime, id: CommandId, name: &str, value: ParameterValue) {
+        let inner = self.inner.lock();
+        // There is always one; it says itself if it has none.
+        if let Some(link) = inner.mavlink() {
+            link.write_parameter(now, id, name, value);
+        }
+    }
+
+    fn take_parameter_events(&self) -> Vec<ParameterEvent> {
+        let inner = self.inner.lock();
+        let events = inner.links.iter().map(|one| one.link.take_parameter_events());
+        events.flatten().collect()
     }
 }
 

@@ -384,6 +384,11 @@ pub enum EventKind {
     Preflight,
     /// The emergency stop was unlocked or used.
     EmergencyStop,
+    /// A parameter of its autopilot was written, or was to be.
+    Parameter {
+        /// Its name.
+        name: String,
+    },
     /// The formation was changed, or its leader.
     Formation,
     /// Trajectories were planned, ended, or put on a vehicle.

@@ -7,11 +7,14 @@
 mod effects;
 mod itinerary;
 mod model;
+mod parameters;
 mod period;
 mod route;
 mod watch;
 
 pub use itinerary::Itinerary;
+pub use parameters::ParameterOrder;
+pub(crate) use parameters::words as parameter_words;
 pub use period::{own_state, told};
 pub use route::HeldRoute;
 pub use watch::Watch;
@@ -24,6 +27,7 @@ use crate::preflight;
 use crate::restart::VEHICLE_LIMITS;
 use crate::snapshot::{ActorHealth, ActorStatus, EventKind};
 use model::Model;
+use parameters::Writes;
 use ractor::{Actor, ActorProcessingErr, ActorRef, RpcReplyPort};
 use skein_domain::exchange::{CommandProgress, Event, FaultDrill, Severity};
 use skein_domain::link::RoutePoint;
@@ -59,6 +63,8 @@ pub enum VehicleMessage {
     },
     /// Put this route on the autopilot.
     UploadRoute(Vec<RoutePoint>),
+    /// Write a parameter of the autopilot. Answered when it is written, or known not to be.
+    WriteParameter(ParameterOrder),
     /// Make the plugin fail.
     Drill(FaultDrill),
     /// End the plugin's process, or make it panic if it has none of its own.
@@ -88,6 +94,8 @@ pub struct VehicleState {
     waiting: Vec<Event>,
     /// Version of the task last handed to the plugin.
     task_version: u64,
+    /// Writes of parameters whose outcome is open.
+    writes: Writes,
     /// Commands under way, by name, for the event log.
     commands: BTreeMap<CommandId, &'static str>,
     /// A human or the autopilot's failsafe flies: setpoints are refused until an operator's command.
@@ -136,6 +144,7 @@ impl Actor for Vehicle {
             cell,
             waiting: Vec::new(),
             task_version: 0,
+            writes: Writes::default(),
             commands: BTreeMap::new(),
             pilot: false,
             released: false,
@@ -184,6 +193,7 @@ impl Actor for Vehicle {
                 state.waiting.push(Event::PayloadResult { request, refusal });
             }
             VehicleMessage::UploadRoute(route) => state.upload_route(&route),
+            VehicleMessage::WriteParameter(order) => state.write_parameter(order),
             VehicleMessage::Drill(drill) => {
                 state.waiting.push(Event::FaultDrill(drill));
             }

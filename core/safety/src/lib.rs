@@ -12,6 +12,7 @@ mod gate;
 pub mod gnss;
 mod half_space;
 pub mod ladder;
+pub mod parameter;
 mod payload;
 pub mod preflight;
 mod separation;

@@ -4,11 +4,14 @@
 use mavlink::MavlinkVersion;
 use skein_domain::link::StreamState;
 use skein_domain::setpoint::LocalSetpoint;
-use skein_domain::{AutopilotCommand, FlightMode, LocalPositionNed, NodeTime, Refusal, RequestId, VelocityNed};
+use skein_domain::{
+    AutopilotCommand, FlightMode, LocalPositionNed, NodeTime, ParameterValue, ReadingAction, Refusal, RequestId,
+    VelocityNed,
+};
 use skein_link_px4::decode::{Heartbeat, decode};
 use skein_link_px4::frame::{Frame, FrameHeader, StreamBuffer, each_in_datagram};
 use skein_link_px4::vehicle::VehicleCore;
-use skein_link_px4::{EndpointCounters, LinkSettings, ParameterValue};
+use skein_link_px4::{EndpointCounters, LinkSettings};
 use std::sync::Arc;
 
 /// Messages that a link reads, and some that it does not.
@@ -149,11 +152,17 @@ fn offer(core: &mut VehicleCore, now: NodeTime, input: &mut Input<'_>) {
 }
 
 fn service(core: &mut VehicleCore, now: NodeTime, input: &mut Input<'_>) {
-    match input.byte().unwrap_or(0) % 8 {
+    match input.byte().unwrap_or(0) % 9 {
         0 => core.stop_stream(now),
         1 => core.refuse_all(now, Some(Refusal::DuplicateSystemId { system_id: 1 })),
         2 => core.refuse_all(now, None),
         3 => drop(core.parameters().take_events()),
+        8 => {
+            let actions = [ReadingAction::Begin, ReadingAction::Anew, ReadingAction::Stop];
+            // Refused while the link is lost.
+            let _ = core.read_parameters(now, actions[usize::from(input.byte().unwrap_or(0)) % 3]);
+            assert!(core.parameters().list(0).parameters.len() <= 4_096);
+        }
         which => {
             let name = ["MPC_XY_VEL_MAX", "COM_OBL_RC_ACT", "x", ""][usize::from(which) % 4];
             let value = match which {

@@ -13,17 +13,17 @@ export const PAGES = ['map', 'fleet', 'preflight', 'alerts', 'plugins', 'mission
 /** Pages of which the program has nothing to show yet. */
 export const EMPTY_PAGES = ['missions', 'tracks', 'video', 'replay'] as const;
 export type EmptyPageName = (typeof EMPTY_PAGES)[number];
-export type Page = (typeof PAGES)[number] | 'vehicle';
+export type Page = (typeof PAGES)[number] | 'vehicle' | 'parameters';
 
 export function isEmptyPage(page: Page): page is EmptyPageName {
   return EMPTY_PAGES.some((name) => name === page);
 }
 
-/** A page as it stands in the address: `#fleet`, `#vehicle/3`; anything else is the map. */
+/** A page as it stands in the address: `#fleet`, `#vehicle/3`, `#vehicle/3/parameters`; anything else is the map. */
 export function pageOf(hash: string): { page: Page; vehicle: number | null } {
   const text = hash.replace(/^#/, '');
-  const id = /^vehicle\/(\d{1,5})$/.exec(text)?.[1];
-  if (id !== undefined) return { page: 'vehicle', vehicle: Number(id) };
+  const [, id, place] = /^vehicle\/(\d{1,5})(\/parameters)?$/.exec(text) ?? [];
+  if (id !== undefined) return { page: place === undefined ? 'vehicle' : 'parameters', vehicle: Number(id) };
   const page = PAGES.find((name) => name === text);
   return { page: page ?? 'map', vehicle: null };
 }

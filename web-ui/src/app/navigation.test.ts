@@ -6,7 +6,8 @@ describe('the page in the address', () => {
     expect(pageOf('#preflight')).toEqual({ page: 'preflight', vehicle: null });
     expect(pageOf('#fleet')).toEqual({ page: 'fleet', vehicle: null });
     expect(pageOf('#vehicle/12')).toEqual({ page: 'vehicle', vehicle: 12 });
-    for (const hash of ['', '#', '#map', '#nowhere', '#vehicle/', '#vehicle/x', '#vehicle/1234567']) {
+    expect(pageOf('#vehicle/12/parameters')).toEqual({ page: 'parameters', vehicle: 12 });
+    for (const hash of ['', '#', '#map', '#nowhere', '#vehicle/', '#vehicle/x', '#vehicle/1234567', '#vehicle/1/nowhere', '#vehicle/parameters']) {
       expect(pageOf(hash)).toEqual({ page: 'map', vehicle: null });
     }
   });

@@ -5,10 +5,11 @@ import { fleet } from './de/fleet';
 import { hand } from './de/hand';
 import { machinery } from './de/machinery';
 import { operators } from './de/operators';
+import { parameters } from './de/parameters';
 import { plans } from './de/plans';
 import { words } from './de/words';
 
 export { codes } from './de/codes';
-export const parts = { always, fleet, hand, machinery, operators, plans, words };
-export const de = { ...always, ...fleet, ...hand, ...machinery, ...operators, ...plans, ...words };
+export const parts = { always, fleet, hand, machinery, operators, parameters, plans, words };
+export const de = { ...always, ...fleet, ...hand, ...machinery, ...operators, ...parameters, ...plans, ...words };
 export type Dictionary = typeof de;

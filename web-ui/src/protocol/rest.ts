@@ -2,8 +2,8 @@
 
 import type {
   CommandBody, CommandReceipt, CommandReceipts, Console, ControlAction, ControlBody, ControlReceipt, ControlReceipts, EmergencyKey,
-  EmergencyStopBody, ErrorBody, EventList, FenceAnswer, FenceFileBody, FencePlan, FencePlanBody, FormationPreview, FormationReceipt, FormationRequest, ImportedFencePlan, OverrideBody, PreflightAnswer,
-  PluginList, PreflightOverride, ReferenceList, ReferenceSnapshot, RestartList, RestartRecord, Route, RouteBody, SupervisionTree, Targets,
+  EmergencyStopBody, ErrorBody, EventList, FenceAnswer, FenceFileBody, FencePlan, FencePlanBody, FormationPreview, FormationReceipt, FormationRequest, ImportedFencePlan, OverrideBody, ParameterBody,
+  ParameterList, ParameterReceipt, PreflightAnswer, PluginList, PreflightOverride, ReadingAction, ReadingBody, ReferenceList, ReferenceSnapshot, RestartList, RestartRecord, Route, RouteBody, SupervisionTree, Targets,
   UpgradeReceipt, VehicleCommand, VehicleSnapshot,
 } from './types';
 
@@ -14,6 +14,8 @@ export class ApiError extends Error {
     readonly status: number,
     readonly code: string,
     message: string,
+    /** The facts that go with the code, as the server has them. */
+    readonly detail: unknown = null,
   ) {
     super(message);
   }
@@ -52,7 +54,7 @@ async function call(method: string, path: string, body?: unknown, secret?: strin
 async function errorOf(response: Response): Promise<ApiError> {
   try {
     const { error } = (await response.json()) as ErrorBody;
-    return new ApiError(response.status, error.code, error.message);
+    return new ApiError(response.status, error.code, error.message, error.detail);
   } catch {
     return new ApiError(response.status, 'http', `the server answered ${response.status}`);
   }
@@ -146,6 +148,23 @@ export async function makeCoordinator(node: number): Promise<void> {
 /** One vehicle, whole. */
 export async function getVehicle(id: number): Promise<VehicleSnapshot> {
   return (await (await call('GET', `vehicles/${id}`)).json()) as VehicleSnapshot;
+}
+
+/** What is known of the parameters of a vehicle's autopilot and has changed since a revision; `read` begins the reading of all. */
+export async function getParameters(vehicle: number, since: number, read: boolean): Promise<ParameterList> {
+  return (await (await call('GET', `vehicles/${vehicle}/parameters?since=${since}&read=${read}`)).json()) as ParameterList;
+}
+
+/** Begins the reading of all parameters, or ends it. */
+export async function readParameters(vehicle: number, action: ReadingAction): Promise<void> {
+  const body: ReadingBody = { action };
+  await call('POST', `vehicles/${vehicle}/parameters/reading`, body);
+}
+
+/** Writes a parameter; answered when the autopilot has said what it keeps. */
+export async function putParameter(vehicle: number, name: string, value: number): Promise<ParameterReceipt> {
+  const body: ParameterBody = { value };
+  return (await (await call('PUT', `vehicles/${vehicle}/parameters/${encodeURIComponent(name)}`, body)).json()) as ParameterReceipt;
 }
 
 /** A command to a payload, as its plugin's command schema has it. */

@@ -112,6 +112,7 @@ impl VehicleCore {
         }
         let armed_before = self.heartbeat.replace(heartbeat).map(|before| before.armed());
         let armed = heartbeat.armed();
+        self.parameters.set_armed(armed);
         let mode = heartbeat.px4_mode().map_or(FlightMode::Unknown, Px4Mode::flight_mode);
         self.estimate.set_mode(mode, armed);
         if armed_before.is_some_and(|before| before != armed) {

@@ -1,14 +1,25 @@
-//! Parameters by name: read before they are written so that the type is right, written until the echo agrees, and kept.
+//! Parameters: all of them on request, or by name. Read before they are written so that the type is right, written until the echo agrees,
+//! and kept.
 //!
 //! PX4 sends integers byte by byte in the field of a float; other autopilots send the number. A write is echoed twice; an
 //! integer written as a float is stored as nonsense, which is why no type is ever guessed here.
+//!
+//! Must never do: write to an armed vehicle, or keep more names than an autopilot has.
 
+mod listing;
+mod wire;
+
+use listing::{COUNT_MAX, Listing, Wanted};
 use mavlink::dialects::common::{
-    MavParamType, PARAM_ERROR_DATA, PARAM_REQUEST_READ_DATA, PARAM_SET_DATA, PARAM_VALUE_DATA,
+    PARAM_ERROR_DATA, PARAM_REQUEST_LIST_DATA, PARAM_REQUEST_READ_DATA, PARAM_SET_DATA, PARAM_VALUE_DATA,
 };
 use mavlink::types::CharArray;
-use skein_domain::NodeTime;
+use skein_domain::parameter::check_parameter_name;
+use skein_domain::{
+    CommandId, NodeTime, Parameter, ParameterError, ParameterEvent, ParameterList, ParameterValue, ReadingAction,
+};
 use std::collections::{BTreeMap, VecDeque};
+use wire::{agrees, decode, encode};
 
 /// How often a read or write is sent.
 const ATTEMPTS: u8 = 4;
@@ -16,97 +27,14 @@ const ATTEMPTS: u8 = 4;
 const TIMEOUT_S: f64 = 0.7;
 /// Most operations waiting.
 const QUEUE_MAX: usize = 64;
-/// Longest name.
-const NAME_MAX: usize = 16;
-/// Largest whole number a float holds exactly.
-const FLOAT_WHOLE_MAX: f64 = 16_777_216.0;
-
-/// A parameter's value with its type.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ParameterValue {
-    /// A whole number (PX4: INT32).
-    Integer(i32),
-    /// A number (PX4: FLOAT).
-    Real(f32),
-}
-
-impl std::fmt::Display for ParameterValue {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Integer(value) => write!(f, "{value}"),
-            Self::Real(value) => write!(f, "{value}"),
-        }
-    }
-}
-
-/// Why a parameter was not read or written.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum ParameterError {
-    /// The name cannot be a parameter's.
-    #[error("`{name}` is no parameter name: 1 to 16 ASCII characters")]
-    InvalidName {
-        /// The name.
-        name: String,
-    },
-    /// The autopilot has none of that name.
-    #[error("the autopilot has no parameter `{name}`")]
-    Unknown {
-        /// The name.
-        name: String,
-    },
-    /// No answer; PX4 also keeps silent about names it does not have.
-    #[error("no answer about parameter `{name}` within {after_s:.1} s; the autopilot may not have it")]
-    NoAnswer {
-        /// The name.
-        name: String,
-        /// How long was waited, in seconds.
-        after_s: f64,
-    },
-    /// The value does not fit the parameter's type.
-    #[error("parameter `{name}` is {actual}, the value {value} does not fit")]
-    WrongType {
-        /// The name.
-        name: String,
-        /// What type it has, in words.
-        actual: &'static str,
-        /// The value.
-        value: ParameterValue,
-    },
-    /// The autopilot kept another value.
-    #[error("the autopilot keeps `{name}` at {kept} instead of {asked}: {reason}")]
-    NotTaken {
-        /// The name.
-        name: String,
-        /// What was asked for.
-        asked: ParameterValue,
-        /// What it kept.
-        kept: ParameterValue,
-        /// Its reason, or that it gave none.
-        reason: String,
-    },
-    /// Too many operations are waiting.
-    #[error("{QUEUE_MAX} parameter operations are waiting already")]
-    Busy,
-    /// The link was lost, the autopilot restarted, or two vehicles use the system id.
-    #[error("broken off: {reason}")]
-    BrokenOff {
-        /// Which of them.
-        reason: String,
-    },
-}
-
-/// How a read or write ended.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ParameterEvent {
-    /// The parameter.
-    pub name: String,
-    /// Its value now, or why not.
-    pub outcome: Result<ParameterValue, ParameterError>,
-}
+/// A name under which PX4 sends a checksum of all, which is no parameter.
+const CHECKSUM: &str = "_HASH_CHECK";
 
 /// To be sent.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ParameterMessage {
+    /// PARAM_REQUEST_LIST.
+    List(PARAM_REQUEST_LIST_DATA),
     /// PARAM_REQUEST_READ.
     Read(PARAM_REQUEST_READ_DATA),
     /// PARAM_SET.
@@ -115,6 +43,8 @@ pub enum ParameterMessage {
 
 #[derive(Debug)]
 struct Operation {
+    /// Of a write that somebody waits for.
+    id: Option<CommandId>,
     name: String,
     /// To be written; `None` for a read.
     value: Option<ParameterValue>,
@@ -123,18 +53,35 @@ struct Operation {
     attempts: u8,
     first: NodeTime,
     deadline: NodeTime,
+    /// The value before the write.
+    before: Option<ParameterValue>,
     /// What another value than ours was echoed; decided when no better echo comes.
     echoed: Option<ParameterValue>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Known {
+    value: ParameterValue,
+    /// With which change of the table it came.
+    revision: u64,
 }
 
 /// Parameters of one vehicle.
 #[derive(Debug, Default)]
 pub struct Parameters {
-    known: BTreeMap<String, ParameterValue>,
+    known: BTreeMap<String, Known>,
+    /// Values before they were first written here. Kept over a restart of the autopilot.
+    originals: BTreeMap<String, ParameterValue>,
+    revision: u64,
+    /// When everything was forgotten last.
+    forgotten: u64,
     queue: VecDeque<Operation>,
     events: Vec<ParameterEvent>,
+    listing: Listing,
     /// The autopilot sends integers as numbers and not byte by byte.
     by_number: bool,
+    /// The motors are armed: nothing is written.
+    armed: bool,
 }
 
 impl Parameters {
@@ -143,10 +90,15 @@ impl Parameters {
         self.by_number = by_number;
     }
 
+    /// Whether the motors are armed.
+    pub fn set_armed(&mut self, armed: bool) {
+        self.armed = armed;
+    }
+
     /// A value that is known already.
     #[must_use]
     pub fn known(&self, name: &str) -> Option<ParameterValue> {
-        self.known.get(name).copied()
+        self.known.get(name).map(|known| known.value)
     }
 
     /// How operations ended since the last call.
@@ -154,32 +106,123 @@ impl Parameters {
         std::mem::take(&mut self.events)
     }
 
+    /// What has changed since a revision, or everything; and how the reading of all stands.
+    #[must_use]
+    pub fn list(&self, since: u64) -> ParameterList {
+        let whole = since == 0 || since < self.forgotten || since > self.revision;
+        let news = self.known.iter().filter(|(_, known)| whole || known.revision > since);
+        ParameterList {
+            reading: self.listing.state(),
+            read: u32::try_from(self.listing.read()).unwrap_or(u32::MAX),
+            total: self.listing.total().and_then(|total| u32::try_from(total).ok()),
+            revision: self.revision,
+            whole,
+            parameters: news.map(|(name, known)| self.parameter(name, known.value)).collect(),
+        }
+    }
+
+    fn parameter(&self, name: &str, value: ParameterValue) -> Parameter {
+        let original = self.originals.get(name).copied();
+        Parameter {
+            name: name.to_owned(),
+            value,
+            changed_from: original.filter(|original| !original.is(value)),
+        }
+    }
+
+    /// Begins to read all, or ends that.
+    pub fn read_all(&mut self, now: NodeTime, action: ReadingAction) {
+        match action {
+            ReadingAction::Begin => self.listing.begin(now),
+            ReadingAction::Anew => {
+                self.forget();
+                self.listing.begin(now);
+            }
+            ReadingAction::Stop => self.listing.stop("it was stopped"),
+        }
+    }
+
+    fn forget(&mut self) {
+        self.known.clear();
+        self.listing.forget();
+        self.revision += 1;
+        self.forgotten = self.revision;
+    }
+
     /// Reads one anew (`value` none) or writes one.
     ///
     /// # Errors
     /// If it can be said at once that it will not work.
     pub fn start(&mut self, now: NodeTime, name: &str, value: Option<ParameterValue>) -> Result<(), ParameterError> {
-        if name.is_empty() || name.len() > NAME_MAX || !name.bytes().all(|b| b.is_ascii_graphic()) {
-            return Err(ParameterError::InvalidName { name: name.to_owned() });
+        self.queue_up(now, None, name, value)
+    }
+
+    /// Writes one. What can be said at once comes as an event, too.
+    pub fn write(&mut self, now: NodeTime, id: CommandId, name: &str, value: ParameterValue) {
+        if let Err(error) = self.queue_up(now, Some(id), name, Some(value)) {
+            self.refuse(id, name, error);
+        }
+    }
+
+    /// Says of a write that it is not done.
+    pub fn refuse(&mut self, id: CommandId, name: &str, error: ParameterError) {
+        self.push(ParameterEvent {
+            id: Some(id),
+            name: name.to_owned(),
+            before: self.known(name),
+            outcome: Err(error),
+        });
+    }
+
+    fn queue_up(
+        &mut self,
+        now: NodeTime,
+        id: Option<CommandId>,
+        name: &str,
+        value: Option<ParameterValue>,
+    ) -> Result<(), ParameterError> {
+        check_parameter_name(name)?;
+        if self.armed && value.is_some() {
+            return Err(ParameterError::Armed { name: name.to_owned() });
         }
         if self.queue.len() >= QUEUE_MAX {
             return Err(ParameterError::Busy);
         }
-        let name = name.to_owned();
         self.queue.push_back(Operation {
-            name,
+            id,
+            name: name.to_owned(),
             value,
             writing: false,
             attempts: 0,
             first: now,
             deadline: now,
+            before: None,
             echoed: None,
         });
         Ok(())
     }
 
-    /// What is to be sent now.
+    /// What is to be sent now. Single parameters go before the reading of all.
     pub fn poll(&mut self, now: NodeTime, target: (u8, u8)) -> Option<ParameterMessage> {
+        let (target_system, target_component) = target;
+        let single = self.poll_queue(now, target);
+        single.or_else(|| {
+            Some(match self.listing.poll(now)? {
+                Wanted::All => ParameterMessage::List(PARAM_REQUEST_LIST_DATA {
+                    target_system,
+                    target_component,
+                }),
+                Wanted::Number(number) => ParameterMessage::Read(PARAM_REQUEST_READ_DATA {
+                    param_index: i16::try_from(number).unwrap_or(i16::MAX),
+                    target_system,
+                    target_component,
+                    param_id: CharArray::from(""),
+                }),
+            })
+        })
+    }
+
+    fn poll_queue(&mut self, now: NodeTime, target: (u8, u8)) -> Option<ParameterMessage> {
         loop {
             let operation = self.queue.front_mut()?;
             if operation.attempts == 0 {
@@ -187,21 +230,15 @@ impl Parameters {
             } else if now < operation.deadline {
                 return None;
             }
-            if operation.value.is_some() && !operation.writing && self.known.contains_key(&operation.name) {
+            let have = self.known.get(&operation.name).map(|known| known.value);
+            if operation.value.is_some() && !operation.writing && have.is_some() {
                 operation.writing = true;
+                operation.before = have;
             }
-            if operation.attempts >= ATTEMPTS {
-                let after_s = now.seconds_since(operation.first);
-                let name = operation.name.clone();
-                let error = match (operation.value, operation.echoed) {
-                    (Some(asked), Some(kept)) => ParameterError::NotTaken {
-                        name,
-                        asked,
-                        kept,
-                        reason: "no reason was given".to_owned(),
-                    },
-                    _ => ParameterError::NoAnswer { name, after_s },
-                };
+            // It may have been armed while the write waited, or while its echo did.
+            let armed = self.armed && operation.value.is_some();
+            if operation.attempts >= ATTEMPTS || armed {
+                let error = given_up(operation, now, armed);
                 self.end(Err(error));
                 continue;
             }
@@ -218,7 +255,6 @@ impl Parameters {
                     param_id,
                 }));
             };
-            let have = self.known.get(&operation.name).copied();
             match encode(&operation.name, value, have, self.by_number) {
                 Ok((param_value, param_type)) => {
                     return Some(ParameterMessage::Set(PARAM_SET_DATA {
@@ -237,17 +273,23 @@ impl Parameters {
     /// When [`Self::poll`] has something to do next.
     #[must_use]
     pub fn due(&self) -> Option<NodeTime> {
-        self.queue.front().map(|operation| operation.deadline)
+        let single = self.queue.front().map(|operation| operation.deadline);
+        single.into_iter().chain(self.listing.due()).min()
     }
 
-    /// Takes in a value: an answer, an echo, or news.
+    /// Takes in a value: an answer, an echo, one of all, or news.
     pub fn on_value(&mut self, now: NodeTime, message: &PARAM_VALUE_DATA) {
         let Ok(name) = message.param_id.to_str() else { return };
+        if name == CHECKSUM || check_parameter_name(name).is_err() {
+            return;
+        }
+        let listed = self.listing.is_running();
+        self.listing.on_value(now, message.param_index, message.param_count);
         let Some(value) = decode(message.param_value, message.param_type, self.by_number) else {
             return;
         };
-        if self.known.contains_key(name) || self.queue.iter().any(|operation| operation.name == name) {
-            self.known.insert(name.to_owned(), value);
+        if listed || self.known.contains_key(name) || self.queue.iter().any(|operation| operation.name == name) {
+            self.keep(name, value);
         }
         let Some(operation) = self.queue.front_mut().filter(|operation| operation.name == name) else {
             return;
@@ -260,15 +302,31 @@ impl Parameters {
             Some(_) if !operation.writing => {
                 // The type is known now: write at once, with attempts of its own.
                 (operation.writing, operation.attempts, operation.deadline) = (true, 0, now);
+                operation.before = Some(value);
             }
             Some(asked) if agrees(asked, value) => self.end(Ok(value)),
             Some(_) => operation.echoed = Some(value),
         }
     }
 
+    fn keep(&mut self, name: &str, value: ParameterValue) {
+        let full = self.known.len() >= usize::from(COUNT_MAX);
+        let is_news = match self.known(name) {
+            Some(known) => !known.is(value),
+            None => !full,
+        };
+        if is_news {
+            self.revision += 1;
+            let revision = self.revision;
+            self.known.insert(name.to_owned(), Known { value, revision });
+        }
+    }
+
     /// Takes in a refusal.
     pub fn on_error(&mut self, message: &PARAM_ERROR_DATA) {
-        use mavlink::dialects::common::MavParamError::{MAV_PARAM_ERROR_DOES_NOT_EXIST, MAV_PARAM_ERROR_NO_ERROR};
+        use mavlink::dialects::common::MavParamError::{
+            MAV_PARAM_ERROR_DOES_NOT_EXIST, MAV_PARAM_ERROR_NO_ERROR, MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE,
+        };
         let Ok(name) = message.param_id.to_str() else { return };
         let Some(operation) = self
             .queue
@@ -277,112 +335,81 @@ impl Parameters {
         else {
             return;
         };
-        let name = name.to_owned();
-        match (message.error, operation.value, self.known.get(&name).copied()) {
+        let (asked, name) = (operation.value, name.to_owned());
+        match (message.error, asked, self.known(&name)) {
             (MAV_PARAM_ERROR_NO_ERROR, ..) => {}
             (MAV_PARAM_ERROR_DOES_NOT_EXIST, ..) | (_, None, _) | (_, _, None) => {
                 self.end(Err(ParameterError::Unknown { name }));
             }
+            (MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE, Some(value), _) => {
+                let detail = "the autopilot does not take it";
+                self.end(Err(ParameterError::OutOfRange { name, value, detail }));
+            }
             (error, Some(asked), Some(kept)) => {
-                let reason = format!("{error:?}")
+                let why = format!("{error:?}")
                     .trim_start_matches("MAV_PARAM_ERROR_")
                     .to_lowercase();
-                self.end(Err(ParameterError::NotTaken {
-                    name,
-                    asked,
-                    kept,
-                    reason,
-                }));
+                self.end(Err(ParameterError::NotTaken { name, asked, kept, why }));
             }
         }
     }
 
     /// Ends all operations; after a restart of the autopilot nothing is known any more.
-    pub fn break_off(&mut self, reason: &str, forget: bool) {
+    pub fn break_off(&mut self, why: &str, forget: bool) {
         while !self.queue.is_empty() {
-            self.end(Err(ParameterError::BrokenOff {
-                reason: reason.to_owned(),
-            }));
+            self.end(Err(ParameterError::BrokenOff { why: why.to_owned() }));
         }
+        self.listing.stop(why);
         if forget {
-            self.known.clear();
+            self.forget();
         }
     }
 
     fn end(&mut self, outcome: Result<ParameterValue, ParameterError>) {
-        if let Some(operation) = self.queue.pop_front() {
-            if self.events.len() >= 2 * QUEUE_MAX {
-                self.events.remove(0);
+        let Some(operation) = self.queue.pop_front() else {
+            return;
+        };
+        if let (true, Some(before)) = (operation.writing, operation.before) {
+            self.originals.entry(operation.name.clone()).or_insert(before);
+            // What it differs from is news as well.
+            if let Some(known) = self.known.get_mut(&operation.name) {
+                self.revision += 1;
+                known.revision = self.revision;
             }
-            self.events.push(ParameterEvent {
-                name: operation.name,
-                outcome,
-            });
         }
+        self.push(ParameterEvent {
+            id: operation.id,
+            name: operation.name,
+            before: operation.before,
+            outcome,
+        });
+    }
+
+    fn push(&mut self, event: ParameterEvent) {
+        if self.events.len() >= 2 * QUEUE_MAX {
+            self.events.remove(0);
+        }
+        self.events.push(event);
     }
 }
 
-/// Whether an echo is what was written.
-fn agrees(asked: ParameterValue, echoed: ParameterValue) -> bool {
-    match (asked, echoed) {
-        (ParameterValue::Integer(asked), ParameterValue::Integer(echoed)) => asked == echoed,
-        (ParameterValue::Real(asked), ParameterValue::Real(echoed)) => asked.to_bits() == echoed.to_bits(),
-        (ParameterValue::Integer(asked), ParameterValue::Real(echoed)) => f64::from(asked) == f64::from(echoed),
-        (ParameterValue::Real(asked), ParameterValue::Integer(echoed)) => f64::from(asked) == f64::from(echoed),
+/// Why an operation is not tried any longer.
+fn given_up(operation: &Operation, now: NodeTime, armed: bool) -> ParameterError {
+    let name = operation.name.clone();
+    let sent = operation.writing && operation.attempts > 0;
+    match (operation.value, operation.echoed) {
+        (Some(asked), Some(kept)) => ParameterError::NotTaken {
+            name,
+            asked,
+            kept,
+            why: "no reason was given".to_owned(),
+        },
+        _ if armed && !sent => ParameterError::Armed { name },
+        _ => ParameterError::NoAnswer {
+            name,
+            after_s: now.seconds_since(operation.first),
+        },
     }
-}
-
-/// The field's value and type on the wire for a parameter of the type of `have`.
-fn encode(
-    name: &str,
-    value: ParameterValue,
-    have: Option<ParameterValue>,
-    by_number: bool,
-) -> Result<(f32, MavParamType), ParameterError> {
-    let wrong = |actual| ParameterError::WrongType {
-        name: name.to_owned(),
-        actual,
-        value,
-    };
-    let fitting = match (have, value) {
-        (Some(ParameterValue::Real(_)), ParameterValue::Integer(i)) if f64::from(i).abs() <= FLOAT_WHOLE_MAX => {
-            ParameterValue::Real(i as f32)
-        }
-        (Some(ParameterValue::Real(_)), ParameterValue::Integer(_)) => return Err(wrong("a real number")),
-        (Some(ParameterValue::Integer(_)), ParameterValue::Real(r)) => {
-            if r.fract() != 0.0 || f64::from(r).abs() > FLOAT_WHOLE_MAX {
-                return Err(wrong("a whole number"));
-            }
-            ParameterValue::Integer(r as i32)
-        }
-        (_, value) => value,
-    };
-    match fitting {
-        ParameterValue::Real(r) if !r.is_finite() => Err(wrong("a finite number")),
-        ParameterValue::Real(r) => Ok((r, MavParamType::MAV_PARAM_TYPE_REAL32)),
-        ParameterValue::Integer(i) if by_number => Ok((i as f32, MavParamType::MAV_PARAM_TYPE_INT32)),
-        ParameterValue::Integer(i) => Ok((f32::from_bits(i.cast_unsigned()), MavParamType::MAV_PARAM_TYPE_INT32)),
-    }
-}
-
-/// The value in a field; `None` for types wider than the field.
-fn decode(field: f32, kind: MavParamType, by_number: bool) -> Option<ParameterValue> {
-    let bytes = field.to_bits().to_le_bytes();
-    let [a, b, _, _] = bytes;
-    Some(match kind {
-        MavParamType::MAV_PARAM_TYPE_REAL32 => ParameterValue::Real(field),
-        MavParamType::MAV_PARAM_TYPE_REAL64
-        | MavParamType::MAV_PARAM_TYPE_INT64
-        | MavParamType::MAV_PARAM_TYPE_UINT64 => return None,
-        _ if by_number => ParameterValue::Integer(field as i32),
-        MavParamType::MAV_PARAM_TYPE_UINT8 => ParameterValue::Integer(i32::from(a)),
-        MavParamType::MAV_PARAM_TYPE_INT8 => ParameterValue::Integer(i32::from(a.cast_signed())),
-        MavParamType::MAV_PARAM_TYPE_UINT16 => ParameterValue::Integer(i32::from(u16::from_le_bytes([a, b]))),
-        MavParamType::MAV_PARAM_TYPE_INT16 => ParameterValue::Integer(i32::from(i16::from_le_bytes([a, b]))),
-        MavParamType::MAV_PARAM_TYPE_UINT32 | MavParamType::MAV_PARAM_TYPE_INT32 => {
-            ParameterValue::Integer(i32::from_le_bytes(bytes))
-        }
-    })
 }
 
 #[cfg(test)]

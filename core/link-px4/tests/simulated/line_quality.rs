@@ -2,8 +2,8 @@
 
 use crate::rig::Rig;
 use skein_domain::link::LinkEvent;
-use skein_domain::{AutopilotCommand, FlightMode, Refusal};
-use skein_link_px4::{LinkSettings, MessageRates, ParameterError, ParameterValue};
+use skein_domain::{AutopilotCommand, FlightMode, ParameterError, ParameterValue, Refusal};
+use skein_link_px4::{LinkSettings, MessageRates};
 
 #[test]
 fn only_what_is_read_is_sent_and_at_the_asked_rate() {

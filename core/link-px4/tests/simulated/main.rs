@@ -8,6 +8,7 @@ mod line_quality;
 mod lines;
 mod navigation;
 mod net;
+mod parameters;
 mod payloads;
 mod puppet;
 mod rig;

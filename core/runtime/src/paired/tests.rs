@@ -7,7 +7,10 @@ use skein_config::LinkKind;
 use skein_domain::link::{LinkEvent, MessageTap, RoutePoint, VehicleLink};
 use skein_domain::payload::MavlinkMessage;
 use skein_domain::setpoint::LocalSetpoint;
-use skein_domain::{AutopilotCommand, FlightMode, LinkHealth, NodeTime, Refusal, RequestId, SystemId, Telemetry};
+use skein_domain::{
+    AutopilotCommand, CommandId, FlightMode, LinkHealth, NodeTime, ParameterEvent, ParameterList, ParameterValue,
+    ReadingAction, Refusal, RequestId, SystemId, Telemetry,
+};
 use std::sync::{Arc, Weak};
 
 /// What a link of the scene was asked, and what it says.
@@ -23,6 +26,7 @@ struct Scene {
     streamed: Vec<NodeTime>,
     stopped: usize,
     routes: usize,
+    written: Vec<String>,
 }
 
 #[derive(Default)]
@@ -92,6 +96,29 @@ impl VehicleLink for Scripted {
 
     fn send_payload(&self, _: NodeTime, _: &MavlinkMessage) -> Result<(), Refusal> {
         Ok(())
+    }
+
+    fn parameters(&self, _: u64) -> Result<ParameterList, Refusal> {
+        Ok(ParameterList::default())
+    }
+
+    fn read_parameters(&self, _: NodeTime, _: ReadingAction) -> Result<(), Refusal> {
+        Ok(())
+    }
+
+    fn write_parameter(&self, _: NodeTime, _: CommandId, name: &str, _: ParameterValue) {
+        self.0.lock().written.push(name.to_owned());
+    }
+
+    fn take_parameter_events(&self) -> Vec<ParameterEvent> {
+        let written = std::mem::take(&mut self.0.lock().written);
+        let event = |name| ParameterEvent {
+            id: None,
+            name,
+            before: None,
+            outcome: Ok(ParameterValue::Integer(1)),
+        };
+        written.into_iter().map(event).collect()
     }
 }
 
@@ -368,4 +395,17 @@ proptest! {
         let late = streamed.iter().filter(|(at, kind)| *kind == LinkKind::Dds && at.seconds_since(heard) > SILENT_AT_LEAST_S + 2.0 * PERIOD_S);
         prop_assert_eq!(late.count(), 0);
     }
+}
+
+#[test]
+fn parameters_are_those_over_mavlink_whichever_link_flies() {
+    let flight = Flight::begin();
+    assert_eq!(flight.pair.active(), LinkKind::Dds);
+    flight
+        .pair
+        .write_parameter(flight.now, CommandId(1), "A", ParameterValue::Integer(1));
+    assert_eq!(flight.mavlink.0.lock().written, ["A"]);
+    assert!(flight.dds.0.lock().written.is_empty());
+    assert_eq!(flight.pair.take_parameter_events().len(), 1);
+    assert!(flight.pair.take_parameter_events().is_empty());
 }

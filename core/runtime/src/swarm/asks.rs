@@ -31,6 +31,9 @@ pub struct ApiRequest {
     pub path: String,
     /// Type of the body, if it has one.
     pub content_type: Option<String>,
+    /// The console that it comes from, if it says so.
+    #[serde(default)]
+    pub console: Option<String>,
     /// The body.
     #[serde(with = "serde_bytes")]
     pub body: Vec<u8>,

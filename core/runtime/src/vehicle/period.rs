@@ -17,6 +17,7 @@ impl VehicleState {
         let peers = self.board.peers.load_full();
         let running = self.ensure_model().await;
         self.watch(&peers).await;
+        self.tell_parameters();
         // Taken in any case: none waits for a model that is away.
         let stick = self.cell.hand.lock().take(self.board.now());
         if !running {

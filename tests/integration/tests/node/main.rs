@@ -9,6 +9,7 @@ mod gate;
 mod neighbours;
 mod operator;
 mod overrides;
+mod parameters;
 mod payloads;
 mod pilot;
 mod trajectories;

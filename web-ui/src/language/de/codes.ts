@@ -22,12 +22,15 @@ export const codes: Readonly<Record<string, string>> = {
   adopted: 'übernommen', 'not adopted': 'nicht übernommen', 'link lost': 'Verbindung verloren', 'link regained': 'Verbindung wieder da',
   'autopilot rebooted': 'Autopilot neu gestartet', 'flight state': 'Flugzustand', command: 'Befehl', steer: 'steuern', ladder: 'Sicherheitsstufe',
   avoidance: 'Ausweichen', fences: 'Zäune', preflight: 'Vorflug', 'emergency stop': 'Nothalt', formation: 'Formation', trajectory: 'Bahn',
-  supervision: 'Aufsicht', stream: 'Datenstrom', 'status text': 'Meldung des Autopiloten', connection: 'Verbindung', swarm: 'Verbund', control: 'Zuständigkeit',
+  supervision: 'Aufsicht', stream: 'Datenstrom', 'status text': 'Meldung des Autopiloten', connection: 'Verbindung', swarm: 'Verbund', control: 'Zuständigkeit', parameter: 'Parameter',
   // shapes and how they are kept
   line: 'Reihe', column: 'Kolonne', wedge: 'Keil', 'echelon left': 'Staffel links', 'echelon right': 'Staffel rechts', diamond: 'Raute', circle: 'Kreis', arc: 'Bogen', square: 'Quadrat', grid: 'Gitter',
   box: 'Quader', sphere: 'Kugel', helix: 'Schraube', free: 'Frei', slots: 'Plätzen', distances: 'Abständen', bearings: 'Peilungen',
   // a preflight item
   red: 'rot', amber: 'gelb', green: 'grün', 'in air': 'in der Luft',
+  // how the reading of parameters ended, and what one is
+  'it was stopped': 'angehalten', 'the link was lost': 'die Verbindung ging verloren', 'the autopilot does not answer': 'der Autopilot antwortet nicht',
+  'a whole number': 'eine ganze Zahl', 'a real number': 'eine reelle Zahl',
   // what is checked before a flight, and the rest of what is named
   'operator not heard': 'Bediener nicht gehört', 'energy for the way home': 'Energie für den Heimweg', 'GNSS loss': 'GNSS-Ausfall',
   'GNSS disagreement': 'GNSS-Widerspruch',

@@ -648,7 +648,11 @@ refusal: Refusal, } | { "kind": "ladder",
 /**
  * What.
  */
-event: LadderEvent, } | { "kind": "avoidance" } | { "kind": "fences" } | { "kind": "preflight" } | { "kind": "emergency_stop" } | { "kind": "formation" } | { "kind": "trajectory" } | { "kind": "supervision", 
+event: LadderEvent, } | { "kind": "avoidance" } | { "kind": "fences" } | { "kind": "preflight" } | { "kind": "emergency_stop" } | { "kind": "parameter", 
+/**
+ * Its name.
+ */
+name: string, } | { "kind": "formation" } | { "kind": "trajectory" } | { "kind": "supervision", 
 /**
  * Name in the supervision tree.
  */
@@ -1732,6 +1736,92 @@ reason: string,
 valid_s: number, };
 
 /**
+ * One parameter as it is known.
+ */
+export type Parameter = { 
+/**
+ * Its name.
+ */
+name: string, 
+/**
+ * Its value, as the autopilot said last.
+ */
+value: ParameterValue, 
+/**
+ * The value it had before it was first written here, if that is another one.
+ */
+changed_from: ParameterValue | null, };
+
+/**
+ * A value for a parameter.
+ */
+export type ParameterBody = { 
+/**
+ * The value; a whole number where the parameter is one.
+ */
+value: number, };
+
+/**
+ * The parameters of a vehicle, as far as they are known.
+ */
+export type ParameterList = { 
+/**
+ * How the reading of all stands.
+ */
+reading: ParameterReading, 
+/**
+ * How many of them were read.
+ */
+read: number, 
+/**
+ * How many there are, once the autopilot has said so.
+ */
+total: number | null, 
+/**
+ * Grows with every change of a value. To be given with the next request, for what has changed since.
+ */
+revision: number, 
+/**
+ * All that is known is here, and nothing else is known any more; otherwise only what has changed.
+ */
+whole: boolean, 
+/**
+ * By ascending name.
+ */
+parameters: Array<Parameter>, };
+
+/**
+ * How the reading of all parameters stands.
+ */
+export type ParameterReading = { "state": "not_begun" } | { "state": "reading" } | { "state": "complete" } | { "state": "ended", 
+/**
+ * Why.
+ */
+why: string, };
+
+/**
+ * A parameter that was written.
+ */
+export type ParameterReceipt = { 
+/**
+ * Its name.
+ */
+name: string, 
+/**
+ * Its value now, as the autopilot says.
+ */
+value: ParameterValue, 
+/**
+ * Its value before.
+ */
+before: ParameterValue | null, };
+
+/**
+ * A parameter's value with its type. What it counts (metres, seconds, choices) only the autopilot knows.
+ */
+export type ParameterValue = { "type": "integer", "value": number } | { "type": "real", "value": number | null };
+
+/**
  * What changes seldom about one payload. Its state is in its vehicle's snapshot.
  */
 export type PayloadInfo = { 
@@ -2192,6 +2282,20 @@ fault: string, };
  * What is done about a trigger, in order of strength: of two the greater wins.
  */
 export type Reaction = "warn" | "hold" | "return" | "land" | "release";
+
+/**
+ * What is wanted of the reading of all parameters.
+ */
+export type ReadingAction = "begin" | "anew" | "stop";
+
+/**
+ * What is to be done about the reading of all parameters.
+ */
+export type ReadingBody = { 
+/**
+ * What.
+ */
+action: ReadingAction, };
 
 /**
  * Things that formations may be anchored to.

@@ -21,6 +21,7 @@ fn request(bytes: usize) -> Ask {
         method: "POST".into(),
         path: "/api/v1/commands".into(),
         content_type: None,
+        console: Some("c0ffee".into()),
         body,
     })
 }

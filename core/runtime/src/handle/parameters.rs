@@ -1,0 +1,113 @@
+//! Parameters of a vehicle's autopilot: what is known of them is read from its link; a write goes through its actor, past the gate.
+//!
+//! Must never do: write a parameter of a vehicle that another operator has in hand.
+
+use super::NodeHandle;
+use crate::board::VehicleCell;
+use crate::snapshot::EventKind;
+use crate::vehicle::{ParameterOrder, VehicleMessage, parameter_words};
+use ractor::rpc::CallResult;
+use serde::{Deserialize, Serialize};
+use skein_domain::parameter::check_parameter_name;
+use skein_domain::{ParameterError, ParameterList, ParameterValue, ReadingAction, Refusal, VehicleId};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Longest wait for a write: what its link takes to read and to write a parameter over a bad line.
+const WRITTEN_WITHIN: Duration = Duration::from_secs(7);
+/// So much of a console's id is shown where its name is not known.
+const SHOWN_OF_ID: usize = 8;
+
+/// A parameter that was written.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
+pub struct ParameterReceipt {
+    /// Its name.
+    pub name: String,
+    /// Its value now, as the autopilot says.
+    pub value: ParameterValue,
+    /// Its value before.
+    pub before: Option<ParameterValue>,
+}
+
+impl NodeHandle {
+    fn cell_of(&self, vehicle: VehicleId) -> Result<Arc<VehicleCell>, Refusal> {
+        self.board.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })
+    }
+
+    /// What is known of the parameters of one of this node's vehicles and has changed since a revision; 0 for all.
+    ///
+    /// # Errors
+    /// When there is no such vehicle, or its link has no parameters.
+    pub fn parameters(&self, vehicle: VehicleId, since: u64) -> Result<ParameterList, Refusal> {
+        self.cell_of(vehicle)?.link.load().0.parameters(since)
+    }
+
+    /// Begins to read all parameters of one of this node's vehicles, or ends that.
+    ///
+    /// # Errors
+    /// When there is no such vehicle, it is not heard, or its link has no parameters.
+    pub fn read_parameters(&self, vehicle: VehicleId, action: ReadingAction) -> Result<(), Refusal> {
+        let cell = self.cell_of(vehicle)?;
+        cell.link.load().0.read_parameters(self.now(), action)
+    }
+
+    /// Writes a parameter of one of this node's vehicles, from a console, and waits for the autopilot's answer.
+    ///
+    /// # Errors
+    /// When another operator has it in hand, it is armed, the value does not fit, or the autopilot keeps another one.
+    pub async fn write_parameter(
+        &self,
+        console: Option<&str>,
+        vehicle: VehicleId,
+        name: &str,
+        value: ParameterValue,
+    ) -> Result<ParameterReceipt, ParameterError> {
+        check_parameter_name(name)?;
+        let cell = self.cell_of(vehicle)?;
+        let by = self.called(console, vehicle);
+        if let Err(refusal) = self.may_command(console, &[vehicle]) {
+            let error = ParameterError::from(refusal);
+            let (severity, text) = parameter_words(&cell.name, name, &by, None, &Err(error.clone()));
+            let kind = EventKind::Parameter { name: name.to_owned() };
+            let now = self.now();
+            self.board.events.record(now, Some(vehicle), severity, kind, text);
+            return Err(error);
+        }
+        let not_running = || Refusal::NotRunning {
+            what: format!("actor of vehicle {vehicle}"),
+        };
+        let actor = cell.actor.load_full().ok_or_else(not_running)?;
+        let id = self.board.next_command_id();
+        let order = |reply| {
+            VehicleMessage::WriteParameter(ParameterOrder {
+                id,
+                name: name.to_owned(),
+                value,
+                by,
+                reply,
+            })
+        };
+        match actor.call(order, Some(WRITTEN_WITHIN)).await {
+            Ok(CallResult::Success(outcome)) => outcome.map(|(before, value)| ParameterReceipt {
+                name: name.to_owned(),
+                value,
+                before,
+            }),
+            Ok(CallResult::Timeout) => Err(ParameterError::NoAnswer {
+                name: name.to_owned(),
+                after_s: WRITTEN_WITHIN.as_secs_f64(),
+            }),
+            _ => Err(not_running().into()),
+        }
+    }
+
+    /// What a console is called in the event log.
+    fn called(&self, console: Option<&str>, vehicle: VehicleId) -> String {
+        let Some(id) = console else { return String::new() };
+        let table = self.board.control.lock();
+        match table.holder(vehicle).filter(|holder| holder.id == id) {
+            Some(holder) => holder.name.clone(),
+            None => format!("console {}", id.chars().take(SHOWN_OF_ID).collect::<String>()),
+        }
+    }
+}
