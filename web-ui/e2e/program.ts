@@ -39,10 +39,9 @@ export class Program {
     private readonly simulator: ChildProcess | null = null,
   ) {}
 
-  /** Starts it with vehicles on the ground; port 0 lets the system choose one. It looks for plugins in `folder` as well. */
-  static async start(vehicles: number, port = 0, folder?: string): Promise<Program> {
-    const plugins = [PLUGINS, ...(folder === undefined ? [] : [folder])].flatMap((one) => ['--plugins', one]);
-    return Program.#run(['demo', '--manual', '--vehicles', `${vehicles}`, '--port', `${port}`, ...plugins]);
+  /** Starts it with vehicles on the ground; port 0 lets the system choose one. `more` are further arguments. */
+  static async start(vehicles: number, port = 0, more: readonly string[] = []): Promise<Program> {
+    return Program.#run(['demo', '--manual', '--vehicles', `${vehicles}`, '--port', `${port}`, '--plugins', PLUGINS, ...more]);
   }
 
   /** Starts a node without vehicles, with these lines of configuration. */
