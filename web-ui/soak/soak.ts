@@ -42,6 +42,8 @@ test(`${VEHICLES} vehicles for ${SOAK_S} s`, async ({ page, watch }) => {
     expect((await plotted(page)).length).toBe(VEHICLES);
     expect(growth(samples, SOAK_S)).toEqual([]);
   } finally {
+    // A page that is still there would say on the console that its program is not.
+    await page.close();
     await program.stop();
   }
 });
