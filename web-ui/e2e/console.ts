@@ -45,8 +45,8 @@ export async function open(page: Page, url: string, vehicles: number): Promise<v
 }
 
 /** Holds a guarded button with the mouse until what it does goes out to the server. */
-export async function hold(page: Page, name: string | RegExp): Promise<void> {
-  const target = button(page, name);
+export async function hold(page: Page, which: string | RegExp | Locator): Promise<void> {
+  const target = typeof which === 'string' || which instanceof RegExp ? button(page, which) : which;
   await expect(target).toBeEnabled();
   await target.hover();
   const sent = page.waitForRequest((request) => request.method() !== 'GET');

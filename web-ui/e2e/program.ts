@@ -3,7 +3,7 @@
 import { spawn } from 'node:child_process';
 import { createSocket } from 'node:dgram';
 import type { ChildProcess } from 'node:child_process';
-import { mkdtempSync, writeFileSync } from 'node:fs';
+import { copyFileSync, mkdtempSync, renameSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { once } from 'node:events';
 import { dirname, join, resolve } from 'node:path';
@@ -23,6 +23,14 @@ export async function freePort(): Promise<number> {
   return port;
 }
 
+/** Puts a library that the tests of the node are made with (`cargo build --workspace --all-targets`) into a folder of plugins, as a person
+ *  installs it: beside, then over what is there in one step. */
+export function install(example: string, folder: string): void {
+  const beside = join(folder, 'new');
+  copyFileSync(join(dirname(BINARY), 'examples', `lib${example}.so`), beside);
+  renameSync(beside, join(folder, `lib${example}.so`));
+}
+
 export class Program {
   private constructor(
     private readonly process: ChildProcess,
@@ -31,9 +39,9 @@ export class Program {
     private readonly simulator: ChildProcess | null = null,
   ) {}
 
-  /** Starts it with vehicles on the ground; port 0 lets the system choose one. */
-  static async start(vehicles: number, port = 0): Promise<Program> {
-    return Program.#run(['demo', '--manual', '--vehicles', `${vehicles}`, '--port', `${port}`, '--plugins', PLUGINS]);
+  /** Starts it with vehicles on the ground; port 0 lets the system choose one. `more` are further arguments. */
+  static async start(vehicles: number, port = 0, more: readonly string[] = []): Promise<Program> {
+    return Program.#run(['demo', '--manual', '--vehicles', `${vehicles}`, '--port', `${port}`, '--plugins', PLUGINS, ...more]);
   }
 
   /** Starts a node without vehicles, with these lines of configuration. */

@@ -492,7 +492,7 @@ pub enum ClientMessage {
         #[schemars(range(min = -50.0, max = 50.0))]
         up_m_s: f64,
         /// Turning clockwise as seen from above, in radians per second.
-        #[schemars(range(min = -6.283, max = 6.283))]
+        #[schemars(range(min = -std::f64::consts::TAU, max = std::f64::consts::TAU))]
         yaw_rate_rad_s: f64,
     },
 }

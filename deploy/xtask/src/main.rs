@@ -45,11 +45,11 @@ enum Task {
     },
     /// Everything CI runs, or the tiers named. Sets up what they need.
     Test {
-        /// Tiers: static, unit, integration, plugin-boundary, faults, seeded, e2e, multihost, interop, ui. None: all of them, without what
-        /// takes long.
+        /// Tiers: static, unit, integration, plugin-boundary, faults, seeded, e2e, multihost, interop, ui, ui-soak. None: all of them,
+        /// without what takes long.
         #[arg(value_parser = tiers::parse)]
         tiers: Vec<tiers::Tier>,
-        /// Also the long ones: a soak flight of 50 vehicles, and fuzzing.
+        /// Also the long ones: soak flights, an hour of the dashboard, and fuzzing.
         #[arg(long)]
         all: bool,
     },

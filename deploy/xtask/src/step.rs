@@ -12,7 +12,7 @@ use std::io::{BufRead, BufReader, IsTerminal};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-/// A step may take this long before it is taken for hung. The whole of CI has 40 minutes.
+/// A step may take this long before it is taken for hung, unless it says otherwise. The whole of CI has 40 minutes.
 const PATIENCE: Duration = Duration::from_secs(25 * 60);
 /// How often a running child is looked at.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
@@ -22,6 +22,7 @@ pub struct Step {
     command: Command,
     runner: Option<Runner>,
     must_run_some: bool,
+    patience: Duration,
 }
 
 impl Step {
@@ -31,6 +32,7 @@ impl Step {
             command,
             runner: None,
             must_run_some: false,
+            patience: PATIENCE,
         }
     }
 
@@ -40,6 +42,7 @@ impl Step {
             command,
             runner: Some(runner),
             must_run_some: true,
+            patience: PATIENCE,
         }
     }
 
@@ -49,7 +52,14 @@ impl Step {
             command,
             runner: Some(runner),
             must_run_some: false,
+            patience: PATIENCE,
         }
+    }
+
+    /// It may take this long before it is taken for hung.
+    pub fn within(mut self, patience: Duration) -> Self {
+        self.patience = patience;
+        self
     }
 
     /// Runs it to its end. The tally holds also when the result is an error.
@@ -67,7 +77,7 @@ impl Step {
         let status = match self.runner {
             None => {
                 let mut child = self.command.spawn().with_context(|| format!("cannot start {name}"))?;
-                wait(&mut child, PATIENCE)?
+                wait(&mut child, self.patience)?
             }
             Some(runner) => {
                 let mut child = self
@@ -77,7 +87,7 @@ impl Step {
                     .with_context(|| format!("cannot start {name}"))?;
                 let output = child.stdout.take().context("the child's output is piped")?;
                 let reader = std::thread::spawn(move || count(BufReader::new(output), runner));
-                let status = wait(&mut child, PATIENCE);
+                let status = wait(&mut child, self.patience);
                 let (counted, failed) = reader.join().unwrap_or_default();
                 *tally += counted;
                 *failures = failed;

@@ -11,6 +11,7 @@ use crate::{artifacts, browser, long_runs, namespaces, tidy, ui};
 use anyhow::Result;
 use std::path::PathBuf;
 use std::process::{Command, ExitCode};
+use std::time::Duration;
 
 /// A tier of tests. `tests/README.md` says what each proves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,9 +36,11 @@ pub enum Tier {
     Interop,
     /// The dashboard in a real browser.
     Ui,
+    /// The dashboard for an hour: what it holds stays the same. A long one.
+    UiSoak,
 }
 
-const ALL: [(Tier, &str); 10] = [
+const ALL: [(Tier, &str); 11] = [
     (Tier::Static, "static"),
     (Tier::Unit, "unit"),
     (Tier::Integration, "integration"),
@@ -48,7 +51,14 @@ const ALL: [(Tier, &str); 10] = [
     (Tier::Multihost, "multihost"),
     (Tier::Interop, "interop"),
     (Tier::Ui, "ui"),
+    (Tier::UiSoak, "ui-soak"),
 ];
+
+/// The dashboard's soak is told by this variable how many seconds it is to take.
+const SOAK_VARIABLE: &str = "SKEIN_SOAK_S";
+const SOAK_S: u64 = 3600;
+/// What it takes beside them: start, a round that is not counted, the last gesture, the end.
+const AROUND_SOAK: Duration = Duration::from_secs(25 * 60);
 
 const SEE_TESTS: &str = "the failing tests are named above; run this tier alone with";
 
@@ -87,10 +97,15 @@ impl Tier {
         }
     }
 
+    /// Whether it runs only where it is named, and with `--all`.
+    fn is_long(self) -> bool {
+        self == Self::UiSoak
+    }
+
     /// The crate that holds the tier, if it is one.
     fn package(self) -> Option<&'static str> {
         match self {
-            Self::Static | Self::Unit | Self::Ui => None,
+            Self::Static | Self::Unit | Self::Ui | Self::UiSoak => None,
             Self::Integration => Some("skein-tests-integration"),
             Self::PluginBoundary => Some("skein-tests-plugin-boundary"),
             Self::Faults => Some("skein-tests-faults"),
@@ -106,14 +121,13 @@ impl Tier {
 pub fn run(workspace: &Workspace, tiers: &[Tier], long_ones_too: bool) -> Result<ExitCode> {
     let mut report = Report::new();
     let everything = tiers.is_empty();
-    let tiers: Vec<Tier> = if everything {
-        ALL.iter().map(|(tier, _)| *tier).collect()
-    } else {
-        tiers.to_vec()
-    };
+    let known = ALL.iter().map(|(tier, _)| *tier);
+    let tiers: Vec<Tier> = known
+        .filter(|tier| tiers.contains(tier) || if tier.is_long() { long_ones_too } else { everything })
+        .collect();
     let needs_page = tiers
         .iter()
-        .any(|tier| matches!(tier, Tier::Unit | Tier::E2e | Tier::Ui));
+        .any(|tier| matches!(tier, Tier::Unit | Tier::E2e | Tier::Ui | Tier::UiSoak));
     let whole = !everything || long_ones_too;
     if tiers.contains(&Tier::Static) {
         static_checks(workspace, &mut report, whole);
@@ -131,6 +145,7 @@ pub fn run(workspace: &Workspace, tiers: &[Tier], long_ones_too: bool) -> Result
             (_, None) => report.left_out(tier.name(), "the workspace does not compile"),
             (Tier::Unit, Some(built)) => unit(workspace, &mut report, built),
             (Tier::Ui, Some(built)) => browser_tests(workspace, &mut report, built),
+            (Tier::UiSoak, Some(built)) => browser_soak(workspace, &mut report, built),
             (Tier::Multihost, Some(built)) => multihost(workspace, &mut report, built, everything, whole),
             (_, Some(built)) => crate_tier(workspace, &mut report, *tier, built, whole),
         }
@@ -279,19 +294,42 @@ fn alone(names: &[String]) -> Vec<String> {
 }
 
 fn browser_tests(workspace: &Workspace, report: &mut Report, built: &Built) {
+    let Some(tests) = in_browser(workspace, report, built, Tier::Ui, "e2e") else {
+        return;
+    };
+    let advice = format!("{SEE_TESTS} `cargo xtask test ui`; traces are in test-results/");
+    report.step("ui", &advice, Step::tests(tests, Runner::Playwright));
+}
+
+fn browser_soak(workspace: &Workspace, report: &mut Report, built: &Built) {
+    let Some(mut soak) = in_browser(workspace, report, built, Tier::UiSoak, "soak") else {
+        return;
+    };
+    let told = std::env::var(SOAK_VARIABLE)
+        .ok()
+        .and_then(|seconds| seconds.parse().ok());
+    let seconds = told.unwrap_or(SOAK_S);
+    soak.env(SOAK_VARIABLE, seconds.to_string());
+    let advice =
+        format!("the table above says what grew; `{SOAK_VARIABLE}=300 cargo xtask test ui-soak` takes less long");
+    let step = Step::tests(soak, Runner::Playwright).within(Duration::from_secs(seconds) + AROUND_SOAK);
+    report.step("ui-soak", &advice, step);
+}
+
+/// The script of the dashboard that is a tier and needs Chromium and the program; nothing where there is no Chromium.
+fn in_browser(workspace: &Workspace, report: &mut Report, built: &Built, tier: Tier, script: &str) -> Option<Command> {
     let mut found = None;
     let advice = format!("install Chromium, or set {} to its path", browser::VARIABLE);
-    report.check("ui: browser", &advice, || {
+    report.check(&format!("{}: browser", tier.name()), &advice, || {
         found = Some(browser::chromium()?);
         Ok(())
     });
-    let Some(chromium) = found else { return };
-    let mut tests = ui::npm(workspace, &["run", "e2e"]);
+    let chromium = found?;
+    let mut command = ui::npm(workspace, &["run", script]);
     // Playwright must not look for browsers of its own
     built
-        .tell(&mut tests)
+        .tell(&mut command)
         .env(browser::VARIABLE, chromium)
         .env("PLAYWRIGHT_SKIP_BROWSER_DOWNLOAD", "1");
-    let advice = format!("{SEE_TESTS} `cargo xtask test ui`; traces are in test-results/");
-    report.step("ui", &advice, Step::tests(tests, Runner::Playwright));
+    Some(command)
 }

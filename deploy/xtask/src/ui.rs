@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Folders that are made by the build or the tests and so are no sources of it.
-const NOT_SOURCES: [&str; 8] = [
+const NOT_SOURCES: [&str; 9] = [
     "node_modules",
     "dist",
     "test-results",
@@ -20,6 +20,7 @@ const NOT_SOURCES: [&str; 8] = [
     "e2e",
     "dev",
     "bench",
+    "soak",
     "screenshots",
 ];
 

@@ -80,3 +80,10 @@ fn a_hung_command_is_ended_with_what_it_started() {
         std::thread::sleep(LOOK_EVERY);
     }
 }
+
+#[test]
+fn a_step_has_its_own_patience() {
+    let asleep = Step::new(shell("sleep 600")).within(LOOK_EVERY);
+    let error = asleep.run(&mut Tally::default()).expect_err("it is ended");
+    assert!(error.to_string().contains("hung"), "{error}");
+}
