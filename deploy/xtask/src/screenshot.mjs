@@ -56,13 +56,13 @@ async function maps(page, cdp, prefix) {
   await picture(page, cdp, `${prefix}-space`);
 }
 
-/** Every page of the rail, and that of a vehicle. */
+/** Every page of the rail, and those of a vehicle. */
 async function pagesOf(page, cdp, prefix) {
   const links = await page.locator('nav a[href^="#"]').evaluateAll((all) => all.map((link) => link.getAttribute('href').slice(1)));
-  for (const name of [...links.filter((name) => name !== 'map'), 'vehicle/1']) {
+  for (const name of [...links.filter((name) => name !== 'map'), 'vehicle/1', 'vehicle/1/parameters']) {
     await page.goto(`${address}#${name}`);
     await wait(SETTLE_MS);
-    await picture(page, cdp, `${prefix}-page-${name.split('/')[0]}`);
+    await picture(page, cdp, `${prefix}-page-${name.replace('/1', '').replace('/', '-')}`);
   }
   await page.goto(`${address}#map`);
   await wait(PANEL_MS);

@@ -6,13 +6,19 @@
 
 use serde_json::{Value, json};
 use skein_domain::VehicleCommand;
-use skein_testkit::{Swarm, eventually, patience};
+use skein_testkit::{Flock, Member, Swarm, eventually, patience};
+use std::net::SocketAddr;
+use std::time::Duration;
 
 const LIST: &str = "/api/v1/vehicles/1/parameters";
 
 /// An answer's status and body; `console` says who asks.
 async fn ask(swarm: &Swarm, console: Option<&str>, method: &str, path: &str, body: Option<Value>) -> (u16, Value) {
-    let url = format!("http://{}{path}", swarm.web_address());
+    ask_at(swarm.web_address(), console, method, path, body).await
+}
+
+async fn ask_at(at: SocketAddr, console: Option<&str>, method: &str, path: &str, body: Option<Value>) -> (u16, Value) {
+    let url = format!("http://{at}{path}");
     let mut request = reqwest::Client::new().request(method.parse().unwrap(), url);
     if let Some(console) = console {
         request = request.header("skein-console", console);
@@ -119,7 +125,7 @@ async fn nothing_is_written_to_an_armed_vehicle() {
     swarm.ready().await;
     swarm.command_all(VehicleCommand::Arm).await;
     let is_armed = |fleet: &skein_runtime::FleetSnapshot| fleet.vehicles.iter().all(|vehicle| vehicle.armed);
-    swarm.until("armed", std::time::Duration::from_secs(5), is_armed).await;
+    swarm.until("armed", Duration::from_secs(5), is_armed).await;
     let (status, body) = write(&swarm, None, "MPC_XY_CRUISE", json!(6)).await;
     assert_eq!((status, body["error"]["code"].as_str()), (409, Some("armed")), "{body}");
     // Reading is nothing that an armed vehicle minds.
@@ -137,4 +143,55 @@ async fn nothing_is_written_to_an_armed_vehicle() {
         1
     );
     swarm.stop().await;
+}
+
+/// What is asked at one node about a vehicle that another one flies goes there with the name of who asks.
+#[tokio::test(flavor = "multi_thread")]
+async fn who_has_a_vehicle_in_hand_writes_its_parameters_at_any_node() {
+    let folder = tempfile::tempdir().unwrap();
+    let members = [1, 2].map(|node| Member {
+        node,
+        priority: Some(node),
+        flies: true,
+    });
+    let flock = Flock::start(&members, folder.path().to_owned(), |_| ()).await;
+    for node in [1, 2] {
+        let both = |fleet: &skein_runtime::FleetSnapshot| fleet.vehicles.len() == 2;
+        flock.until(node, "both vehicles", Duration::from_secs(10), both).await;
+    }
+    let elsewhere = flock.web_address(2);
+    let cruise = format!("{LIST}/MPC_XY_CRUISE");
+    let written = async |console: Option<&str>, to: f64| {
+        ask_at(elsewhere, console, "PUT", &cruise, Some(json!({ "value": to }))).await
+    };
+    // In nobody's hands, whoever asks.
+    eventually(patience(), "a first write", async || {
+        (written(None, 6.0).await.0 == 200).then_some(())
+    })
+    .await;
+
+    let ben = json!({ "id": "ben-2", "name": "Ben" });
+    let take = json!({ "targets": { "vehicles": [1] }, "console": ben, "action": { "action": "take" } });
+    let (status, answer) = ask_at(elsewhere, Some("ben-2"), "POST", "/api/v1/control", Some(take)).await;
+    assert_eq!(status, 200, "{answer}");
+    let flies_it = flock.node(1);
+    eventually(patience(), "its own node knows", async || {
+        flies_it
+            .controls()
+            .iter()
+            .any(|control| control.console.id == "ben-2")
+            .then_some(())
+    })
+    .await;
+    for console in [None, Some("anna-1")] {
+        let (status, body) = written(console, 8.0).await;
+        assert_eq!(
+            (status, &body["error"]["code"]),
+            (409, &json!("in_other_hands")),
+            "{body}"
+        );
+    }
+    let (status, receipt) = written(Some("ben-2"), 7.0).await;
+    assert_eq!((status, &receipt["before"]["value"]), (200, &json!(6.0)), "{receipt}");
+    flock.stop().await;
 }

@@ -14,5 +14,5 @@ export const hand = {
   'No gamepad. One that is connected is seen when a button on it is pressed.': 'Kein Gamepad. Ein angeschlossenes wird erkannt, sobald eine Taste daran gedrückt wird.',
   'Left stick': 'Linker Knüppel', 'Right stick': 'Rechter Knüppel', climb: 'steigen', turn: 'drehen', forward: 'vorwärts', sideways: 'seitwärts', 'Hold to steer': 'Zum Steuern halten', Held: 'Gehalten',
   'It flies only while this or RB is held, and stands otherwise. By keyboard: hold Space on the button, then W A S D and the arrows.': 'Es fliegt nur, solange dies oder RB gehalten wird, und steht sonst. Mit der Tastatur: Leertaste auf dem Knopf halten, dazu W A S D und die Pfeile.',
-  Fastest: 'Höchstens', slow: 'langsam', medium: 'mittel', fast: 'schnell', '{level} m/s, up and down {climb} m/s': '{level} m/s, auf und ab {climb} m/s',
+  Fastest: 'Höchstens', slow: 'langsam', medium: 'mittel', fast: 'schnell', '{level}, up and down {climb}': '{level}, auf und ab {climb}',
 } as const;
