@@ -1,18 +1,18 @@
-// What became of an upgrade or a roll back, in one sentence. Pure.
+// What became of an upgrade or a roll back, in one sentence of the chosen language. Must never decide anything.
 
+import { t } from '../../language/language.svelte';
 import type { UpgradeReceipt } from '../../protocol/types';
 
 export function receiptText(receipt: UpgradeReceipt): { text: string; bad: boolean } {
+  const { name, from, to } = receipt;
   const failed = receipt.instances.filter((one) => one.error !== null);
   const first = failed[0];
   if (receipt.rolled_back) {
-    return { text: `${receipt.name} stays ${receipt.from}: ${first ? `${first.name} did not come up (${first.error})` : 'an instance did not come up'}`, bad: true };
+    const why = first ? t('{name} did not come up ({why})', { name: first.name, why: first.error ?? '' }) : t('an instance did not come up');
+    return { text: t('{name} stays {version}: {why}', { name, version: from, why }), bad: true };
   }
   const changed = receipt.instances.filter((one) => one.restored === 'differently').length;
   const count = receipt.instances.length;
-  const states = changed > 0 ? `, ${changed} with another state than before` : '';
-  return {
-    text: `${receipt.name} is ${receipt.to} now, ${count} ${count === 1 ? 'instance' : 'instances'} exchanged${states}`,
-    bad: failed.length > 0,
-  };
+  const is = count === 1 ? t('{name} is {version} now, 1 instance exchanged', { name, version: to }) : t('{name} is {version} now, {count} instances exchanged', { name, version: to, count });
+  return { text: changed > 0 ? `${is}, ${t('{count} with another state than before', { count: changed })}` : is, bad: failed.length > 0 };
 }
