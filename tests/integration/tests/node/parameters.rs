@@ -177,7 +177,7 @@ async fn who_has_a_vehicle_in_hand_writes_its_parameters_at_any_node() {
     let flies_it = flock.node(1);
     eventually(patience(), "its own node knows", async || {
         flies_it
-            .controls()
+            .control()
             .iter()
             .any(|control| control.console.id == "ben-2")
             .then_some(())
