@@ -10,6 +10,7 @@ mod swarm;
 mod trajectories;
 
 use crate::app::App;
+use crate::links;
 use crate::protocol::{Accepted, CommandBody, CommandReceipts, EventList, Health, VehicleList, VersionInfo};
 use crate::routes::{self, EventQuery};
 use crate::stream::{self, StreamQuery};
@@ -184,6 +185,9 @@ fn node() -> Vec<Endpoint> {
             .asks::<StreamQuery>()
             .json::<crate::protocol::ServerMessage>(StatusCode::SWITCHING_PROTOCOLS, "The stream is open. The schema is that of its text messages.")
             .fails(&[400, 426, 503]),
+        Endpoint::get("/api/v1/links", "getLinks", links::links)
+            .about("node", "What came and went over this node's endpoints, and how each vehicle is heard.")
+            .json::<LinkReport>(StatusCode::OK, "The links."),
         Endpoint::get("/api/v1/openapi.json", "getDocument", routes::document)
             .about("node", "This document.")
             .json::<serde_json::Map<String, serde_json::Value>>(StatusCode::OK, "An OpenAPI 3.1 document."),

@@ -8,8 +8,9 @@ pub(crate) mod golden;
 use crate::protocol::{
     Accepted, ClientMessage, CommandBody, CommandReceipts, ControlBody, ControlReceipts, ControlState, CoordinatorBody,
     EmergencyStopBody, ErrorBody, EventList, FenceFileBody, FencePlanBody, FormationAnswer, FormationPreview, Health,
-    ImportedFencePlan, OverrideBody, ParameterBody, PayloadList, PluginList, ReadingBody, ReferenceList, RestartList,
-    RouteBody, ServerMessage, SupervisionTree, TrajectoriesEnded, TrajectoryList, VehicleList, VersionInfo,
+    ImportedFencePlan, LinkReport, OverrideBody, ParameterBody, PayloadList, PluginList, ReadingBody, ReferenceList,
+    RestartList, RouteBody, ServerMessage, SupervisionTree, TrajectoriesEnded, TrajectoryList, VehicleList,
+    VersionInfo,
 };
 use crate::wire::{self, Field, Header, Record, flag};
 use skein_config::PayloadRule;
@@ -110,6 +111,7 @@ fn types() -> String {
     found.visit::<PayloadList>();
     found.visit::<RestartList>();
     found.visit::<SupervisionTree>();
+    found.visit::<LinkReport>();
     found.visit::<UpgradeReceipt>();
     found.visit::<PayloadRule>();
     found.visit::<GimbalCommand>();

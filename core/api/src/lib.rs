@@ -15,6 +15,7 @@ mod error;
 mod fences;
 pub mod generated;
 mod guard;
+mod links;
 mod metrics;
 pub mod openapi;
 mod operators;

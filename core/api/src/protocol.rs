@@ -2,9 +2,11 @@
 //!
 //! Each type here is exported to TypeScript and to the OpenAPI document. Must never do: hold behaviour.
 
+mod links;
 mod parameters;
 mod supervision;
 
+pub use links::{EndpointReport, LinkReport, VehicleLinkReport};
 pub use parameters::{ParameterBody, ReadingBody};
 pub use supervision::{SupervisedPayload, SupervisedVehicle, SupervisionTree};
 

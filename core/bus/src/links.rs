@@ -2,9 +2,9 @@
 //!
 //! Must never do: need clocks that agree; take loss for a sign of a full link, which on a radio it is not.
 //!
-//! Every node tells now and then when it did so by its own clock, and for each of those it hears their latest such moment, how long ago it
+//! Every node tells now and then when it did so by its own clock and how much it has sent, and for each of those it hears their latest such moment, how long ago it
 //! came, and how much later than the quickest of late. So each learns of every other the round trip and the clock's offset (as NTP does), and
-//! how full the way to it is (as LEDBAT does). A way that has become longer looks like one that is full, until the quicker one is forgotten.
+//! how full the way to it is (as LEDBAT does), and what is lost on the way from it. A way that has become longer looks like one that is full, until the quicker one is forgotten.
 
 use crate::seal::Boot;
 use minicbor::{Decode, Encode};
@@ -40,6 +40,9 @@ pub struct Report {
     /// Those it hears; in turn, if they are too many for one datagram.
     #[n(1)]
     pub echoes: Vec<Echo>,
+    /// How many datagrams the teller's run had sent to all before this one; older programs do not tell.
+    #[n(2)]
+    pub sent_to_all: Option<u64>,
 }
 
 /// When links are measured, and how fast a node may send because of them.
@@ -71,6 +74,10 @@ impl Default for LinkSettings {
 pub const MANY: usize = 10;
 /// What one echo takes at most, in bytes.
 pub const ECHO_BYTES: usize = 48;
+/// What the count of datagrams takes at most, in bytes.
+const COUNT_BYTES: usize = 9;
+/// What was lost is counted over so long, in seconds.
+const LOSS_OVER_S: f64 = 10.0;
 /// For so long the quickest way is remembered, in seconds: twice over, so that there is always a full span. A full way is empty again before, because everybody
 /// sends less; one that is still as long then has become longer.
 const QUICKEST_OVER_S: f64 = 10.0;
@@ -98,6 +105,8 @@ pub struct Link {
     pub offset_error_s: f64,
     /// How much longer than the quickest of late datagrams are on their way to it, in seconds.
     pub queued_s: f64,
+    /// Share of what it sent to all that did not come here in any way, 0..=1, over the last ten seconds; none if it does not tell what it sends.
+    pub loss: Option<f64>,
     /// When this was learned.
     pub at: NodeTime,
 }
@@ -112,6 +121,10 @@ struct Peer {
     quickest: [Option<i128>; 2],
     span_begun: NodeTime,
     round_trips: VecDeque<(f64, f64)>,
+    /// Datagrams to all that came.
+    came_for_all: u64,
+    /// When a report came, what had been sent to all by then, what had come of it.
+    counts: VecDeque<(NodeTime, u64, u64)>,
     link: Option<Link>,
 }
 
@@ -189,13 +202,14 @@ impl Links {
         (self.peers.len() as f64 / MANY as f64).max(1.0)
     }
 
-    /// The report to tell now, if it is due, with as many echoes as fit into so many bytes.
-    pub fn report(&mut self, now: NodeTime, room_bytes: usize) -> Option<Report> {
+    /// The report to tell now, if it is due, with as many echoes as fit into so many bytes. `sent_to_all` is how many datagrams this run has
+    /// sent to all.
+    pub fn report(&mut self, now: NodeTime, room_bytes: usize, sent_to_all: u64) -> Option<Report> {
         if now < self.due {
             return None;
         }
         self.due = now.plus_seconds(self.settings.every_s * self.crowd());
-        let most = (room_bytes / ECHO_BYTES).max(1);
+        let most = (room_bytes.saturating_sub(COUNT_BYTES) / ECHO_BYTES).max(1);
         let from_turn = self.peers.range(self.turn..).chain(self.peers.range(..self.turn));
         let mut echoes = from_turn.map(|(node, peer)| Echo {
             node: *node,
@@ -210,7 +224,15 @@ impl Links {
         Some(Report {
             told: now,
             echoes: told,
+            sent_to_all: Some(sent_to_all),
         })
+    }
+
+    /// Counts a datagram that a node sent to all. Before its first report none is.
+    pub fn count_for_all(&mut self, from: NodeId, boot: Boot) {
+        if let Some(peer) = self.peers.get_mut(&from).filter(|peer| peer.boot == boot) {
+            peer.came_for_all += 1;
+        }
     }
 
     /// Takes another node's report in. Call [`Self::adapt`] after it.
@@ -223,6 +245,9 @@ impl Links {
         let of_me = report.echoes.iter().find(|echo| (echo.node, echo.boot) == me);
         if let Some(echo) = of_me {
             peer.echoed(now, report.told, echo);
+        }
+        if let Some(sent) = report.sent_to_all {
+            peer.counted(now, sent);
         }
     }
 
@@ -275,6 +300,8 @@ impl Peer {
             quickest: [None; 2],
             span_begun: now,
             round_trips: VecDeque::new(),
+            came_for_all: 0,
+            counts: VecDeque::new(),
             link: None,
         }
     }
@@ -312,8 +339,37 @@ impl Peer {
             offset_s,
             offset_error_s: shortest_s / 2.0,
             queued_s: echo.queued_us as f64 * 1e-6,
+            loss: self.loss(),
             at: now,
         });
+    }
+
+    /// Another report says how much was sent by then.
+    fn counted(&mut self, now: NodeTime, sent: u64) {
+        // One that was overtaken says nothing new.
+        if self.counts.back().is_some_and(|(_, before, _)| sent <= *before) {
+            return;
+        }
+        self.counts.push_back((now, sent, self.came_for_all));
+        while self.counts.len() > 2
+            && self
+                .counts
+                .get(1)
+                .is_some_and(|(at, ..)| now.seconds_since(*at) > LOSS_OVER_S)
+        {
+            self.counts.pop_front();
+        }
+        let loss = self.loss();
+        if let Some(link) = &mut self.link {
+            link.loss = loss;
+        }
+    }
+
+    /// Share lost between the first and the last count that are kept. What overtook a report makes it off by a datagram or two.
+    fn loss(&self) -> Option<f64> {
+        let ((_, sent_before, came_before), (_, sent, came)) = (self.counts.front()?, self.counts.back()?);
+        let sent = sent.checked_sub(*sent_before).filter(|sent| *sent > 0)?;
+        Some((1.0 - came.saturating_sub(*came_before) as f64 / sent as f64).max(0.0))
     }
 }
 

@@ -136,6 +136,8 @@ pub enum Opened {
         boot: Boot,
         /// Its kind.
         class: Class,
+        /// It was sent to all, not to this node alone.
+        to_all: bool,
         /// What it says.
         bytes: Vec<u8>,
     },
@@ -165,6 +167,7 @@ pub struct Seal {
     me: NodeId,
     boot: Boot,
     sent: u64,
+    sent_to_all: u64,
     asked: u64,
     peers: BTreeMap<NodeId, Peer>,
     replies: Vec<(NodeId, Vec<u8>)>,
@@ -180,6 +183,7 @@ impl Seal {
             me,
             boot,
             sent: 0,
+            sent_to_all: 0,
             asked: 0,
             peers: BTreeMap::new(),
             replies: Vec::new(),
@@ -191,6 +195,12 @@ impl Seal {
     #[must_use]
     pub fn refused(&self) -> Refused {
         self.refused
+    }
+
+    /// How many datagrams were sealed for all so far.
+    #[must_use]
+    pub fn sent_to_all(&self) -> u64 {
+        self.sent_to_all
     }
 
     /// The run of a node that has proven to be going on.
@@ -212,6 +222,7 @@ impl Seal {
 
     fn sealed(&mut self, kind: Kind, to: To, class: Class, content: &[u8]) -> Vec<u8> {
         self.sent += 1;
+        self.sent_to_all += u64::from(to == To::All);
         let header = Header {
             kind,
             to_all: to == To::All,
@@ -272,13 +283,20 @@ impl Seal {
     }
 
     fn content(&mut self, now: NodeTime, header: Header, bytes: Vec<u8>) -> Opened {
-        let Header { from, boot, class, .. } = header;
+        let Header {
+            from,
+            boot,
+            class,
+            to_all,
+            ..
+        } = header;
         let known = self.peer(from).proven.as_mut().filter(|(known, _)| *known == boot);
         match known.map(|(_, window)| window.take(header.number)) {
             Some(true) => Opened::Content {
                 from,
                 boot,
                 class,
+                to_all,
                 bytes,
             },
             Some(false) => {

@@ -54,7 +54,7 @@ pub use setpoint::Setpoint;
 pub use stick::Stick;
 pub use telemetry::{
     Battery, BatteryUse, EstimatorHealth, FlightMode, FlightState, Gnss, GnssFix, HeardTimes, LandedState, LinkHealth,
-    Telemetry,
+    Telemetry, VehicleWay,
 };
 pub use time::{Clock, NodeTime};
 pub use trajectory::{

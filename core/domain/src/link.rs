@@ -7,7 +7,7 @@ use crate::payload::MavlinkMessage;
 use crate::setpoint::LocalSetpoint;
 use crate::{
     AutopilotCommand, CommandId, FlightMode, Geodetic, LinkHealth, NodeTime, ParameterEvent, ParameterList,
-    ParameterValue, ReadingAction, Refusal, RequestId, SystemId, Telemetry,
+    ParameterValue, ReadingAction, Refusal, RequestId, SystemId, Telemetry, VehicleWay,
 };
 use minicbor::{Decode, Encode};
 use serde::{Deserialize, Serialize};
@@ -117,6 +117,11 @@ pub trait VehicleLink: Send + Sync + 'static {
 
     /// Latest telemetry and link health.
     fn read(&self, now: NodeTime) -> (Telemetry, LinkHealth);
+
+    /// Both links, where there are two; else none.
+    fn ways(&self, _now: NodeTime) -> Vec<VehicleWay> {
+        Vec::new()
+    }
 
     /// Events since the last call, oldest first. Bounded: status texts beyond the bound are dropped oldest first, others never.
     fn take_events(&self) -> Vec<LinkEvent>;

@@ -281,6 +281,18 @@ pub struct HeardTimes {
     pub system_status: NodeTime,
 }
 
+/// One of two links to one vehicle.
+#[derive(Debug, Clone, PartialEq)]
+#[derive(Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
+pub struct VehicleWay {
+    /// What it goes over: `MAVLink` or `DDS`.
+    pub name: String,
+    /// It carries commands and setpoints now; the other one is heard only.
+    pub flies: bool,
+    /// How it is.
+    pub link: LinkHealth,
+}
+
 /// State of the link to one vehicle, measured by this node.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[derive(Serialize, Deserialize, Encode, Decode, ts_rs::TS, schemars::JsonSchema)]

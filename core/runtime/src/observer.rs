@@ -140,6 +140,7 @@ pub(crate) fn vehicle(
         battery: telemetry.battery,
         gnss: telemetry.gnss,
         link: entry.link,
+        ways: cell.link.load().0.ways(now),
         age_s: now.seconds_since(entry.link.last_heard).max(0.0),
         tracking_error_m: state.tracking_error_m.filter(|_| slot.is_some()),
         slot,

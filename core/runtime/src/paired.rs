@@ -10,7 +10,7 @@ use skein_domain::payload::MavlinkMessage;
 use skein_domain::setpoint::LocalSetpoint;
 use skein_domain::{
     AutopilotCommand, CommandId, FlightMode, LinkHealth, NodeTime, ParameterEvent, ParameterList, ParameterValue,
-    ReadingAction, Refusal, RequestId, SystemId, Telemetry, VehicleId,
+    ReadingAction, Refusal, RequestId, SystemId, Telemetry, VehicleId, VehicleWay,
 };
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Weak};
@@ -333,6 +333,17 @@ impl VehicleLink for PairedLink {
         let (telemetry, mut health) = read.unwrap_or_default();
         health.connected = inner.connected;
         (telemetry, health)
+    }
+
+    fn ways(&self, now: NodeTime) -> Vec<VehicleWay> {
+        let inner = self.inner.lock();
+        let way = |one: &One| VehicleWay {
+            name: one.kind.to_string(),
+            flies: one.kind == inner.active,
+            link: one.link.read(now).1,
+        };
+        let there = |kind: &LinkKind| inner.links.iter().find(|one| one.kind == *kind).map(way);
+        inner.order.iter().filter_map(there).collect()
     }
 
     fn take_events(&self) -> Vec<LinkEvent> {

@@ -9,7 +9,7 @@ use skein_domain::payload::{CoordinatorCapability, FrameHeader, PayloadKind, Tra
 use skein_domain::{
     Battery, CommandId, EnergyState, FlightLimits, FlightMode, FlightState, FormationRequest, Geodetic, Gnss,
     Incarnation, LadderEvent, LadderState, LandedState, LinkHealth, NodeId, NodeTime, PositionNed, Refusal, Route,
-    SwarmFrame, SystemId, VehicleId, telemetry::VehicleKinematics,
+    SwarmFrame, SystemId, VehicleId, VehicleWay, telemetry::VehicleKinematics,
 };
 
 /// The fleet at one moment.
@@ -79,6 +79,9 @@ pub struct VehicleSnapshot {
     pub gnss: Gnss,
     /// Link measured by this node.
     pub link: LinkHealth,
+    /// Its two links, the preferred one first, where it has two; known at the node that flies it.
+    #[serde(default)]
+    pub ways: Vec<VehicleWay>,
     /// Seconds since the last frame was heard.
     pub age_s: f64,
     /// Where its task wants it now.

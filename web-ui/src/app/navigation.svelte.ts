@@ -9,7 +9,7 @@ export type Side = 'fleet' | Plan | Record;
 export const WIDE = '(min-width: 1360px)';
 
 /** What fills the middle of the screen. */
-export const PAGES = ['map', 'fleet', 'preflight', 'alerts', 'plugins', 'missions', 'tracks', 'video', 'replay'] as const;
+export const PAGES = ['map', 'fleet', 'preflight', 'alerts', 'plugins', 'links', 'missions', 'tracks', 'video', 'replay'] as const;
 /** Pages of which the program has nothing to show yet. */
 export const EMPTY_PAGES = ['missions', 'tracks', 'video', 'replay'] as const;
 export type EmptyPageName = (typeof EMPTY_PAGES)[number];

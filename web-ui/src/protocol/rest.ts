@@ -4,7 +4,7 @@ import type {
   CommandBody, CommandReceipt, CommandReceipts, Console, ControlAction, ControlBody, ControlReceipt, ControlReceipts, EmergencyKey,
   EmergencyStopBody, ErrorBody, EventList, FenceAnswer, FenceFileBody, FencePlan, FencePlanBody, FormationPreview, FormationReceipt, FormationRequest, ImportedFencePlan, OverrideBody, ParameterBody,
   ParameterList, ParameterReceipt, PreflightAnswer, PluginList, PreflightOverride, ReadingAction, ReadingBody, ReferenceList, ReferenceSnapshot, RestartList, RestartRecord, Route, RouteBody, SupervisionTree, Targets,
-  UpgradeReceipt, VehicleCommand, VehicleSnapshot,
+  UpgradeReceipt, VehicleCommand, VehicleSnapshot, LinkReport,
 } from './types';
 
 /** A call that was answered with an error, or not at all (`status` 0). */
@@ -196,6 +196,10 @@ export async function measureLatencyMs(): Promise<number> {
 }
 
 /** What runs under supervision, and how it is. */
+export async function getLinks(): Promise<LinkReport> {
+  return (await (await call('GET', 'links')).json()) as LinkReport;
+}
+
 export async function getSupervision(): Promise<SupervisionTree> {
   return (await (await call('GET', 'supervision')).json()) as SupervisionTree;
 }

@@ -25,8 +25,12 @@ impl Bus {
                 from,
                 boot,
                 class,
+                to_all,
                 bytes: content,
             } => {
+                if to_all {
+                    self.links.count_for_all(from, boot);
+                }
                 self.received.entry(from).or_default().count(now, class, bytes.len());
                 let Some(frame) = Frame::from_bytes(&content) else {
                     self.not_understood += 1;

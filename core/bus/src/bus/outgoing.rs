@@ -88,7 +88,7 @@ impl Bus {
             Class::Command => self.command(now)?,
             Class::State => {
                 let room_bytes = self.settings.datagram_bytes.saturating_sub(SEAL_BYTES + 8);
-                let report = self.links.report(now, room_bytes);
+                let report = self.links.report(now, room_bytes, self.seal.sent_to_all());
                 let frame = report.map(Frame::Report).or_else(|| {
                     let most = self.settings.datagram_bytes;
                     let resting = self.resting_budget.allows(now, Class::Query, most);

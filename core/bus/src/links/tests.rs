@@ -21,11 +21,11 @@ fn exchanged(there_s: f64, back_s: impl Fn(u32) -> f64) -> Link {
     let (mut a, mut b) = (links(), links());
     for step in 0..20 {
         let now_s = f64::from(step);
-        let report = a.report(NodeTime::from_seconds(now_s), 1000).unwrap();
+        let report = a.report(NodeTime::from_seconds(now_s), 1000, 0).unwrap();
         let at_b = NodeTime::from_seconds(now_s + there_s + AHEAD_S);
         b.take(at_b, B, A.0, A.1, &report);
         let answered_s = now_s + there_s + 0.1;
-        let report = b.report(NodeTime::from_seconds(answered_s + AHEAD_S), 1000).unwrap();
+        let report = b.report(NodeTime::from_seconds(answered_s + AHEAD_S), 1000, 0).unwrap();
         let at_a = NodeTime::from_seconds(answered_s + back_s(step));
         a.take(at_a, A, B.0, B.1, &report);
     }
@@ -49,6 +49,72 @@ fn round_trip_and_offset_are_found_whatever_the_clocks_say() {
 }
 
 #[test]
+fn what_is_lost_on_the_way_is_counted() {
+    // Of ten datagrams to all between two reports so many come; a quarter of the reports does not come either.
+    let after = |come: u64, seconds: u32| {
+        let (mut a, mut b) = (links(), links());
+        for step in 0..seconds * 2 {
+            let now = NodeTime::from_seconds(f64::from(step) * 0.5);
+            let sent = u64::from(step) * 11;
+            let told = b.report(now, 1000, sent).unwrap();
+            let echoed = a.report(now, 1000, 0).unwrap();
+            b.take(now, B, A.0, A.1, &echoed);
+            if step % 4 != 3 {
+                a.count_for_all(B.0, B.1);
+                a.take(now, A, B.0, B.1, &told);
+            }
+            for _ in 0..come {
+                a.count_for_all(B.0, B.1);
+            }
+        }
+        a.known().next().unwrap().1.loss.unwrap()
+    };
+    let (whole, half, none) = (after(10, 60), after(5, 60), after(0, 60));
+    assert!(whole < 0.05, "{whole}");
+    assert!((half - (1.0 - 5.75 / 11.0)).abs() < 0.04, "{half}");
+    assert!((none - (1.0 - 0.75 / 11.0)).abs() < 0.04, "{none}");
+}
+
+#[test]
+fn loss_is_of_late_and_of_this_run_only() {
+    let mut a = links();
+    let report = |at: f64, sent: Option<u64>| Report {
+        told: NodeTime::from_seconds(at),
+        echoes: vec![Echo {
+            node: A.0,
+            boot: A.1,
+            told: NodeTime::from_seconds(at),
+            held_us: 0,
+            queued_us: 0,
+        }],
+        sent_to_all: sent,
+    };
+    let loss = |a: &Links| a.known().next().unwrap().1.loss;
+    let mut hear = |at: f64, boot: Boot, sent: Option<u64>, come: u64| {
+        for _ in 0..come {
+            a.count_for_all(B.0, boot);
+        }
+        let now = NodeTime::from_seconds(at);
+        a.take(now, A, B.0, boot, &report(at, sent));
+        loss(&a)
+    };
+    // Who does not tell how much was sent has lost nothing that is known of.
+    assert_eq!(hear(0.0, B.1, None, 0), None);
+    assert_eq!(hear(1.0, B.1, Some(100), 3), None);
+    assert_eq!(hear(2.0, B.1, Some(200), 50), Some(0.5));
+    // Overtaken.
+    assert_eq!(hear(2.1, B.1, Some(150), 0), Some(0.5));
+    for step in 0..25 {
+        let at = 3.0 + f64::from(step);
+        hear(at, B.1, Some(300 + step as u64 * 100), 100);
+    }
+    assert_eq!(hear(28.0, B.1, Some(2800), 100), Some(0.0));
+    // Begun anew it counts anew.
+    assert_eq!(hear(29.0, Boot(9), Some(7), 0), None);
+    assert_eq!(hear(30.0, Boot(9), Some(17), 10), Some(0.0));
+}
+
+#[test]
 fn who_was_slowed_down_and_is_heard_by_nobody_is_not_slow_for_ever() {
     let mut a = links();
     let echo = |held_us: u64, told: NodeTime, queued_us: u64| Echo {
@@ -68,7 +134,17 @@ fn who_was_slowed_down_and_is_heard_by_nobody_is_not_slow_for_ever() {
         } else {
             Vec::new()
         };
-        a.take(at(step), A, B.0, B.1, &Report { told, echoes });
+        a.take(
+            at(step),
+            A,
+            B.0,
+            B.1,
+            &Report {
+                told,
+                echoes,
+                sent_to_all: None,
+            },
+        );
         a.adapt(at(step), 2000.0, 1);
         rates.push(a.rates().all_bytes_per_s);
     }
@@ -84,9 +160,9 @@ fn a_way_that_has_become_longer_is_not_taken_for_a_full_one_for_long() {
     for step in 0..120_u32 {
         let now_s = f64::from(step) * 0.5;
         let at = |seconds: f64| NodeTime::from_seconds(seconds);
-        let report = a.report(at(now_s), 1000).unwrap();
+        let report = a.report(at(now_s), 1000, 0).unwrap();
         b.take(at(now_s + way_s(now_s)), B, A.0, A.1, &report);
-        let report = b.report(at(now_s + 0.25), 1000).unwrap();
+        let report = b.report(at(now_s + 0.25), 1000, 0).unwrap();
         a.take(at(now_s + 0.25 + way_s(now_s)), A, B.0, B.1, &report);
         let queued_s = a.known().next().map_or(0.0, |(_, link)| link.queued_s);
         overfull_s += if queued_s > 0.2 { 0.5 } else { 0.0 };
@@ -98,9 +174,9 @@ fn a_way_that_has_become_longer_is_not_taken_for_a_full_one_for_long() {
 #[test]
 fn of_an_earlier_run_nothing_counts() {
     let (mut a, mut b) = (links(), links());
-    let report = a.report(NodeTime::from_seconds(1.0), 1000).unwrap();
+    let report = a.report(NodeTime::from_seconds(1.0), 1000, 0).unwrap();
     b.take(NodeTime::from_seconds(2.0), B, A.0, A.1, &report);
-    let report = b.report(NodeTime::from_seconds(2.1), 1000).unwrap();
+    let report = b.report(NodeTime::from_seconds(2.1), 1000, 0).unwrap();
     let again = (A.0, Boot(9));
     a.take(NodeTime::from_seconds(1.2), again, B.0, B.1, &report);
     assert_eq!(a.known().count(), 0);

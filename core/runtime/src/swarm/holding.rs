@@ -259,6 +259,7 @@ impl SwarmState {
             clock_error_s: link.map(|link| link.offset_error_s),
             clock_fault: known.is_some_and(|known| known.clock_fault),
             received_bytes_per_s: self.bus.received().get(&node).map_or(0.0, |t| t.rate_bytes_per_s(now)),
+            loss: link.and_then(|link| link.loss),
         }
     }
 }

@@ -170,4 +170,6 @@ pub struct NodeSnapshot {
     pub clock_fault: bool,
     /// What is received of it, in bytes per second.
     pub received_bytes_per_s: f64,
+    /// Share of what it sent to all that did not come here, 0..=1, over the last ten seconds; absent if it does not tell what it sends.
+    pub loss: Option<f64>,
 }

@@ -327,6 +327,15 @@ pub fn roles(board: &Board) -> Vec<NodeRole> {
     .collect()
 }
 
+/// What is worth telling of a link, in steps so that it seldom changes.
+fn in_steps(link: &LinkHealth) -> LinkHealth {
+    LinkHealth {
+        round_trip_s: link.round_trip_s.map(|s| (s * 100.0).round() * 0.01),
+        receive_rate_hz: link.receive_rate_hz.round(),
+        ..LinkHealth::default()
+    }
+}
+
 /// What changes all the time is told in reports, or not worth telling.
 fn without_motion(sheet: VehicleSnapshot) -> VehicleSnapshot {
     let mut sheet = VehicleSnapshot {
@@ -334,17 +343,19 @@ fn without_motion(sheet: VehicleSnapshot) -> VehicleSnapshot {
         slot: None,
         tracking_error_m: None,
         age_s: 0.0,
-        link: LinkHealth {
-            round_trip_s: sheet.link.round_trip_s.map(|s| (s * 100.0).round() * 0.01),
-            receive_rate_hz: sheet.link.receive_rate_hz.round(),
-            ..LinkHealth::default()
-        },
+        link: in_steps(&sheet.link),
         roll_rad: 0.0,
         pitch_rad: 0.0,
         // Where it is at the moment follows from its report; this is for a swarm that has no frame yet.
         global: sheet.global.filter(|_| !sheet.armed),
         ..sheet
     };
+    for way in &mut sheet.ways {
+        way.link = LinkHealth {
+            connected: way.link.connected,
+            ..in_steps(&way.link)
+        };
+    }
     sheet.model.calls = 0;
     sheet.model.call_p50_us = 0.0;
     sheet.model.call_p99_us = 0.0;

@@ -46,6 +46,11 @@ export function rateText(bytesPerS: number): string {
   return bytesPerS >= 1000 ? `${(bytesPerS / 1000).toFixed(1)} kB/s` : `${Math.round(bytesPerS)} B/s`;
 }
 
+/** A share in percent, or a dash for what is not known. */
+export function lossText(share: number | null): string {
+  return share === null ? '–' : `${(share * 100).toFixed(share > 0 && share < 0.095 ? 1 : 0)} %`;
+}
+
 /** Milliseconds, or a dash for what was not measured. */
 export function millisecondsText(seconds: number | null): string {
   return seconds === null ? '–' : `${(seconds * 1000).toFixed(1)} ms`;
