@@ -205,6 +205,8 @@ const preflight = () => ({
   })),
 });
 function preview(request) {
+  const drawn = request.offsets?.slice(0, request.members?.length ?? count);
+  if (drawn) return { slots: drawn, smallest_distance_m: Math.min(...drawn.flatMap((a, i) => drawn.slice(i + 1).map((b) => Math.hypot(a.forward_m - b.forward_m, a.right_m - b.right_m, a.down_m - b.down_m)))), views: drawn.map(() => 'ahead'), looking: 0 };
   const slots = slotsOf(request.shape, request.members?.length ?? count, request.spacing_m * request.scale, request.altitude_step_m);
   return { slots: slots.map(([f, r, u]) => ({ forward_m: f, right_m: r, down_m: -u })), smallest_distance_m: request.spacing_m, views: slots.map(() => 'ahead'), looking: 0 };
 }

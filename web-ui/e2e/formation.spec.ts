@@ -1,6 +1,7 @@
 // Formations beyond the wedge: a shape with parameters of its own, places by hand, and one that no vehicle leads. What is previewed
 // is what the node lays out, and what is flown is what was previewed.
 
+import { readFileSync } from 'node:fs';
 import type { Page } from '@playwright/test';
 import { findings } from './accessibility';
 import { button, card, expect, hold, largestSlotError, open, plotted, summary, test } from './console';
@@ -28,6 +29,32 @@ function distances(places: readonly { north: number; east: number }[]): number[]
   return found.map((d) => Math.round(d * 100) / 100).sort((a, b) => a - b);
 }
 
+// Nobody flies in this one: it comes first, while all stand where they began.
+test('a shape is drawn, moved by keys, read from a file and saved', async ({ page }) => {
+  await open(page, program.url, VEHICLES);
+  await choose(page, 'Free');
+  await test.step('three places with the mouse', () => drawn(page));
+  await test.step('keys move, choose, remove and take back', () => byKeys(page));
+  await test.step('files are read, refused in words, and written', () => files(page));
+  await test.step('nothing for axe to find, in any theme', async () => {
+    for (const colorScheme of ['dark', 'light'] as const) {
+      await page.emulateMedia({ colorScheme });
+      expect(await findings(page)).toEqual([]);
+    }
+  });
+  await test.step('a narrow phone scrolls in one direction only', async () => {
+    await page.setViewportSize({ width: 360, height: 740 });
+    await page.getByRole('tab', { name: 'Formation', exact: true }).click();
+    await board(page).scrollIntoViewIfNeeded();
+    expect(await page.evaluate(() => document.documentElement.scrollWidth - innerWidth)).toBeLessThanOrEqual(0);
+    const { x, width } = (await board(page).boundingBox())!;
+    expect([x >= 0, x + width <= 360]).toEqual([true, true]);
+    const panel = page.getByRole('tabpanel').filter({ has: board(page) }).locator('.scroll');
+    expect(await panel.evaluate((element) => element.scrollWidth - element.clientWidth)).toBeLessThanOrEqual(0);
+    expect(await findings(page)).toEqual([]);
+  });
+});
+
 test('shapes with parameters, places by hand, and a formation about a place', async ({ page }) => {
   await open(page, program.url, VEHICLES);
   await test.step('before take-off a shape is previewed for the targets', async () => {
@@ -49,6 +76,90 @@ test('shapes with parameters, places by hand, and a formation about a place', as
     await expect(summary(page)).toContainText(`${VEHICLES} of ${VEHICLES} done`, { timeout: FLIGHT_MS });
   });
 });
+
+const board = (page: Page) => page.getByTestId('shape-board');
+const place = (page: Page, name: string | RegExp) => board(page).getByRole('option', { name });
+const said = (page: Page) => page.getByTestId('shape-said');
+
+/** A point of the board, from its left and upper edge as parts of its size. */
+async function spot(page: Page, right: number, down: number): Promise<[number, number]> {
+  await board(page).scrollIntoViewIfNeeded();
+  const { x, y, width, height } = (await board(page).boundingBox())!;
+  return [x + width * right, y + height * down];
+}
+
+async function drawn(page: Page): Promise<void> {
+  await expect(place(page, 'Place 1: at the origin, level')).toBeVisible();
+  for (const [right, down] of [[0.3, 0.7], [0.7, 0.7], [0.5, 0.85]] as const) await page.mouse.click(...(await spot(page, right, down)));
+  await expect(place(page, /^Place \d/)).toHaveCount(VEHICLES);
+  await expect(page.getByTestId('shape-count')).toContainText(`Places: ${VEHICLES}. Vehicles that take part: ${VEHICLES}.`);
+  await expect.poll(async () => (await slots(page)).length).toBe(VEHICLES);
+  let asked = 0;
+  page.on('request', (request) => (asked += request.url().endsWith('/formation/preview') ? 1 : 0));
+  const before = (await slots(page))[3]!;
+  await page.mouse.move(...(await spot(page, 0.5, 0.85)));
+  await page.mouse.down();
+  await page.mouse.move(...(await spot(page, 0.6, 0.4)), { steps: 40 });
+  await page.mouse.up();
+  await expect.poll(async () => Math.hypot((await slots(page))[3]!.north - before.north, (await slots(page))[3]!.east - before.east)).toBeGreaterThan(3);
+  // The program hears of a drag when it pauses, not of each step.
+  expect(asked).toBeLessThan(10);
+}
+
+async function byKeys(page: Page): Promise<void> {
+  const text = page.getByRole('textbox', { name: /^Offsets/ });
+  await page.getByText('As text', { exact: true }).click();
+  await text.fill('0,0,0\n-5,5,0\n-5,-5,0\n-10,0,0');
+  await place(page, /^Place 1/).focus();
+  await page.keyboard.press('End');
+  await expect(place(page, 'Place 4: 10.0 m back, level')).toBeFocused();
+  await page.keyboard.press('ArrowRight');
+  await page.keyboard.press('Shift+ArrowDown');
+  await expect(place(page, 'Place 4: 10.1 m back, 0.5 m right, level')).toBeFocused();
+  await expect(said(page)).toHaveText('Place 4: 10.1 m back, 0.5 m right, level');
+  await field(page, 'Up').fill('2.5');
+  await expect(text).toHaveValue('forward_m,right_m,down_m\n0,0,0\n-5,5,0\n-5,-5,0\n-10.1,0.5,-2.5\n');
+  await expect.poll(async () => (await slots(page)).map((s) => s.upM)).toEqual([0, 0, 0, 2.5]);
+  await place(page, /^Place 4/).focus();
+  await page.keyboard.press('Delete');
+  await expect(place(page, /^Place \d/)).toHaveCount(3);
+  await expect(page.getByTestId('shape-count')).toContainText('Places missing: 1');
+  await expect(place(page, /^Place 3/)).toBeFocused();
+  await page.keyboard.press('Control+z');
+  await page.keyboard.press('Control+z');
+  await expect(place(page, 'Place 4: 10.1 m back, 0.5 m right, level')).toBeVisible();
+  await text.fill('0,0,0\n-5,5,0\n-5,4.5,0');
+  await expect(page.getByTestId('shape-near')).toHaveText('Nearer than 1.0 m to another: 2, 3');
+  await expect(place(page, /^Place 3: .*, nearer than 1\.0 m to another$/)).toBeVisible();
+  await text.fill('0,0,0\n-5,x,0');
+  await expect(page.getByText('this is how the shape was before: line 2: "x" is no number')).toBeVisible();
+  await expect(place(page, /^Place \d/)).toHaveCount(3);
+}
+
+async function files(page: Page): Promise<void> {
+  const give = (name: string, text: string) => page.getByTestId('shape-file').setInputFiles({ name, mimeType: 'text/plain', buffer: Buffer.from(text) });
+  await give('four.json', '[[0,0,0],[-8,0,0],[-8,6,0],{"forward_m":-16,"right_m":0,"up_m":2}]');
+  await expect(said(page)).toHaveText('Read from four.json. Places: 4');
+  await expect.poll(async () => distances(await slots(page))).toEqual([6, 8, 8, 10, 10, 16]);
+  await give('broken.csv', 'forward_m,right_m,down_m\n0,0,0\n-8,six,0\n');
+  await expect(said(page)).toHaveText('broken.csv not read: line 3: "six" is no number');
+  await give('large.csv', '0,0,0\n'.repeat(200_000));
+  await expect(said(page)).toHaveText('large.csv not read: it is larger than 1 MB');
+  await expect(place(page, 'Place 4: 16.0 m back, 2.0 m up')).toBeVisible();
+  const saved = page.waitForEvent('download');
+  await button(page, 'Save as a file').click();
+  const file = await saved;
+  expect(file.suggestedFilename()).toBe('shape.csv');
+  expect(readFileSync(await file.path(), 'utf8')).toBe('forward_m,right_m,down_m\n0,0,0\n-8,0,0\n-8,6,0\n-16,0,-2\n');
+  const dropped = await page.evaluateHandle(() => {
+    const carried = new DataTransfer();
+    carried.items.add(new File(['0,0,0\n-7,0,0\n-14,0,0\n-21,0,0\n'], 'column.csv'));
+    return carried;
+  });
+  await board(page).dispatchEvent('drop', { dataTransfer: dropped });
+  await expect(said(page)).toHaveText('Read from column.csv. Places: 4');
+  await expect.poll(async () => distances(await slots(page))).toEqual([7, 7, 7, 14, 14, 21]);
+}
 
 async function arc(page: Page): Promise<void> {
   await choose(page, 'Arc');
@@ -73,6 +184,7 @@ async function arc(page: Page): Promise<void> {
 
 async function free(page: Page): Promise<void> {
   await choose(page, 'Free');
+  await page.getByText('As text', { exact: true }).click();
   const text = page.getByRole('textbox', { name: /^Offsets/ });
   await text.fill('0,0,0\n-8,x,0');
   await expect(page.getByTestId('preview-said')).toHaveText('Offsets: line 2: "x" is no number');

@@ -82,11 +82,18 @@ export class FormationDraft {
     return ids[0] ?? null;
   });
 
+  /** How many take part: before take-off the targets. */
+  wouldTakePart = $derived.by<number>(() => (this.members.length > 0 ? this.members.length : this.#targets.ids.length));
+
   offsets = $derived(parseOffsets(this.offsetsText));
 
   /** What is still missing before this can be asked of the server; empty if nothing is. */
   missing = $derived.by<string>(() => {
-    if (hasParameter(this.shape, 'offsets') && 'fault' in this.offsets) return t('Offsets: {fault}', { fault: this.offsets.fault });
+    if (hasParameter(this.shape, 'offsets')) {
+      if ('fault' in this.offsets) return t('Offsets: {fault}', { fault: this.offsets.fault });
+      const lacking = this.wouldTakePart - this.offsets.offsets.length;
+      if (lacking > 0) return t('Places missing: {count}', { count: lacking });
+    }
     if (this.anchor === 'place' && !this.place) return t('Pick the place on the map');
     if (this.anchor === 'path' && this.path.waypoints.length === 0) return t('Draw the path on the map');
     if (this.anchor === 'reference' && this.referenceName === '') return t('Choose a reference');

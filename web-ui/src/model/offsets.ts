@@ -1,35 +1,70 @@
 // Offsets of a free shape as an operator pastes them: a table of three columns or a JSON list, read as the server reads its files.
 // Must never guess: a line that is wrong is named. Pure.
 
+import { t } from '../language/language.svelte';
 import type { OffsetFrd } from '../protocol/types';
 
 export type Offsets = { offsets: OffsetFrd[] } | { fault: string };
 
 type Column = 'forward_m' | 'right_m' | 'down_m' | 'up_m';
 const COLUMNS: readonly string[] = ['forward_m', 'right_m', 'down_m', 'up_m'];
+/** What is quoted back of a field. */
+const QUOTED = 40;
 const PLAIN: readonly Column[] = ['forward_m', 'right_m', 'down_m'];
 
 export function parseOffsets(text: string): Offsets {
   const trimmed = text.trim();
-  if (trimmed === '') return { fault: 'no offsets yet' };
-  return trimmed.startsWith('[') ? fromJson(trimmed) : fromTable(text);
+  if (trimmed === '') return { fault: t('no offsets yet') };
+  return trimmed.startsWith('[') ? fromJson(text) : fromTable(text);
 }
 
 function fromJson(text: string): Offsets {
   let list: unknown;
   try {
-    list = JSON.parse(text);
+    // Some programs put a mark at the beginning of a file, which is no part of the list.
+    list = JSON.parse(text.trim());
   } catch {
-    return { fault: 'this is no JSON list' };
+    return { fault: t('line {line}: this is no JSON list', { line: lineOfFault(text) }) };
   }
-  if (!Array.isArray(list)) return { fault: 'this is no JSON list' };
+  if (!Array.isArray(list)) return { fault: t('line {line}: this is no JSON list', { line: 1 }) };
   const offsets: OffsetFrd[] = [];
   for (const [k, entry] of list.entries()) {
     const numbers = Array.isArray(entry) ? triple(entry) : ofObject(entry);
-    if (!numbers) return { fault: `entry ${k + 1}: three numbers, or forward_m, right_m and down_m or up_m` };
+    if (!numbers) return { fault: t('entry {entry}: three numbers, or forward_m, right_m and down_m or up_m', { entry: k + 1 }) };
     offsets.push(numbers);
   }
   return some(offsets);
+}
+
+const TOKEN = /\s+|[[\]{},:]|"(?:[^"\\\n]|\\.)*"|-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?|true|false|null/y;
+
+/** The line in which a JSON text goes wrong: browsers do not agree on saying it. One that only lacks its end goes wrong in its last. */
+function lineOfFault(text: string): number {
+  const open: string[] = [];
+  let before = '';
+  let at = 0;
+  while (at < text.length) {
+    TOKEN.lastIndex = at;
+    const token = TOKEN.exec(text)?.[0];
+    if (token === undefined) break;
+    if (token.trim() !== '') {
+      if (!follows(token, before, open)) break;
+      if (token === '[' || token === '{') open.push(token);
+      if (token === ']' || token === '}') open.pop();
+      before = token;
+    }
+    at += token.length;
+  }
+  const whole = text.slice(0, at);
+  return (at < text.length ? whole : whole.trimEnd()).split('\n').length;
+}
+
+function follows(token: string, before: string, open: readonly string[]): boolean {
+  const begun = ['[', '{', ',', ':'].includes(before);
+  if (token === ',') return !begun && before !== '' && open.length > 0;
+  if (token === ':') return before.startsWith('"');
+  if (token === ']' || token === '}') return before !== ',' && before !== ':' && open.at(-1) === (token === ']' ? '[' : '{');
+  return begun || before === '';
 }
 
 function triple(entry: unknown[]): OffsetFrd | null {
@@ -61,13 +96,13 @@ function fromTable(text: string): Offsets {
     const heading = first && fields.every((field) => Number.isNaN(Number(field)));
     first = false;
     if (heading) {
-      if (!isHeading(fields)) return { fault: `line ${k + 1}: the headings must be forward_m, right_m and one of down_m and up_m` };
+      if (!isHeading(fields)) return { fault: t('line {line}: the headings must be forward_m, right_m and one of down_m and up_m', { line: k + 1 }) };
       columns = fields;
       continue;
     }
-    if (fields.length !== 3) return { fault: `line ${k + 1}: ${fields.length} fields instead of three` };
+    if (fields.length !== 3) return { fault: t('line {line}: {count} fields instead of three', { line: k + 1, count: fields.length }) };
     const bad = fields.find((field) => field === '' || !Number.isFinite(Number(field)));
-    if (bad !== undefined) return { fault: `line ${k + 1}: "${bad}" is no number` };
+    if (bad !== undefined) return { fault: t('line {line}: "{text}" is no number', { line: k + 1, text: bad.slice(0, QUOTED) }) };
     const of = (column: Column) => Number(fields[columns.indexOf(column)]);
     offsets.push({ forward_m: of('forward_m'), right_m: of('right_m'), down_m: columns.includes('up_m') ? 0 - of('up_m') : of('down_m') });
   }
@@ -80,5 +115,5 @@ function isHeading(fields: readonly string[]): boolean {
 }
 
 function some(offsets: OffsetFrd[]): Offsets {
-  return offsets.length === 0 ? { fault: 'no offsets yet' } : { offsets };
+  return offsets.length === 0 ? { fault: t('no offsets yet') } : { offsets };
 }
