@@ -19,6 +19,8 @@ export default defineConfig({
     // three.js, loaded only by whom looks at the view in space, is one file of 540 kB (136 kB compressed).
     chunkSizeWarningLimit: 600,
   },
+  // A GeoTIFF is read by a worker, a file of its own origin like every other; in this format its decoders are fetched one by one.
+  worker: { format: 'es' },
   server: { host: '127.0.0.1', proxy: { '/api': { target: backend, ws: true } } },
   // The colours are read from the style sheet itself.
   test: { include: ['src/**/*.test.ts'], environment: 'node', css: true },
