@@ -151,7 +151,7 @@ test('an orthophoto in a UTM zone lies under the vehicles, where it belongs', as
   const [vehicle] = await plotted(page);
   const utm = (vehicle!.latitudeDeg < 0 ? 32701 : 32601) + Math.floor((vehicle!.longitudeDeg + 180) / 6);
   await button(page, 'Layers').click();
-  await page.getByRole('checkbox', { name: 'Grid', exact: true }).uncheck();
+  for (const layer of ['Grid', 'Labels']) await page.getByRole('checkbox', { name: layer, exact: true }).uncheck();
   await load(page, await field(utm, vehicle!), 'orthophoto.tif');
   await expect(page.getByText('orthophoto.tif')).toBeVisible();
   expect(await findings(page)).toEqual([]);
@@ -163,8 +163,8 @@ test('an orthophoto in a UTM zone lies under the vehicles, where it belongs', as
   const { x, y } = await page.evaluate(async () => window.__skein!.positions()[0]!);
   await expect.poll(green({ x: x - 34, y: y + 34 })).toBe('green');
   for (let k = 0; k < 5; k++) await button(page, 'Zoom out').click();
-  // Both sides of the edge between the colours, a metre from it; the swarm's metres are those of the field to a part in a few hundred.
-  for (const [north, east] of [[0, GREEN_M], [0, -GREEN_M], [GREEN_M, 0], [-GREEN_M, 0]] as const) {
+  // Inside and outside of the corners of the green; the swarm's metres are those of the field to a part in a few hundred.
+  for (const [north, east] of [[GREEN_M, GREEN_M], [GREEN_M, -GREEN_M], [-GREEN_M, GREEN_M], [-GREEN_M, -GREEN_M]] as const) {
     await expect.poll(green(await canvas(north * 0.9, east * 0.9))).toBe('green');
     await expect.poll(green(await canvas(north * 1.1, east * 1.1))).toBe('red');
   }
@@ -172,7 +172,7 @@ test('an orthophoto in a UTM zone lies under the vehicles, where it belongs', as
   await expect.poll(() => page.evaluate(() => window.__skein!.baseTiles())).toBe(0);
 });
 
-test('a GeoTIFF that cannot be shown is refused in words, and the one before stays', async ({ page }) => {
+test('a GeoTIFF that cannot be shown is refused in words', async ({ page }) => {
   await open(page, program.url, VEHICLES);
   await button(page, 'Layers').click();
   const one: MadePicture = { widthPx: 64, heightPx: 64, pixel: () => [1, 2, 3] };

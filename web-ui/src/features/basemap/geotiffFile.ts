@@ -37,6 +37,8 @@ const MOST_PICTURES = 64;
 const REDUCED = 1;
 const MASK = 4;
 const JPEG = 7;
+/** Unpacking JPEG takes about so many times what comes out. */
+const JPEG_ROOM = 4;
 /** Nothing, LZW, JPEG, deflate (two numbers), PackBits, WebP. What needs WebAssembly (ZSTD, LERC) the page may not run. */
 const KNOWN_METHODS: readonly number[] = [1, 5, JPEG, 8, 32946, 32773, 50001];
 const METHOD_NAMES: Readonly<Record<number, string>> = { 6: 'JPEG (TIFF 6.0)', 34712: 'JPEG 2000', 34887: 'LERC', 50000: 'ZSTD', 50002: 'JPEG XL' };
@@ -105,8 +107,9 @@ export class GeotiffFile {
       return mask?.raster ?? null;
     });
     const file = new GeotiffFile(rasters, masks, colouring, tags);
+    const most = methodOf(full) === JPEG ? MOST_BLOCK_BYTES / JPEG_ROOM : MOST_BLOCK_BYTES;
     for (const raster of [...rasters, ...masks]) {
-      if (raster && raster.blockBytes > MOST_BLOCK_BYTES) throw new FaultyFile({ kind: 'large-blocks' });
+      if (raster && raster.blockBytes > most) throw new FaultyFile({ kind: 'large-blocks' });
     }
     // The last block is what a file lacks that was not copied to its end.
     await rasters[0]!.read(Int32Array.of(full.getWidth() - 1), Int32Array.of(full.getHeight() - 1), [0]);
@@ -149,16 +152,17 @@ async function imagesOf(tiff: GeoTIFF): Promise<GeoTIFFImage[]> {
 
 function refuseWhatCannotBeShown(image: GeoTIFFImage): void {
   if (!(image.getWidth() > 0 && image.getHeight() > 0 && image.getTileWidth() > 0 && image.getTileHeight() > 0)) throw new FaultyFile({ kind: 'damaged' });
-  const { fileDirectory: tags } = image;
   const samples = image.getSamplesPerPixel();
   const bits = Array.from({ length: samples }, (_, k) => image.getBitsPerSample(k) ?? 0);
   const most = Math.max(...bits);
   // Heights and raw values: which colour they would have nobody has said.
   if (most > 8 || image.getSampleFormat() !== 1) throw new FaultyFile({ kind: 'depth', bits: most });
   if (!(bits.every((b) => b === 8) || (samples === 1 && [1, 2, 4].includes(most)))) throw new FaultyFile({ kind: 'colours' });
-  const method = Number(tags.getValue('Compression') ?? 1);
+  const method = methodOf(image);
   if (!KNOWN_METHODS.includes(method)) throw new FaultyFile({ kind: 'compression', method: METHOD_NAMES[method] ?? `${method}` });
 }
+
+const methodOf = (image: GeoTIFFImage): number => Number(image.fileDirectory.getValue('Compression') ?? 1);
 
 /** An overview has to be made as the picture is, or its colours would be wrong ones. */
 function isAlike(full: GeoTIFFImage, overview: GeoTIFFImage): boolean {
@@ -184,7 +188,7 @@ async function colouringOf(image: GeoTIFFImage): Promise<Colouring> {
     if (map && typeof map !== 'number') return { kind: 'palette', map: map as ArrayLike<number>, noData };
   }
   // Outside of JPEG its colours may lie in fewer pixels than its light.
-  if (meaning === 6 && Number(tags.getValue('Compression')) === JPEG) return { kind: 'ycbcr', alpha, premultiplied: false, noData };
+  if (meaning === 6 && methodOf(image) === JPEG) return { kind: 'ycbcr', alpha, premultiplied: false, noData };
   throw new FaultyFile({ kind: 'colours' });
 }
 

@@ -26,7 +26,10 @@ class Reader {
 
   open(file: File): Promise<Facts> {
     return new Promise((done, failed) => {
-      this.#worker.onerror = () => failed(new BaseMapError(t('{file} could not be read', { file: file.name })));
+      this.#worker.onerror = () => {
+        failed(new BaseMapError(t('{file} could not be read', { file: file.name })));
+        this.#giveUp();
+      };
       this.#worker.onmessage = ({ data }: MessageEvent<Answered>) => {
         if ('facts' in data) done(data.facts);
         else if ('fault' in data) failed(new BaseMapError(wordsFor(data.fault, file.name)));
@@ -46,6 +49,11 @@ class Reader {
 
   close(): void {
     this.#worker.terminate();
+    this.#giveUp();
+  }
+
+  /** What has been asked for will not come any more. */
+  #giveUp(): void {
     for (const done of this.#waiting.values()) done(null);
     this.#waiting.clear();
   }
