@@ -1,10 +1,19 @@
 // Build and unit-test set-up. The result goes into `dist`, which the Rust program embeds: URLs are relative, nothing is
 // inlined (the page runs under `default-src 'self'`, so no data: URL and no inline script would be let through).
 import { svelte } from '@sveltejs/vite-plugin-svelte';
+import type { Plugin } from 'vite';
 import { defineConfig } from 'vitest/config';
 
 /** Where `vite` sends the API during development; `npm run dev:swarm` or a real `skein run` listens there. */
 const backend = process.env.SKEIN_BACKEND ?? 'http://127.0.0.1:8080';
+
+/** Leaves out the decoders of GeoTIFF that are WebAssembly: the policy lets none run, and they would be 180 kB in the program. */
+const withoutWebAssembly: Plugin = {
+  name: 'without-webassembly',
+  enforce: 'pre',
+  resolveId: (source, importer) => (importer?.includes('/geotiff/') && /^\.\/(zstd|lerc)\.js$/.test(source) ? '\0absent-decoder' : null),
+  load: (id) => (id === '\0absent-decoder' ? 'export default null; export const zstd = { init: async () => {} };' : null),
+};
 
 export default defineConfig({
   base: './',
@@ -19,6 +28,8 @@ export default defineConfig({
     // three.js, loaded only by whom looks at the view in space, is one file of 540 kB (136 kB compressed).
     chunkSizeWarningLimit: 600,
   },
+  // A GeoTIFF is read by a worker, a file of its own origin like every other; in this format its decoders are fetched one by one.
+  worker: { format: 'es', plugins: () => [withoutWebAssembly] },
   server: { host: '127.0.0.1', proxy: { '/api': { target: backend, ws: true } } },
   // The colours are read from the style sheet itself.
   test: { include: ['src/**/*.test.ts'], environment: 'node', css: true },

@@ -1,8 +1,11 @@
-// The operator's own base map: pictures out of a PMTiles file of this computer, under everything else, where they belong.
+// The operator's own base map: pictures out of a PMTiles file or a GeoTIFF of this computer, under everything else, where they belong.
 
 import { deflateSync } from 'node:zlib';
 import { zxyToTileId } from 'pmtiles';
 import type { Page } from '@playwright/test';
+import { Georeference, definitionOf } from '../src/features/basemap/georeference';
+import { geographic, madeTiff, projected } from '../src/features/basemap/tiffFixture';
+import type { MadePicture } from '../src/features/basemap/tiffFixture';
 import { cornerOf, tileAt } from '../src/features/basemap/tileMath';
 import { SwarmProjection } from '../src/telemetry/geodesy';
 import { findings } from './accessibility';
@@ -119,6 +122,77 @@ test('pictures of a file lie under the vehicles, where they belong', async ({ pa
   }).toBe(true);
   await button(page, 'Remove base map').click();
   await expect.poll(() => page.evaluate(() => window.__skein!.baseTiles())).toBe(0);
+});
+
+const FIELD_PX = 1024;
+const PIXEL_M = 0.25;
+/** Green within this of the middle, red around it. */
+const GREEN_M = 20;
+
+/** A field in the UTM zone of a place, which is its middle; with an overview of half its size. */
+async function field(utm: number, place: { latitudeDeg: number; longitudeDeg: number }): Promise<Buffer> {
+  const { column: east, row: north } = new Georeference([1, 0, 0, 0, 1, 0], definitionOf(utm)!).toPixel(place);
+  const picture = (sizePx: number, tags: MadePicture['tags']): MadePicture => ({
+    widthPx: sizePx, heightPx: sizePx, tilePx: 256, deflate: true, tags: tags ?? {},
+    pixel: (column, row) => {
+      const [x, y] = [column, row].map((k) => ((k + 0.5) / sizePx - 0.5) * FIELD_PX * PIXEL_M) as [number, number];
+      return Math.max(Math.abs(x), Math.abs(y)) < GREEN_M ? [0, 200, 0] : [200, 0, 0];
+    },
+  });
+  const half = (FIELD_PX / 2) * PIXEL_M;
+  return Buffer.from(await madeTiff([picture(FIELD_PX, {}), picture(FIELD_PX / 2, { 254: [1] })], {
+    pixelScale: [PIXEL_M, PIXEL_M, 0], tiepoint: [0, 0, 0, east - half, north + half, 0], keys: projected(utm),
+  }));
+}
+
+test('an orthophoto in a UTM zone lies under the vehicles, where it belongs', async ({ page, watch }) => {
+  watch.expected.push(/willReadFrequently/);
+  await open(page, program.url, VEHICLES);
+  const [vehicle] = await plotted(page);
+  const utm = (vehicle!.latitudeDeg < 0 ? 32701 : 32601) + Math.floor((vehicle!.longitudeDeg + 180) / 6);
+  await button(page, 'Layers').click();
+  for (const layer of ['Grid', 'Labels']) await page.getByRole('checkbox', { name: layer, exact: true }).uncheck();
+  await load(page, await field(utm, vehicle!), 'orthophoto.tif');
+  await expect(page.getByText('orthophoto.tif')).toBeVisible();
+  expect(await findings(page)).toEqual([]);
+  const green = (at: { x: number; y: number }) => async () => {
+    const [red, green] = await colourAt(page, at);
+    return green! - red! > 50 ? 'green' : red! - green! > 50 ? 'red' : 'neither';
+  };
+  const canvas = (north: number, east: number) => page.evaluate(([n, e]) => window.__skein!.toCanvas(n!, e!), [vehicle!.northM + north, vehicle!.eastM + east]);
+  const { x, y } = await page.evaluate(async () => window.__skein!.positions()[0]!);
+  await expect.poll(green({ x: x - 34, y: y + 34 })).toBe('green');
+  for (let k = 0; k < 5; k++) await button(page, 'Zoom out').click();
+  // Inside and outside of the corners of the green; the swarm's metres are those of the field to a part in a few hundred.
+  for (const [north, east] of [[GREEN_M, GREEN_M], [GREEN_M, -GREEN_M], [-GREEN_M, GREEN_M], [-GREEN_M, -GREEN_M]] as const) {
+    await expect.poll(green(await canvas(north * 0.9, east * 0.9))).toBe('green');
+    await expect.poll(green(await canvas(north * 1.1, east * 1.1))).toBe('red');
+  }
+  await button(page, 'Remove base map').click();
+  await expect.poll(() => page.evaluate(() => window.__skein!.baseTiles())).toBe(0);
+});
+
+test('a GeoTIFF that cannot be shown is refused in words', async ({ page }) => {
+  await open(page, program.url, VEHICLES);
+  await button(page, 'Layers').click();
+  const one: MadePicture = { widthPx: 64, heightPx: 64, pixel: () => [1, 2, 3] };
+  const there = { pixelScale: [1e-5, 1e-5, 0], tiepoint: [0, 0, 0, 8, 47, 0], keys: geographic(4326) };
+  const made = async (picture: MadePicture, place: Parameters<typeof madeTiff>[1]) => Buffer.from(await madeTiff([picture], place));
+  for (const [name, file, words] of [
+    ['notes.tif', Buffer.from('no picture at all'.repeat(20)), 'is no GeoTIFF file'],
+    ['broken.tif', (await made(one, there)).subarray(0, 2000), 'is no GeoTIFF file'],
+    ['notes.txt', Buffer.from('no picture at all'.repeat(20)), 'is neither a PMTiles nor a GeoTIFF file'],
+    ['scan.tif', await made(one, {}), 'does not say where on Earth it lies'],
+    ['britain.tif', await made(one, { ...there, keys: projected(27700) }), 'is in a projection that is not known here: EPSG:27700'],
+    ['own.tif', await made(one, { ...there, keys: projected(32767) }), 'is in a projection without an EPSG code'],
+    ['heights.tif', await made({ ...one, bits: 16, pixel: () => [430] }, there), 'holds values of 16 bits, such as heights: only pictures of 8 bits are shown'],
+  ] as const) {
+    await load(page, file, name);
+    await expect(page.getByRole('alert')).toHaveText(`${name} ${words}`);
+  }
+  await load(page, await made(one, there), 'field.tif');
+  await expect(page.getByText('field.tif')).toBeVisible();
+  await expect(page.getByRole('alert')).toHaveCount(0);
 });
 
 test('a file that is no base map is refused in words', async ({ page }) => {
