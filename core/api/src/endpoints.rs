@@ -11,7 +11,9 @@ mod trajectories;
 
 use crate::app::App;
 use crate::links;
-use crate::protocol::{Accepted, CommandBody, CommandReceipts, EventList, Health, VehicleList, VersionInfo};
+use crate::protocol::{
+    Accepted, CommandBody, CommandReceipts, EventList, Health, LinkReport, VehicleList, VersionInfo,
+};
 use crate::routes::{self, EventQuery};
 use crate::stream::{self, StreamQuery};
 use axum::extract::DefaultBodyLimit;

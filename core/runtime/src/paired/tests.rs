@@ -209,6 +209,25 @@ fn the_other_link_takes_over_before_px4_misses_a_setpoint_and_the_first_one_when
 }
 
 #[test]
+fn both_links_are_told_with_which_of_them_flies() {
+    let ways = |flight: &Flight| {
+        let ways = flight.pair.ways(flight.now);
+        ways.into_iter()
+            .map(|way| (way.name, way.flies, way.link.connected))
+            .collect::<Vec<_>>()
+    };
+    let mut flight = Flight::begin();
+    let (dds, mavlink) = ("DDS".to_owned(), "MAVLink".to_owned());
+    assert_eq!(
+        ways(&flight),
+        [(dds.clone(), true, true), (mavlink.clone(), false, true)]
+    );
+    flight.dds.0.lock().lost_after_s = 1.0;
+    flight.pass(2.0, false, true);
+    assert_eq!(ways(&flight), [(dds, false, false), (mavlink, true, true)]);
+}
+
+#[test]
 fn a_slow_link_is_waited_for_longer() {
     for (rate_hz, waited_s) in [(10.0, 4.0 / 10.0), (20.0, 4.0 / 20.0), (1.0, SILENT_AT_MOST_S)] {
         let mut flight = Flight::begin();

@@ -272,6 +272,12 @@ async fn a_vehicle_is_asked_and_guarded_wherever_an_operator_sits() {
     };
     let what = "all vehicles seen";
     flock.until(GROUND, what, Duration::from_secs(10), ready).await;
+    let whole = |fleet: &FleetSnapshot| {
+        let nodes = fleet.swarm.as_ref().map_or(&[][..], |swarm| &swarm.nodes[..]);
+        nodes.len() == 4 && nodes.iter().all(|node| node.loss.is_some_and(|loss| loss < 0.001))
+    };
+    let what = "nothing is lost on the way from any node";
+    flock.until(GROUND, what, Duration::from_secs(20), whole).await;
     // What only the vehicle's own node knows comes from there.
     let (status, text) = payloads(&flock, GROUND, 3).await;
     assert!(status == 200 && text.contains("\"radio\""), "{status} {text}");

@@ -543,6 +543,51 @@ key: string,
 targets: Targets, };
 
 /**
+ * What came and went over one endpoint since the node began.
+ */
+export type EndpointReport = { 
+/**
+ * Its name.
+ */
+name: string, 
+/**
+ * The local address, once it is bound; absent for serial lines.
+ */
+address: string | null, 
+/**
+ * Bytes received.
+ */
+bytes_in: number, 
+/**
+ * Frames received whole.
+ */
+frames_in: number, 
+/**
+ * Bytes sent.
+ */
+bytes_out: number, 
+/**
+ * Frames sent.
+ */
+frames_out: number, 
+/**
+ * Frames that came damaged: a wrong checksum, cut off, or with values that mean nothing.
+ */
+damaged: number, 
+/**
+ * Frames with a vehicle's system id from another place than the vehicle's.
+ */
+foreign: number, 
+/**
+ * Frames of systems that this node does not fly.
+ */
+unadopted: number, 
+/**
+ * Frames that could not be sent.
+ */
+dropped: number, };
+
+/**
  * How urgent it is, in order of urgency.
  */
 export type EnergyLevel = "ok" | "replan_soon" | "return_now" | "land_now";
@@ -1587,6 +1632,23 @@ receive_rate_hz: number,
 setpoint_rate_hz: number, };
 
 /**
+ * The links of this node at one moment. Rates follow from two answers: the counters only grow as long as the node runs.
+ */
+export type LinkReport = { 
+/**
+ * Now, on the node's clock.
+ */
+time: NodeTime, 
+/**
+ * Its MAVLink endpoints, by name.
+ */
+endpoints: Array<EndpointReport>, 
+/**
+ * Every vehicle's link, by ascending id.
+ */
+vehicles: Array<VehicleLinkReport>, };
+
+/**
  * A place on the ground: WGS 84 degrees.
  */
 export type MapPoint = { 
@@ -1664,7 +1726,11 @@ clock_fault: boolean,
 /**
  * What is received of it, in bytes per second.
  */
-received_bytes_per_s: number, };
+received_bytes_per_s: number, 
+/**
+ * Share of what it sent to all that did not come here, 0..=1, over the last ten seconds; absent if it does not tell what it sends.
+ */
+loss: number | null, };
 
 /**
  * A moment on the node's monotonic clock, in microseconds since the node started; of a node in a swarm, since long before, so that it can
@@ -3181,6 +3247,35 @@ yaw_rad: number,
 measured: NodeTime, };
 
 /**
+ * How one vehicle is heard.
+ */
+export type VehicleLinkReport = { 
+/**
+ * The swarm's id for it.
+ */
+id: VehicleId, 
+/**
+ * Its name from the adoption rule.
+ */
+name: string, 
+/**
+ * The node of the swarm that flies it, and has measured this; absent for this node's own without a swarm.
+ */
+node: NodeId | null, 
+/**
+ * Seconds since something of it was heard.
+ */
+age_s: number, 
+/**
+ * The link that flies it.
+ */
+link: LinkHealth, 
+/**
+ * Both links, the preferred one first, where it has two.
+ */
+ways: Array<VehicleWay>, };
+
+/**
  * All vehicles at one moment.
  */
 export type VehicleList = { 
@@ -3307,6 +3402,10 @@ gnss: Gnss,
  */
 link: LinkHealth, 
 /**
+ * Its two links, the preferred one first, where it has two; known at the node that flies it.
+ */
+ways: Array<VehicleWay>, 
+/**
  * Seconds since the last frame was heard.
  */
 age_s: number, 
@@ -3366,6 +3465,23 @@ payloads: Array<PayloadSnapshot>,
  * Why it can do less than it was built for; empty if nothing is amiss.
  */
 degraded: Array<string>, };
+
+/**
+ * One of two links to one vehicle.
+ */
+export type VehicleWay = { 
+/**
+ * What it goes over: `MAVLink` or `DDS`.
+ */
+name: string, 
+/**
+ * It carries commands and setpoints now; the other one is heard only.
+ */
+flies: boolean, 
+/**
+ * How it is.
+ */
+link: LinkHealth, };
 
 /**
  * A velocity along north, east and down.
