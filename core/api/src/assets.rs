@@ -75,11 +75,7 @@ fn answer(name: &str, file: EmbeddedFile, headers: &HeaderMap) -> Response {
     };
     let known = headers.get(header::IF_NONE_MATCH).and_then(|value| value.to_str().ok());
     let mut response = if known.is_some_and(|known| known.split(',').any(|one| one.trim() == tag)) {
-        // With the page's own policy: a browser puts the headers of this answer in the place of those it has kept.
-        let policy = HeaderValue::from_static(CONTENT_SECURITY_POLICY);
-        let mut unchanged = StatusCode::NOT_MODIFIED.into_response();
-        unchanged.headers_mut().insert(header::CONTENT_SECURITY_POLICY, policy);
-        unchanged
+        StatusCode::NOT_MODIFIED.into_response()
     } else if name == "index.html" {
         html(file.data.into_owned())
     } else {
@@ -88,6 +84,12 @@ fn answer(name: &str, file: EmbeddedFile, headers: &HeaderMap) -> Response {
     response
         .headers_mut()
         .insert(header::CACHE_CONTROL, HeaderValue::from_static(caching));
+    // The page's own policy, of every file: a worker obeys that of its own answer, and with a 304 a browser puts the headers of this answer in
+    // the place of those it has kept.
+    response.headers_mut().insert(
+        header::CONTENT_SECURITY_POLICY,
+        HeaderValue::from_static(CONTENT_SECURITY_POLICY),
+    );
     if let Ok(tag) = HeaderValue::from_str(&tag) {
         response.headers_mut().insert(header::ETAG, tag);
     }

@@ -45,3 +45,20 @@ fn every_embedded_file_has_a_type_of_its_own() {
         assert_ne!(content_type(&name), "application/octet-stream", "{name}");
     }
 }
+
+/// A worker that were served with the policy of data could load none of its own parts.
+#[tokio::test]
+async fn every_embedded_file_has_the_pages_policy() {
+    for name in Dashboard::iter().filter(|name| !name.starts_with('.')) {
+        let uri: Uri = format!("/{name}").parse().expect("a path");
+        let answer = dashboard(Method::GET, uri, HeaderMap::new()).await.expect("the file");
+        assert_eq!(
+            answer
+                .headers()
+                .get(header::CONTENT_SECURITY_POLICY)
+                .map(HeaderValue::as_bytes),
+            Some(CONTENT_SECURITY_POLICY.as_bytes()),
+            "{name}"
+        );
+    }
+}

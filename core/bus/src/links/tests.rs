@@ -188,6 +188,7 @@ fn with_too_little_room_all_have_their_turn() {
     let empty = Report {
         told: NodeTime(0),
         echoes: Vec::new(),
+        sent_to_all: None,
     };
     for node in 10..30 {
         a.take(NodeTime(5), A, NodeId(node), Boot(1), &empty);
@@ -195,7 +196,11 @@ fn with_too_little_room_all_have_their_turn() {
     let mut seen = std::collections::BTreeSet::new();
     for step in 1..=4 {
         let report = a
-            .report(NodeTime::from_seconds(f64::from(step) * 2.0), 5 * ECHO_BYTES)
+            .report(
+                NodeTime::from_seconds(f64::from(step) * 2.0),
+                COUNT_BYTES + 5 * ECHO_BYTES,
+                0,
+            )
             .unwrap();
         seen.extend(report.echoes.iter().map(|echo| echo.node));
         assert!(minicbor::to_vec(&report).unwrap().len() <= 5 * ECHO_BYTES + 16);
