@@ -168,3 +168,17 @@ test('a sheet over a page is over all of it, also over the head of a table', asy
     await page.keyboard.press('Escape');
   }
 });
+
+test('what a command says, however long, widens nothing: the map stays beside the panel', async ({ page }) => {
+  const edges = () =>
+    page.evaluate(() => {
+      const box = (of: string): DOMRect => document.querySelector(of)!.getBoundingClientRect();
+      return { map: box('section.map').right, tools: box('[aria-label="View in space"]').right, panel: box('aside.right').left };
+    });
+  await page.setViewportSize({ width: 1440, height: 900 });
+  await expect(page.getByTestId('forecast')).toBeVisible();
+  await page.getByTestId('forecast').evaluate((line) => line.append(', likely refused'.repeat(200)));
+  const { map, tools, panel } = await edges();
+  expect(map).toBeLessThanOrEqual(panel + 0.5);
+  expect(tools).toBeLessThan(panel);
+});

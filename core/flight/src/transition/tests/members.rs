@@ -138,7 +138,7 @@ fn a_camera_gets_a_slot_with_nobody_ahead() {
 /// The largest share of the speed at which the filter lets two close that any two moves use, looked at `steps` times. Two that end, or have
 /// to pass, nearer than the filter likes are left out: there is no speed for that.
 fn most_used(plan: &TransitionPlan, filter: &AvoidanceSettings, steps: u32) -> f64 {
-    let of_pair = |a: &SlotMove, b: &SlotMove| {
+    let looked = |a: &SlotMove, b: &SlotMove, steps: u32| {
         let used = |k: u32| {
             let now = START.plus_seconds(plan.duration_s * f64::from(k) / f64::from(steps));
             let (a, b) = (sample(a, now), sample(b, now));
@@ -148,6 +148,11 @@ fn most_used(plan: &TransitionPlan, filter: &AvoidanceSettings, steps: u32) -> f
         (0..=steps)
             .map(used)
             .try_fold(0.0, |most, used| Some(f64::max(most, used?)))
+    };
+    let of_pair = |a: &SlotMove, b: &SlotMove| match looked(a, b, steps)? {
+        // Whoever passes too near does so for a moment that may lie between two looks.
+        much if much > 1.0 => looked(a, b, 20 * steps),
+        used => Some(used),
     };
     let pairs = plan.moves.iter().enumerate();
     pairs
