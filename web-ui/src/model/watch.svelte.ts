@@ -2,6 +2,7 @@
 
 import { getFences, getPreflight, getReferences } from '../protocol/rest';
 import type { EventRecord, FenceAnswer, PreflightAnswer, ReferenceSnapshot } from '../protocol/types';
+import { Pulse } from './pulse';
 import type { Session } from './session.svelte';
 
 /** Above so many vehicles the pace of the preflight report goes down with their number: one answer holds them all. */
@@ -9,47 +10,6 @@ const FULL_PACE = 40;
 const FENCES_EVERY_MS = 4000;
 const PREFLIGHT_EVERY_MS = 2500;
 const REFERENCES_EVERY_MS = 1000;
-/** Events come in swarms; one question after the last of them is enough. */
-const SOON_MS = 150;
-
-/** Asks again and again, `everyMs` after each answer. */
-class Pulse {
-  #timer: ReturnType<typeof setTimeout> | undefined;
-  #running = false;
-
-  constructor(
-    readonly ask: () => Promise<void>,
-    readonly everyMs: () => number,
-    readonly wanted: () => boolean,
-  ) {}
-
-  start(): void {
-    this.#running = true;
-    this.soon(0);
-  }
-
-  stop(): void {
-    this.#running = false;
-    clearTimeout(this.#timer);
-  }
-
-  soon(ms = SOON_MS): void {
-    if (!this.#running) return;
-    clearTimeout(this.#timer);
-    this.#timer = setTimeout(() => void this.#beat(), ms);
-  }
-
-  async #beat(): Promise<void> {
-    if (this.wanted() && !document.hidden) {
-      try {
-        await this.ask();
-      } catch {
-        // What was known stays; that the server is not heard is said by the banner.
-      }
-    }
-    this.soon(this.everyMs());
-  }
-}
 
 export class Watch {
   fences = $state.raw<FenceAnswer | null>(null);
