@@ -89,6 +89,19 @@ plain_enum!(
     }
 );
 
+impl FlightMode {
+    /// Whether a vehicle in this mode can be armed by a command alone. It cannot in a pilot's mode without a transmitter, in OFFBOARD
+    /// without a stream (which PX4 shows after a landing out of OFFBOARD), nor while it lands or returns; its own word that it is
+    /// not ready then speaks of the mode.
+    #[must_use]
+    pub fn arms_by_command(self) -> bool {
+        matches!(
+            self,
+            Self::Unknown | Self::Hold | Self::Ready | Self::TakeOff | Self::Mission
+        )
+    }
+}
+
 plain_enum!(
     /// Whether the vehicle stands on the ground, as its own detector says.
     LandedState {

@@ -387,6 +387,9 @@ pub(crate) struct Landing {
     /// It has been said that it takes too long.
     #[n(6)]
     pub overdue: bool,
+    /// For a mode that it can be armed in again, once it is down.
+    #[n(7)]
+    pub leaving: Option<Asking>,
 }
 
 impl Phase {

@@ -32,13 +32,7 @@ impl GenericUav {
             self.not_armed(refusal, out);
             return;
         }
-        // Modes from which PX4 does not arm: a pilot's without a transmitter, OFFBOARD without a stream (which it shows after a
-        // landing out of OFFBOARD), landing and return.
-        let fits = matches!(
-            own.mode,
-            FlightMode::Unknown | FlightMode::Hold | FlightMode::Ready | FlightMode::TakeOff | FlightMode::Mission
-        );
-        if !fits {
+        if !own.mode.arms_by_command() {
             let hold = AutopilotCommand::SetMode { mode: FlightMode::Hold };
             // Whether it was accepted shows in the mode; the time-out of arming bounds the whole.
             let _ = self.ask(&mut arming.mode, hold, u32::MAX, out);

@@ -36,6 +36,7 @@ impl GenericUav {
             stop,
             disarmed_since_s: None,
             overdue: false,
+            leaving: None,
         };
         if streaming && stop.is_none() {
             self.stop_stream(out);
@@ -105,6 +106,10 @@ impl GenericUav {
             self.stop_stream(out);
         }
         if matches!(own.landed, LandedState::OnGround) {
+            if self.leaves_offboard(&mut landing, own, out) {
+                self.flight.phase = Phase::Landing(landing);
+                return;
+            }
             self.enter(Phase::Idle, "landed");
             self.command_done(out);
             return;
@@ -126,6 +131,19 @@ impl GenericUav {
                 out,
             );
         }
+    }
+
+    /// After a landing out of OFFBOARD PX4 shows OFFBOARD again, and would not arm. Whether that mode is still being left; an autopilot
+    /// that does not do it keeps nobody waiting: it is asked anew before arming.
+    fn leaves_offboard(&mut self, landing: &mut Landing, own: &OwnState, out: &mut Effects) -> bool {
+        if own.mode != FlightMode::Offboard {
+            return false;
+        }
+        let mut asking = landing.leaving.take().unwrap_or_default();
+        let hold = AutopilotCommand::SetMode { mode: FlightMode::Hold };
+        let answer = self.ask(&mut asking, hold, self.settings.attempts, out);
+        landing.leaving = Some(asking);
+        !matches!(answer, Some(Err(_)))
     }
 
     fn landing_refused(&mut self, landing: &Landing, refusal: Refusal, own: &OwnState, dt_s: f64, out: &mut Effects) {

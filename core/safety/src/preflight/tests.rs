@@ -5,7 +5,8 @@ use super::*;
 use skein_domain::preflight::{LONGEST_OVERRIDE_S, NEVER_OVERRIDDEN, PreflightSettings};
 use skein_domain::telemetry::EstimatorHealth;
 use skein_domain::{
-    Geodetic, Gnss, GnssFix, LandedState, LinkHealth, LocalPositionNed, PositionNed, Telemetry, VehicleId, VelocityNed,
+    FlightMode, Geodetic, Gnss, GnssFix, LandedState, LinkHealth, LocalPositionNed, PositionNed, Telemetry, VehicleId,
+    VelocityNed,
 };
 
 fn now() -> NodeTime {
@@ -17,6 +18,7 @@ fn good_vehicle() -> VehicleChecks {
         vehicle: VehicleId(3),
         connected: true,
         loss: Some(0.01),
+        mode: FlightMode::Hold,
         ready_to_arm: Some(true),
         not_ready_because: None,
         position_age_s: Some(0.05),
@@ -121,6 +123,12 @@ fn each_thing_that_is_wrong_with_a_vehicle_is_its_own_item() {
         ("link_loss", ItemStatus::Red, |c| c.loss = Some(f64::NAN)),
         ("ready_to_arm", ItemStatus::Red, |c| c.ready_to_arm = Some(false)),
         ("ready_to_arm", ItemStatus::Red, |c| c.ready_to_arm = None),
+        ("ready_to_arm", ItemStatus::Amber, |c| {
+            (c.mode, c.ready_to_arm) = (FlightMode::Offboard, Some(false));
+        }),
+        ("ready_to_arm", ItemStatus::Red, |c| {
+            (c.mode, c.ready_to_arm) = (FlightMode::Offboard, None);
+        }),
         ("position", ItemStatus::Red, |c| c.position_age_s = None),
         ("position", ItemStatus::Red, |c| c.position_age_s = Some(1.01)),
         ("position", ItemStatus::Red, |c| c.estimator_good = Some(false)),

@@ -5,7 +5,8 @@ use crate::gnss::{disagreement_m, is_good_fix};
 use skein_domain::preflight::PreflightSettings;
 use skein_domain::telemetry::EstimatorHealth;
 use skein_domain::{
-    GnssFix, ItemStatus, LandedState, LinkHealth, NodeTime, PreflightItem, PreflightReport, Telemetry, VehicleId,
+    FlightMode, GnssFix, ItemStatus, LandedState, LinkHealth, NodeTime, PreflightItem, PreflightReport, Telemetry,
+    VehicleId,
 };
 
 /// A named part and whether it runs.
@@ -27,6 +28,8 @@ pub struct VehicleChecks {
     pub connected: bool,
     /// Share of frames lost.
     pub loss: Option<f64>,
+    /// Its mode.
+    pub mode: FlightMode,
     /// What its autopilot says of arming.
     pub ready_to_arm: Option<bool>,
     /// Why not, if it says.
@@ -80,6 +83,7 @@ impl VehicleChecks {
             vehicle,
             connected: link.connected,
             loss: Some(f64::from(link.loss)),
+            mode: t.mode,
             ready_to_arm: t.ready_to_arm,
             position_age_s: has_position.then(|| now.seconds_since(t.position_time).max(0.0)),
             estimator_good: t.estimator.as_ref().map(EstimatorHealth::is_position_good),
@@ -138,11 +142,19 @@ fn link_items(c: &VehicleChecks, s: &PreflightSettings) -> Vec<PreflightItem> {
         title: "Autopilot ready",
         why: "the autopilot's own checks",
     };
+    // In such a mode it says that it is not ready whatever its checks find. The mode is left before it is armed, and its word is waited for.
+    let of_the_mode = c.ready_to_arm == Some(false) && !c.mode.arms_by_command();
     let ready_value = match (c.ready_to_arm, &c.not_ready_because) {
         (Some(true), _) => "ready".to_owned(),
+        (Some(false), _) if of_the_mode => format!("not in mode {}, which is left before arming", c.mode),
         (Some(false), Some(why)) => format!("not ready: {why}"),
         (Some(false), None) => "not ready".to_owned(),
         (None, _) => "not known".to_owned(),
+    };
+    let ready_status = if of_the_mode {
+        ItemStatus::Amber
+    } else {
+        must_be(c.ready_to_arm)
     };
     vec![
         link.word(must_be(Some(c.connected)), if c.connected { "heard" } else { "lost" }),
@@ -151,7 +163,7 @@ fn link_items(c: &VehicleChecks, s: &PreflightSettings) -> Vec<PreflightItem> {
             must_be(Some(!c.duplicate_system_id)),
             if c.duplicate_system_id { "used twice" } else { "unique" },
         ),
-        ready.word(must_be(c.ready_to_arm), ready_value),
+        ready.word(ready_status, ready_value),
     ]
 }
 

@@ -48,6 +48,7 @@ pub struct Autopilot {
     pub take_off: Answer,
     pub land: Answer,
     pub offboard: Answer,
+    pub hold: Answer,
     pub events: Vec<Event>,
     /// Requests in the order they came.
     pub requests: Vec<AutopilotCommand>,
@@ -78,6 +79,7 @@ impl Default for Autopilot {
             take_off: Answer::Obeys,
             land: Answer::Obeys,
             offboard: Answer::Obeys,
+            hold: Answer::Obeys,
             events: Vec::new(),
             requests: Vec::new(),
             pending: Vec::new(),
@@ -180,6 +182,7 @@ impl Autopilot {
             AutopilotCommand::TakeOff { .. } => &mut self.take_off,
             AutopilotCommand::Land => &mut self.land,
             AutopilotCommand::EnterOffboard => &mut self.offboard,
+            AutopilotCommand::SetMode { mode: FlightMode::Hold } => &mut self.hold,
             AutopilotCommand::ReturnToLaunch | AutopilotCommand::SetMode { .. } | AutopilotCommand::EmergencyStop => {
                 &mut Answer::Obeys
             }

@@ -167,14 +167,33 @@ fn it_flies_again_after_a_landing_out_of_offboard() {
     let mut rig = Rig::holding(3.0);
     let land = rig.command(VehicleCommand::Land);
     rig.run_until("landed", 30.0, |rig| rig.is_done(land));
-    assert_eq!(
-        (rig.state, rig.autopilot.mode),
-        (FlightState::Idle, FlightMode::Offboard)
-    );
+    // It is left in a mode that it can be armed in.
+    assert_eq!((rig.state, rig.autopilot.mode), (FlightState::Idle, FlightMode::Hold));
     rig.run(1.0);
     assert_eq!(rig.state, FlightState::Idle);
     let again = rig.command(TAKE_OFF);
     rig.run_until("taken off again", 30.0, |rig| rig.is_done(again));
+}
+
+#[test]
+fn an_autopilot_that_stays_in_offboard_after_a_landing_has_landed_all_the_same() {
+    let denied = Refusal::Autopilot {
+        result: "denied".to_owned(),
+        text: String::new(),
+    };
+    for hold in [Answer::Refuses(denied), Answer::Silent, Answer::Ignores] {
+        let mut rig = Rig::holding(3.0);
+        rig.autopilot.hold = hold;
+        let land = rig.command(VehicleCommand::Land);
+        rig.run_until("landed", 60.0, |rig| rig.is_done(land));
+        assert_eq!(
+            (rig.state, rig.autopilot.mode),
+            (FlightState::Idle, FlightMode::Offboard)
+        );
+        rig.autopilot.hold = Answer::Obeys;
+        let again = rig.command(TAKE_OFF);
+        rig.run_until("taken off again", 30.0, |rig| rig.is_done(again));
+    }
 }
 
 #[test]

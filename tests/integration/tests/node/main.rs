@@ -13,5 +13,6 @@ mod parameters;
 mod payloads;
 mod pilot;
 mod trajectories;
+mod twice;
 mod versions;
 mod web;
