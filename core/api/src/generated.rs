@@ -6,11 +6,11 @@
 pub(crate) mod golden;
 
 use crate::protocol::{
-    Accepted, ClientMessage, CommandBody, CommandReceipts, ControlBody, ControlReceipts, ControlState, CoordinatorBody,
-    EmergencyStopBody, ErrorBody, EventList, FenceFileBody, FencePlanBody, FormationAnswer, FormationPreview, Health,
-    ImportedFencePlan, LinkReport, OverrideBody, ParameterBody, PayloadList, PluginList, ReadingBody, ReferenceList,
-    RestartList, RouteBody, ServerMessage, SupervisionTree, TrajectoriesEnded, TrajectoryList, VehicleList,
-    VersionInfo,
+    Accepted, CameraViewList, ClientMessage, CommandBody, CommandReceipts, ControlBody, ControlReceipts, ControlState,
+    CoordinatorBody, EmergencyStopBody, ErrorBody, EventList, FenceFileBody, FencePlanBody, FormationAnswer,
+    FormationPreview, Health, ImportedFencePlan, LinkReport, OverrideBody, ParameterBody, PayloadList, PluginList,
+    ReadingBody, ReferenceList, RestartList, RouteBody, ServerMessage, SupervisionTree, TrackList, TrajectoriesEnded,
+    TrajectoryList, VehicleList, VersionInfo,
 };
 use crate::wire::{self, Field, Header, Record, flag};
 use skein_config::PayloadRule;
@@ -112,6 +112,8 @@ fn types() -> String {
     found.visit::<RestartList>();
     found.visit::<SupervisionTree>();
     found.visit::<LinkReport>();
+    found.visit::<CameraViewList>();
+    found.visit::<TrackList>();
     found.visit::<UpgradeReceipt>();
     found.visit::<PayloadRule>();
     found.visit::<GimbalCommand>();

@@ -17,6 +17,7 @@ pub mod generated;
 mod guard;
 mod links;
 mod metrics;
+mod observed;
 pub mod openapi;
 mod operators;
 mod parameters;

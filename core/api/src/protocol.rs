@@ -3,10 +3,12 @@
 //! Each type here is exported to TypeScript and to the OpenAPI document. Must never do: hold behaviour.
 
 mod links;
+mod observed;
 mod parameters;
 mod supervision;
 
 pub use links::{EndpointReport, LinkReport, VehicleLinkReport};
+pub use observed::{CameraView, CameraViewList, TrackList, ViewSource};
 pub use parameters::{ParameterBody, ReadingBody};
 pub use supervision::{SupervisedPayload, SupervisedVehicle, SupervisionTree};
 

@@ -1,10 +1,10 @@
 // The REST side: one function per call, typed bodies, one error type. Must never retry: a command sent twice is two commands.
 
 import type {
-  CommandBody, CommandReceipt, CommandReceipts, Console, ControlAction, ControlBody, ControlReceipt, ControlReceipts, EmergencyKey,
+  CameraViewList, CommandBody, CommandReceipt, CommandReceipts, Console, ControlAction, ControlBody, ControlReceipt, ControlReceipts, EmergencyKey,
   EmergencyStopBody, ErrorBody, EventList, FenceAnswer, FenceFileBody, FencePlan, FencePlanBody, FormationPreview, FormationReceipt, FormationRequest, ImportedFencePlan, OverrideBody, ParameterBody,
   ParameterList, ParameterReceipt, PreflightAnswer, PluginList, PreflightOverride, ReadingAction, ReadingBody, ReferenceList, ReferenceSnapshot, RestartList, RestartRecord, Route, RouteBody, SupervisionTree, Targets,
-  UpgradeReceipt, VehicleCommand, VehicleSnapshot, LinkReport,
+  UpgradeReceipt, VehicleCommand, VehicleSnapshot, LinkReport, TrackList,
 } from './types';
 
 /** A call that was answered with an error, or not at all (`status` 0). */
@@ -195,11 +195,22 @@ export async function measureLatencyMs(): Promise<number> {
   return performance.now() - from;
 }
 
-/** What runs under supervision, and how it is. */
+/** What went over the links of this node, and how each vehicle is heard. */
 export async function getLinks(): Promise<LinkReport> {
   return (await (await call('GET', 'links')).json()) as LinkReport;
 }
 
+/** Where the cameras of all vehicles look, as far as that is known. */
+export async function getCameraViews(): Promise<CameraViewList> {
+  return (await (await call('GET', 'cameras/views')).json()) as CameraViewList;
+}
+
+/** What is tracked. */
+export async function getTracks(): Promise<TrackList> {
+  return (await (await call('GET', 'tracks')).json()) as TrackList;
+}
+
+/** What runs under supervision, and how it is. */
 export async function getSupervision(): Promise<SupervisionTree> {
   return (await (await call('GET', 'supervision')).json()) as SupervisionTree;
 }

@@ -2,8 +2,9 @@
 
 use super::{Endpoint, schema_of};
 use crate::body::{PayloadCommandBody, TracksBody};
+use crate::observed;
 use crate::payloads::{self, UploadQuery};
-use crate::protocol::{Accepted, PayloadList, PluginList, RestartList, SupervisionTree};
+use crate::protocol::{Accepted, CameraViewList, PayloadList, PluginList, RestartList, SupervisionTree, TrackList};
 use crate::supervision;
 use axum::http::StatusCode;
 use skein_config::PayloadRule;
@@ -141,6 +142,15 @@ pub(super) fn instances() -> Vec<Endpoint> {
         .with::<VehicleId>("id")
         .json::<Accepted>(StatusCode::ACCEPTED, "It is being started.")
         .fails(&[400, 404, 503]),
+        Endpoint::get("/api/v1/tracks", "getTracks", observed::tracks)
+            .about("payloads", "What is tracked, as it was told last.")
+            .json::<TrackList>(StatusCode::OK, "The tracks."),
+        Endpoint::get("/api/v1/cameras/views", "getCameraViews", observed::views)
+            .about(
+                "payloads",
+                "Where the cameras of all vehicles are and look, as far as that is known: from their last frames, or from the gimbals.",
+            )
+            .json::<CameraViewList>(StatusCode::OK, "The views."),
         Endpoint::put("/api/v1/tracks", "setTracks", payloads::tracks)
             .about(
                 "payloads",

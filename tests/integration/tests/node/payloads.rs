@@ -99,12 +99,36 @@ async fn works_in(isolation: Isolation) {
     let picture = reqwest::get(url).await.unwrap();
     assert_eq!(picture.headers()["content-type"], "image/png");
     assert!(picture.bytes().await.unwrap().starts_with(b"\x89PNG"));
+    where_it_looks(&swarm).await;
     swarm
         .until("the radio's figures", Duration::from_secs(10), |fleet| {
             state(fleet, "radio", "rssi_dbm").is_number()
         })
         .await;
     swarm.stop().await;
+}
+
+/// What the API says of where the camera looks is what the gimbal does in truth.
+async fn where_it_looks(swarm: &Swarm) {
+    let url = format!("http://{}/api/v1/cameras/views", swarm.web_address());
+    // Pictures come a little behind what they show.
+    let what = "the newest picture is of where the gimbal points";
+    skein_testkit::eventually(skein_testkit::patience(), what, async || {
+        let answer: serde_json::Value = reqwest::get(&url).await.unwrap().json().await.unwrap();
+        let [view] = answer["views"].as_array().unwrap().as_slice() else {
+            panic!("one camera, one view: {answer}");
+        };
+        assert_eq!(
+            (&view["vehicle"], &view["payload"]),
+            (&json!(1), &json!("camera")),
+            "{view}"
+        );
+        assert_eq!(view["known_from"], json!("frame"), "{view}");
+        assert!(view["pose"]["field_of_view_rad"].as_f64() > Some(0.1), "{view}");
+        let pitch_rad = swarm.simulation().truth().vehicles[0].gimbal.unwrap().pitch_rad;
+        ((view["pose"]["pitch_rad"].as_f64().unwrap() - pitch_rad).abs() < 0.1 && pitch_rad < -0.7).then_some(())
+    })
+    .await;
 }
 
 #[tokio::test(flavor = "multi_thread")]

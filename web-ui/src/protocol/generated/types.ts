@@ -308,6 +308,52 @@ width_px: number,
 height_px: number, };
 
 /**
+ * Where one camera is and looks.
+ */
+export type CameraView = { 
+/**
+ * The vehicle that carries it.
+ */
+vehicle: VehicleId, 
+/**
+ * Its name on the vehicle.
+ */
+payload: string, 
+/**
+ * Where it is and looks, in the swarm frame.
+ */
+pose: CameraPose, 
+/**
+ * Width of its pictures in pixels.
+ */
+width_px: number, 
+/**
+ * Height of its pictures in pixels.
+ */
+height_px: number, 
+/**
+ * How this is known.
+ */
+known_from: ViewSource, 
+/**
+ * Seconds since it was so.
+ */
+age_s: number, };
+
+/**
+ * Where the cameras of all vehicles look, as far as that is known.
+ */
+export type CameraViewList = { 
+/**
+ * Now, on the node's clock.
+ */
+time: NodeTime, 
+/**
+ * One for each camera of which it is known where it looks, by vehicle.
+ */
+views: Array<CameraView>, };
+
+/**
  * What a client may say on the stream as text.
  */
 export type ClientMessage = { "type": "rate", 
@@ -2901,6 +2947,19 @@ velocity: VelocityNed,
 time: NodeTime, };
 
 /**
+ * What is tracked.
+ */
+export type TrackList = { 
+/**
+ * Now, on the node's clock.
+ */
+time: NodeTime, 
+/**
+ * The tracks that were told last.
+ */
+tracks: Array<Track>, };
+
+/**
  * Trajectories that have ended.
  */
 export type TrajectoriesEnded = { 
@@ -3520,6 +3579,11 @@ node: string,
  * Version of the stream's messages and of the binary frame.
  */
 protocol: number, };
+
+/**
+ * How it is known where a camera looks.
+ */
+export type ViewSource = "frame" | "gimbal";
 
 /**
  * One of two ways to the others.
