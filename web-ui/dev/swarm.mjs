@@ -204,6 +204,10 @@ const preflight = () => ({
     ],
   })),
 });
+const cameraView = (v) => ({
+  vehicle: v.id, payload: 'camera', width_px: 640, height_px: 480, known_from: 'frame', age_s: 0.1,
+  pose: { position: { north_m: v.north, east_m: v.east, down_m: -v.up }, roll_rad: 0, pitch_rad: -0.6, yaw_rad: v.yaw, field_of_view_rad: 1.1 },
+});
 function preview(request) {
   const drawn = request.offsets?.slice(0, request.members?.length ?? count);
   if (drawn) return { slots: drawn, smallest_distance_m: Math.min(...drawn.flatMap((a, i) => drawn.slice(i + 1).map((b) => Math.hypot(a.forward_m - b.forward_m, a.right_m - b.right_m, a.down_m - b.down_m)))), views: drawn.map(() => 'ahead'), looking: 0 };
@@ -270,6 +274,10 @@ const server = createServer(async (request, response) => {
       return response.writeHead(204).end();
     case 'GET references':
       return answer(200, { references: [] });
+    case 'GET tracks':
+      return answer(200, { time: nodeTime(), tracks: [{ track: 1, position: { north_m: 30 * Math.sin(Date.now() / 9000), east_m: 40, down_m: -15 }, velocity: { north_m_s: 3.3 * Math.cos(Date.now() / 9000), east_m_s: 0, down_m_s: 0 }, time: nodeTime() }] });
+    case 'GET cameras/views':
+      return answer(200, { time: nodeTime(), views: vehicles.filter((v) => v.id % 3 === 2).map(cameraView) });
     case 'GET preflight':
       return answer(200, preflight());
     case 'GET fences':

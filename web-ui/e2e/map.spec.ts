@@ -100,6 +100,45 @@ test('a first vehicle is on the map before anything but the page itself was load
   expect(weights.reduce((sum, bytes) => sum + bytes, 0)).toBeLessThan(LIMIT_BYTES);
 });
 
+test('what a camera sees of the ground and what is tracked is on the map', async ({ page }) => {
+  await open(page, program.url, VEHICLES);
+  const seen = () => page.evaluate(() => window.__skein!.groundSeen());
+  const tracks = () => page.evaluate(() => window.__skein!.tracksSeen());
+  const gimbal = `${program.url}/api/v1/vehicles/2/payloads/gimbal/command`;
+  await hold(page, `Take off ${VEHICLES}`);
+  await expect(summary(page)).toContainText(`${VEHICLES} of ${VEHICLES} done`, { timeout: 60_000 });
+  expect(await seen()).toEqual([]);
+  await button(page, 'Layers').click();
+  await page.getByRole('checkbox', { name: 'What cameras see' }).check();
+  // One in three carries a camera.
+  await expect.poll(async () => (await seen()).map(({ vehicle }) => vehicle)).toEqual([2]);
+
+  // Straight down: the vehicle is in the middle of what it sees.
+  expect((await page.request.post(gimbal, { data: { command: 'take_control' } })).ok()).toBe(true);
+  expect((await page.request.post(gimbal, { data: { command: 'angles', pitch_rad: -Math.PI / 2, yaw_rad: 0 } })).ok()).toBe(true);
+  const offMiddleM = async (): Promise<number> => {
+    const view = (await seen()).find((one) => one.vehicle === 2)!;
+    const { northM, eastM } = await vehicle(page, 2);
+    const middle = (key: 'north' | 'east') => view.corners.reduce((sum, corner) => sum + corner[key], 0) / view.corners.length;
+    return Math.hypot(middle('north') - northM, middle('east') - eastM);
+  };
+  await expect.poll(offMiddleM, { timeout: 20_000 }).toBeLessThan(1);
+  expect(await findings(page)).toEqual([]);
+
+  // A track as another program tells it; told no more, it looks stale.
+  const { time } = (await (await page.request.get(`${program.url}/api/v1/tracks`)).json()) as { time: number };
+  const track = { track: 7, position: { north_m: 12, east_m: -5, down_m: -20 }, velocity: { north_m_s: 1, east_m_s: 0, down_m_s: 0 }, time };
+  expect((await page.request.put(`${program.url}/api/v1/tracks`, { data: { tracks: [track] } })).ok()).toBe(true);
+  await expect.poll(async () => (await tracks()).map((one) => [one.track, one.north, one.east])).toEqual([[7, 12, -5]]);
+  await expect.poll(async () => (await tracks())[0]!.stale, { timeout: 10_000 }).toBe(true);
+  await page.getByRole('checkbox', { name: 'Tracks', exact: true }).uncheck();
+  expect(await tracks()).toEqual([]);
+  expect((await page.request.put(`${program.url}/api/v1/tracks`, { data: { tracks: [] } })).ok()).toBe(true);
+  await page.keyboard.press('Escape');
+  await hold(page, `LAND ALL ${VEHICLES}`);
+  await expect(summary(page)).toContainText(`${VEHICLES} of ${VEHICLES} done`, { timeout: 60_000 });
+});
+
 test('one vehicle is followed and the targets stay as they were', async ({ page }) => {
   await open(page, program.url, VEHICLES);
   await button(page, 'Zoom in').click();

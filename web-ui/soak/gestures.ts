@@ -34,9 +34,9 @@ async function map(page: Page): Promise<void> {
   await page.mouse.wheel(0, 300);
   for (const name of ['Zoom in', 'Zoom out', 'Keep all vehicles in view']) await button(page, name).click();
   await button(page, 'Layers').click();
-  await page.getByRole('checkbox', { name: 'Links', exact: true }).click();
+  for (const name of ['Links', 'What cameras see']) await page.getByRole('checkbox', { name, exact: true }).click();
   await page.waitForTimeout(LOOK_MS);
-  await page.getByRole('checkbox', { name: 'Links', exact: true }).click();
+  for (const name of ['Links', 'What cameras see']) await page.getByRole('checkbox', { name, exact: true }).click();
   await button(page, 'Layers').click();
 }
 
@@ -99,6 +99,10 @@ async function plugins(page: Page): Promise<void> {
   });
 }
 
+async function links(page: Page): Promise<void> {
+  await visit(page, 'Links', async () => expect(page.getByRole('region', { name: 'Nodes and links' }).getByRole('row')).not.toHaveCount(0));
+}
+
 async function small(page: Page): Promise<void> {
   for (const name of ['Preflight', 'Missions', 'Tracks', 'Video', 'Replay', 'Map']) await link(page, name).click();
   await button(page, 'Settings').click();
@@ -113,7 +117,7 @@ async function small(page: Page): Promise<void> {
 }
 
 async function panels(page: Page): Promise<void> {
-  for (const name of [/^Route/, /^Preflight/, /^Fences/, /^Payloads/, /^Formation/, /^Commands/, /^Events/]) {
+  for (const name of [/^Route/, /^By hand/, /^Preflight/, /^Fences/, /^Payloads/, /^Formation/, /^Commands/, /^Events/]) {
     await page.getByRole('tab', { name }).click();
     await page.waitForTimeout(LOOK_MS / 4);
   }
@@ -142,6 +146,7 @@ export const GESTURES: readonly Gesture[] = [
   { name: 'panels', does: panels },
   { name: 'hands', does: hands },
   { name: 'small', does: small },
+  { name: 'links', does: links },
   { name: 'vehicle', does: vehicle },
   { name: 'map', does: map },
   { name: 'space', does: space },

@@ -2,6 +2,7 @@
 
 import { createContext } from 'svelte';
 import { MapState } from '../features/map/mapState.svelte';
+import { Observed } from '../features/observed/observed.svelte';
 import { AlarmSound } from '../model/alarmSound.svelte';
 import { Commander } from '../model/commander.svelte';
 import { Control } from '../model/control.svelte';
@@ -35,6 +36,10 @@ export class Console {
   readonly presence = new Presence(this.session);
   readonly navigation = new Navigation();
   readonly map = new MapState();
+  readonly observed = new Observed(
+    { cameras: () => this.session.canCommand && this.map.layers.cameras, tracks: () => this.session.canCommand && this.map.layers.tracks },
+    () => this.map.invalidate(),
+  );
   readonly history = new History();
   readonly shortcuts = new Shortcuts();
   readonly sound = new AlarmSound(() => this.journal.outstanding);

@@ -7,6 +7,8 @@ export const LAYERS = [
   { key: 'slots', words: 'Slots and setpoints' },
   { key: 'motion', words: 'Way of the next 3 s' },
   { key: 'links', words: 'Links' },
+  { key: 'cameras', words: 'What cameras see' },
+  { key: 'tracks', words: 'Tracks' },
   { key: 'fences', words: 'Fences' },
   { key: 'plans', words: 'Routes' },
   { key: 'heights', words: 'Heights' },
@@ -16,9 +18,9 @@ export const LAYERS = [
 export type Layer = (typeof LAYERS)[number]['key'];
 export type LayerChoice = Record<Layer, boolean>;
 
-/** Links and ways are for a closer look; the rest is what one flies by. */
+/** Links, ways and what cameras see are for a closer look; the rest is what one flies by. */
 const AT_FIRST: LayerChoice = {
-  labels: true, trails: true, slots: true, motion: false, links: false, fences: true, plans: true, heights: true, grid: true,
+  labels: true, trails: true, slots: true, motion: false, links: false, cameras: false, tracks: true, fences: true, plans: true, heights: true, grid: true,
 };
 const KEY = 'skein-layers';
 

@@ -1,12 +1,15 @@
 // Draws the map when something has changed, on the next animation frame and not before. Owns the canvas, not the data.
 
 import type { Console } from '../../app/console.svelte';
+import { t } from '../../language/language.svelte';
 import type { PlacedFences } from '../../model/fences';
 import { FLAG } from '../../protocol/frame';
 import { paintBase } from '../basemap/paintBase';
 import { legs } from '../measure/measure';
 import type { Leg, Spot } from '../measure/measure';
 import { paintMeasure } from '../measure/paintMeasure';
+import { paintGroundSeen, paintTracks, seenGround, seenTracks } from '../observed/paintObserved';
+import type { SeenGround, SeenTrack } from '../observed/paintObserved';
 import { everything, flownRoute, followedBounds } from './extent';
 import { FenceCache } from './fenceCache';
 import { HeldCache } from './heldByOthers';
@@ -123,6 +126,7 @@ export class Painter {
     const scene = { fleet: session.fleet, now: performance.now(), selected: targets.selected, marking: this.#marking };
     this.#paintUnder(ctx, palette, scene);
     paintVehicles(ctx, view, palette, scene);
+    if (map.layers.tracks) paintTracks(ctx, view, palette, this.tracksSeen(), (track) => t('Track {track}', { track }));
     paintHands(ctx, view, palette, session.fleet, this.held(), this.#onCanvas);
     if (map.layers.labels) paintLabels(ctx, view, palette, scene, this.#onCanvas);
     this.#paintMarks(ctx, palette);
@@ -145,6 +149,7 @@ export class Painter {
     const { map, session, formation } = this.console;
     const { view, layers } = map;
     const { fleet, info } = session;
+    if (layers.cameras) paintGroundSeen(ctx, view, palette, this.groundSeen(), scene.selected);
     const route = layers.plans ? flownRoute(this.console) : null;
     if (route) {
       const points = route.waypoints.map((w) => ({ north: w.north_m, east: w.east_m }));
@@ -208,6 +213,17 @@ export class Painter {
   /** Which vehicles are in another operator's hands. */
   held(): Held {
     return this.#held.get();
+  }
+
+  /** The ground that cameras see, by what was answered last. */
+  groundSeen(): SeenGround[] {
+    const { observed } = this.console;
+    return seenGround(observed.views, performance.now() - observed.viewsAt);
+  }
+
+  tracksSeen(): SeenTrack[] {
+    const { observed } = this.console;
+    return seenTracks(observed.tracks, performance.now() - observed.tracksAt);
   }
 
   #paintAnchors(ctx: CanvasRenderingContext2D, palette: Palette): void {

@@ -11,6 +11,7 @@ import { FenceCache } from '../map/fenceCache';
 import { drawnLinks } from '../map/linkTable';
 import { MOTION_S, eachPlaced } from '../map/paintFleet';
 import type { FleetScene } from '../map/paintFleet';
+import { seenGround, seenTracks } from '../observed/paintObserved';
 import { ruleStepUp } from '../../language/units.svelte';
 import { isEmpty } from '../map/view';
 import { Craft } from './craft';
@@ -42,6 +43,8 @@ export class SpaceModel {
   readonly inclusions = new LineSet('fence', 1);
   readonly exclusions = new LineSet('warning', 0.95);
   readonly links = [new LineSet('ready', 0.9), new LineSet('advisory', 1), new LineSet('warning', 1), new LineSet('critical', 1)] as const;
+  readonly seen = new LineSet('accent', 0.8);
+  readonly tracks = new LineSet('label', 1);
   readonly craft = new Craft();
   readonly fences: FenceCache;
   gridStepM = 1;
@@ -58,7 +61,7 @@ export class SpaceModel {
   sets(): readonly LineSet[] {
     return [
       ...this.ground(), this.inclusions, this.exclusions, this.drops, this.oldTrails, this.newTrails, this.routes, this.slots,
-      this.motion, this.previews, ...this.links,
+      this.motion, this.previews, ...this.links, this.seen, this.tracks,
     ];
   }
 
@@ -102,6 +105,8 @@ export class SpaceModel {
     if (layers.motion) this.#motion(scene.fleet);
     if (layers.plans) this.#route();
     if (layers.links) this.#links(scene.now);
+    if (layers.cameras) this.#groundSeen(scene.now);
+    if (layers.tracks) this.#tracksSeen(scene.now);
     this.#previews();
     for (const zone of this.zones()) this.#edges(zone);
   }
@@ -194,6 +199,29 @@ export class SpaceModel {
       else if (link.quality === 1) fair.broken([0, 0, 0], to, 24, 0.65);
       else if (link.quality === 2) poor.broken([0, 0, 0], to, 48, 0.3);
       else lost.broken([0, 0, 0], to, 24, 0.15);
+    }
+  }
+
+  /** What each camera sees of the ground, and the edges of its view down to there. */
+  #groundSeen(now: number): void {
+    const { observed } = this.console;
+    for (const { corners, cut, from, stale } of seenGround(observed.views, now - observed.viewsAt)) {
+      corners.forEach((corner, k) => {
+        const next = corners[(k + 1) % corners.length] ?? corner;
+        if (!cut[k]) this.seen.broken([corner.north, corner.east, 0], [next.north, next.east, 0], stale ? 24 : 1, stale ? 0.4 : 1);
+        this.seen.broken([from.north, from.east, from.upM], [corner.north, corner.east, 0], 24, 0.3);
+      });
+    }
+  }
+
+  /** What is tracked: a box about it, and its way as of the vehicles. */
+  #tracksSeen(now: number): void {
+    const { observed } = this.console;
+    for (const { north, east, upM, velocityNorth, velocityEast, stale } of seenTracks(observed.tracks, now - observed.tracksAt)) {
+      this.tracks.ring(north, east, upM, 1.6, 4);
+      this.tracks.ring(north, east, upM, 0.8, 4);
+      this.tracks.broken([north, east, upM], [north, east, 0], 16, 0.4);
+      if (!stale) this.tracks.add(north, east, upM, north + velocityNorth * MOTION_S, east + velocityEast * MOTION_S, upM);
     }
   }
 

@@ -12,7 +12,7 @@ export const always = {
   'This program flies no missions. A way of many points is flown by the leader of a formation: form one and draw its route on the map.':
     'Dieses Programm fliegt keine Missionen. Einen Weg mit vielen Punkten fliegt der Führer einer Formation: eine bilden und ihre Route auf der Karte zeichnen.',
   'What the payloads have found and follow stands here: where it is, how sure that is, and who sees it.': 'Hier steht, was die Nutzlasten gefunden haben und verfolgen: wo es ist, wie sicher das ist und wer es sieht.',
-  'This program tells the page of no tracks. What a payload itself says it sees is on the page of its vehicle.': 'Dieses Programm nennt der Seite keine Funde. Was eine Nutzlast selbst zu sehen angibt, steht auf der Seite ihres Fahrzeugs.',
+  'This program does not look for any yet. Those that another program tells the node of are on the map.': 'Dieses Programm sucht noch nicht selbst. Was ein anderes Programm dem Knoten nennt, steht auf der Karte.',
   'The pictures of all cameras stand here side by side, with the tracks drawn over them.': 'Hier stehen die Bilder aller Kameras nebeneinander, mit den Funden darüber gezeichnet.',
   'This program sends no video. The newest picture of a camera is on the page of its vehicle.': 'Dieses Programm sendet kein Video. Das neueste Bild einer Kamera steht auf der Seite ihres Fahrzeugs.',
   'A recorded flight is opened here and looked at with the whole console, forwards and backwards.': 'Hier wird ein aufgezeichneter Flug geöffnet und mit der ganzen Konsole betrachtet, vorwärts und rückwärts.',

@@ -8,7 +8,7 @@ export const plans = {
   'Select with a box': 'Mit einem Rahmen auswählen', 'Select with a box (Shift and drag)': 'Mit einem Rahmen auswählen (Umschalt und ziehen)',
   'Measure distance and bearing': 'Abstand und Peilung messen', 'Measure (M); between the targets, if there are some': 'Messen (M); zwischen den Zielen, wenn es welche gibt',
   Layers: 'Ebenen', 'View in space': 'Ansicht im Raum', 'View in space (V)': 'Ansicht im Raum (V)', 'Back to the map (V)': 'Zurück zur Karte (V)', 'Back to the map': 'Zurück zur Karte',
-  Labels: 'Beschriftung', Trails: 'Spuren', 'Slots and setpoints': 'Plätze und Sollwerte', 'Way of the next 3 s': 'Weg der nächsten 3 s', Links: 'Verbin\u00addungen', Routes: 'Routen', Heights: 'Höhen', Grid: 'Gitter',
+  Labels: 'Beschriftung', Trails: 'Spuren', 'Slots and setpoints': 'Plätze und Sollwerte', 'Way of the next 3 s': 'Weg der nächsten 3 s', Links: 'Verbin\u00addungen', Routes: 'Routen', 'What cameras see': 'Was Kameras sehen', 'Track {track}': 'Fund {track}', Heights: 'Höhen', Grid: 'Gitter',
   '{height} high': '{height} hoch', good: 'gut', fair: 'mäßig', poor: 'schlecht', 'Click places or vehicles to measure between them.': 'Orte oder Fahrzeuge anklicken, um dazwischen zu messen.',
   'Click the next place or vehicle.': 'Nächsten Ort oder nächstes Fahrzeug anklicken.', 'together {length}': 'zusammen {length}', ', {rise} up': ', {rise} hoch',
   'Click where the formation is to be anchored.': 'Anklicken, wo die Formation verankert wird.',
@@ -20,6 +20,7 @@ export const plans = {
     'Karte von {count} Fahrzeugen, Norden oben. Die Liste der Fahrzeuge sagt dasselbe in Worten. Pfeiltasten bewegen die Karte, Plus und Minus zoomen, F zeigt alle, M misst zwischen den Zielen, V ist die Ansicht im Raum.',
   '{count} vehicles seen in space. The vehicle list holds the same in words. Arrow keys turn the view, with Shift they move it, plus and minus zoom, F shows all, V goes back to the map.':
     '{count} Fahrzeuge im Raum. Die Liste der Fahrzeuge sagt dasselbe in Worten. Pfeiltasten drehen die Ansicht, mit Umschalt bewegen sie sie, Plus und Minus zoomen, F zeigt alle, V führt zurück zur Karte.',
+  'Loading the page …': 'Lädt die Seite …', 'The page could not be loaded.': 'Die Seite ließ sich nicht laden.', 'Load again': 'Neu laden',
   'Loading the view in space …': 'Lädt die Ansicht im Raum …', 'The view in space could not be loaded.': 'Die Ansicht im Raum ließ sich nicht laden.', 'Drawn without WebGL, which this browser does not give.': 'Ohne WebGL gezeichnet, das dieser Browser nicht bietet.',
   'No vehicle is flown by this node yet. It shows here as soon as one is heard and an adoption rule fits.': 'Dieser Knoten fliegt noch kein Fahrzeug. Es erscheint hier, sobald eines gehört wird und eine Übernahmeregel passt.',
   '{file} could not be read': '{file} ließ sich nicht lesen', 'Remove base map': 'Grundkarte entfernen', 'Base map from a file (PMTiles, GeoTIFF)': 'Grundkarte aus einer Datei (PMTiles, GeoTIFF)',
