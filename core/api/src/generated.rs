@@ -90,6 +90,20 @@ fn types() -> String {
     found.visit::<FormationPreview>();
     found.visit::<ReferenceList>();
     found.visit::<ReferenceReport>();
+    plans_and_safety(&mut found);
+    what_is_carried(&mut found);
+    found.visit::<ErrorBody>();
+    found.visit::<ServerMessage>();
+    found.visit::<ClientMessage>();
+    let mut out = NOTE.to_owned();
+    for declaration in found.by_name.values() {
+        out.push('\n');
+        out.push_str(declaration);
+    }
+    out
+}
+
+fn plans_and_safety(found: &mut Declarations<'_>) {
     found.visit::<TrajectoryRequest>();
     found.visit::<TrajectoryPlan>();
     found.visit::<TrajectoryObjection>();
@@ -106,6 +120,9 @@ fn types() -> String {
     found.visit::<RouteBody>();
     found.visit::<Accepted>();
     found.visit::<Fault>();
+}
+
+fn what_is_carried(found: &mut Declarations<'_>) {
     found.visit::<EventList>();
     found.visit::<PluginList>();
     found.visit::<PayloadList>();
@@ -122,15 +139,6 @@ fn types() -> String {
     found.visit::<CameraState>();
     found.visit::<RadioCommand>();
     found.visit::<RadioState>();
-    found.visit::<ErrorBody>();
-    found.visit::<ServerMessage>();
-    found.visit::<ClientMessage>();
-    let mut out = NOTE.to_owned();
-    for declaration in found.by_name.values() {
-        out.push('\n');
-        out.push_str(declaration);
-    }
-    out
 }
 
 /// Collects declarations, each type once, through all types they refer to.

@@ -61,11 +61,11 @@ impl Carrier<'_> {
         self.payloads
             .iter()
             .filter(|payload| payload.kind == PayloadKind::Camera)
-            .filter_map(|camera| self.from_frame(camera, now).or_else(|| self.from_gimbal(camera)))
+            .filter_map(|camera| self.by_frame(camera, now).or_else(|| self.by_gimbal(camera)))
             .collect()
     }
 
-    fn from_frame(&self, camera: &PayloadSnapshot, now: NodeTime) -> Option<CameraView> {
+    fn by_frame(&self, camera: &PayloadSnapshot, now: NodeTime) -> Option<CameraView> {
         let frame = camera.frame.as_ref()?;
         let age_s = now.seconds_since(frame.time).max(0.0);
         Some(CameraView {
@@ -79,7 +79,7 @@ impl Carrier<'_> {
         })
     }
 
-    fn from_gimbal(&self, camera: &PayloadSnapshot) -> Option<CameraView> {
+    fn by_gimbal(&self, camera: &PayloadSnapshot) -> Option<CameraView> {
         let state: CameraState = reported(camera)?;
         let at = self.at?;
         let gimbal = self

@@ -47,6 +47,7 @@ async function maps(page, cdp, prefix) {
   await press(page, 'Layers');
   await page.getByRole('checkbox', { name: 'Links', exact: true }).check();
   await page.getByRole('checkbox', { name: 'Way of the next 3 s', exact: true }).check();
+  await page.getByRole('checkbox', { name: 'What cameras see', exact: true }).check();
   await wait(PANEL_MS);
   await picture(page, cdp, `${prefix}-map-layers`);
   await press(page, 'Layers');
@@ -135,6 +136,13 @@ async function fly() {
     shape: 'wedge', spacing_m: 6, heading: { kind: 'auto' }, altitude_step_m: 1.5, rotation_deg: 0, scale: 1, arc_deg: null, layers: null,
     pitch_m: null, offsets: null, anchor: { kind: 'leader' }, control: 'slots', leader: 1, members: null,
   });
+  // The cameras look ahead and down, so that what they see of the ground is near.
+  for (const { id, payloads } of await vehicles()) {
+    if (!payloads.some((one) => one.kind === 'gimbal')) continue;
+    for (const command of [{ command: 'take_control' }, { command: 'angles', pitch_rad: -0.7, yaw_rad: 0 }]) {
+      await call('POST', `vehicles/${id}/payloads/gimbal/command`, command);
+    }
+  }
   await wait(12_000);
   const round = [[40, -40], [100, -40], [100, 80], [0, 90], [-30, 60], [-30, -40]];
   const waypoints = Array.from({ length: 6 }, () => round).flat().map(([north_m, east_m]) => ({ north_m, east_m, down_m: -15 }));

@@ -119,10 +119,6 @@ pub(crate) struct Reference {
 
 /// What the vehicle is doing.
 #[derive(Debug, Clone, PartialEq, Default, Encode, Decode)]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "there is one per vehicle, and most of the time it is the large one"
-)]
 pub(crate) enum Phase {
     /// On the ground.
     #[default]

@@ -8,6 +8,9 @@ use skein_sim::vehicle::ParameterValue;
 
 /// How fast the quadrotors climb and descend at most in a formation, in metres per second.
 const VERTICAL_M_S: f64 = 2.5;
+/// Pictures of one camera, and of all together, per second at most: to draw them is most of what a large swarm would take of the computer.
+const PICTURES_HZ: f64 = 5.0;
+const ALL_PICTURES_HZ: f64 = 20.0;
 
 /// Parameters of the simulated vehicles that differ from the autopilot's defaults.
 pub fn parameters() -> Vec<(String, ParameterValue)> {
@@ -52,7 +55,7 @@ fn rule(system_id: u8, arguments: &DemoArguments) -> AdoptionRule {
             .enumerate()
             .map(|(i, name)| PayloadRule {
                 isolation: isolation(i),
-                ..payload(name)
+                ..payload(name, arguments.count())
             })
             .collect(),
         ..AdoptionRule::default()
@@ -72,9 +75,12 @@ fn quick(model: &str) -> serde_json::Value {
     }
 }
 
-fn payload(name: &str) -> PayloadRule {
+fn payload(name: &str, vehicles: u8) -> PayloadRule {
+    let cameras = f64::from(vehicles / 3).max(1.0);
     let config = match name {
-        "camera" => serde_json::json!({ "source": "synthetic" }),
+        "camera" => {
+            serde_json::json!({ "source": "synthetic", "rate_hz": PICTURES_HZ.min(ALL_PICTURES_HZ / cameras) })
+        }
         _ => serde_json::json!({}),
     };
     PayloadRule {

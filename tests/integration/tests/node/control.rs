@@ -121,26 +121,30 @@ async fn two_operators_at_two_nodes_have_vehicles_in_hand() {
     assert!(!matches!(fly(&bens, &ben).await, Some(Refusal::InOtherHands { .. })));
     assert!(matches!(fly(&annas, &anna).await, Some(Refusal::InOtherHands { .. })));
 
-    // Back at Anna, whose page then closes: whoever is there relieves her.
-    assert_eq!(change(&annas, &anna, &ControlAction::Request), None);
-    known(&bens, "Ben sees that Anna asks", Duration::ZERO, |control| {
-        control.requests.iter().any(|request| request.console == anna)
+    relieved((&annas, &anna, page_of_anna), (&bens, &ben)).await;
+    flock.stop().await;
+}
+
+/// Back at Anna, whose page then closes: whoever is there relieves her.
+async fn relieved((annas, anna, page_of_anna): (&NodeHandle, &Console, Page), (bens, ben): (&NodeHandle, &Console)) {
+    assert_eq!(change(annas, anna, &ControlAction::Request), None);
+    known(bens, "Ben sees that Anna asks", Duration::ZERO, |control| {
+        control.requests.iter().any(|request| request.console == *anna)
     })
     .await;
-    assert_eq!(change(&bens, &ben, &ControlAction::Release), None);
-    known(&annas, "Anna has it again", Duration::ZERO, |control| {
-        control.console == anna
+    assert_eq!(change(bens, ben, &ControlAction::Release), None);
+    known(annas, "Anna has it again", Duration::ZERO, |control| {
+        control.console == *anna
     })
     .await;
     drop(page_of_anna);
-    known(&bens, "Anna is not heard any more", RELIEVED_WITHIN, |control| {
-        control.console == anna && !control.is_heard
+    known(bens, "Anna is not heard any more", RELIEVED_WITHIN, |control| {
+        control.console == *anna && !control.is_heard
     })
     .await;
-    assert_eq!(change(&bens, &ben, &ControlAction::Take), None);
-    known(&annas, "Ben has relieved her", Duration::ZERO, |control| {
-        control.console == ben
+    assert_eq!(change(bens, ben, &ControlAction::Take), None);
+    known(annas, "Ben has relieved her", Duration::ZERO, |control| {
+        control.console == *ben
     })
     .await;
-    flock.stop().await;
 }
