@@ -111,7 +111,7 @@ for (const [width, height] of [[390, 844], [1024, 768], [1920, 1080]] as const) 
 
 test('a page that has nothing to show yet says what belongs there and where to go until then', async ({ page }) => {
   const pages = page.getByRole('navigation', { name: 'Pages' });
-  for (const [name, way, to] of [['Missions', 'To the map', '#map'], ['Tracks', 'To the fleet', '#fleet'], ['Video', 'To the fleet', '#fleet'], ['Replay', 'To the event log', '#alerts']] as const) {
+  for (const [name, way, to] of [['Missions', 'To the map', '#map'], ['Tracks', 'To the map', '#map'], ['Video', 'To the fleet', '#fleet'], ['Replay', 'To the event log', '#alerts']] as const) {
     await pages.getByRole('link', { name }).click();
     await expect(page.getByRole('region', { name })).toContainText('This program');
     await page.getByRole('region', { name }).getByRole('link', { name: way }).click();
