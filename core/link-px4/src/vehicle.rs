@@ -198,7 +198,7 @@ impl VehicleCore {
 
     fn take(&mut self, now: NodeTime, header: &FrameHeader, read: Option<Inbound>, wanted: bool) {
         let autopilot = header.component_id == AUTOPILOT_COMPONENT;
-        self.traffic.on_frame(now, autopilot, header.sequence);
+        self.traffic.on_frame(now, header.component_id, header.sequence);
         if !autopilot {
             return;
         }

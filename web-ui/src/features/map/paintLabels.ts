@@ -59,7 +59,7 @@ export function paintLabels(
     room.take(box);
     // A plate: a route that runs behind the words must not look like a line through them.
     ctx.fillStyle = palette.bg;
-    ctx.globalAlpha = 0.8;
+    ctx.globalAlpha = 0.9;
     ctx.fillRect(box.x - 2, box.y, box.w + 4, LINE_PX);
     ctx.globalAlpha = 1;
     write(ctx, head, box.x, box.y + 8, HEAD_FONT, palette.text);
