@@ -28,7 +28,9 @@ pub fn run(workspace: &Workspace, into: &Path, vehicles: u16, after_s: u64) -> R
     let mut flight = Flight::start(workspace, vehicles)?;
     let address = flight.address()?;
     println!("flying at {address}, pictures {after_s} s after the formation set off");
-    let script = workspace.target.join("xtask/screenshot.mjs");
+    let scripts = workspace.target.join("xtask");
+    std::fs::create_dir_all(&scripts).with_context(|| format!("cannot make {}", scripts.display()))?;
+    let script = scripts.join("screenshot.mjs");
     std::fs::write(&script, SCRIPT)?;
     let mut shoot = Command::new("node");
     shoot
