@@ -10,12 +10,12 @@ const DEMO = 100;
 /** One node flies as many as there are system ids. */
 const NODE = 250;
 
-export type Feed = { url: string; what: string; stop(): Promise<void> };
+export type Feed = { url: string; what: string; isMadeUp: boolean; stop(): Promise<void> };
 
 export async function feed(vehicles: number): Promise<Feed> {
   if (vehicles <= NODE) {
     const program = await (vehicles <= DEMO ? Program.start(vehicles) : Program.crowd(vehicles));
-    return { url: program.url, what: 'the real program', stop: () => program.stop() };
+    return { url: program.url, what: 'the real program', isMadeUp: false, stop: () => program.stop() };
   }
   const port = await freePort();
   const script = resolve(import.meta.dirname, '../dev/swarm.mjs');
@@ -24,6 +24,7 @@ export async function feed(vehicles: number): Promise<Feed> {
   return {
     url: `http://127.0.0.1:${port}`,
     what: 'a made-up swarm',
+    isMadeUp: true,
     stop: async () => {
       child.kill();
       await once(child, 'exit');

@@ -160,3 +160,59 @@ test('one vehicle is followed and the targets stay as they were', async ({ page 
   await hold(page, `LAND ALL ${VEHICLES}`);
   await expect(summary(page)).toContainText(`${VEHICLES} of ${VEHICLES} done`, { timeout: 60_000 });
 });
+
+test('the map is never without its ground while it changes its size', async ({ page, watch }) => {
+  watch.expected.push(/Multiple readback operations/);
+  await open(page, program.url, VEHICLES);
+  // Told after the page was: what the canvas holds then is what the browser paints.
+  await page.evaluate(() => {
+    const canvas = document.querySelector('canvas')!;
+    const ctx = canvas.getContext('2d')!;
+    const seen: number[] = [];
+    Object.assign(window, { blackShares: seen });
+    new ResizeObserver(() => {
+      const { data } = ctx.getImageData(0, 0, canvas.width, canvas.height);
+      let black = 0;
+      for (let at = 0; at < data.length; at += 4) if (data[at]! + data[at + 1]! + data[at + 2]! === 0) black++;
+      seen.push(black / (data.length / 4));
+    }).observe(canvas.closest('section')!);
+  });
+  const seen = () => page.evaluate(() => (window as unknown as { blackShares: number[] }).blackShares);
+  await expect.poll(async () => (await seen()).length).toBe(1);
+  const size = page.viewportSize()!;
+  for (let step = 1; step <= 5; step++) {
+    await page.setViewportSize({ width: size.width - 40 * step, height: size.height - 20 * step });
+    await expect.poll(async () => (await seen()).length).toBeGreaterThan(step);
+  }
+  for (const share of await seen()) expect(share).toBeLessThan(0.2);
+});
+
+test('between the frames of the socket a vehicle is drawn where it has got to', async ({ page }) => {
+  await open(page, program.url, VEHICLES);
+  await hold(page, `Take off ${VEHICLES}`);
+  await expect(summary(page)).toContainText(`${VEHICLES} of ${VEHICLES} done`, { timeout: 60_000 });
+  const { northM, eastM } = await vehicle(page, 1);
+  const command = { command: 'go_to', position: { north_m: northM + 60, east_m: eastM, down_m: -20 }, speed_m_s: 5 };
+  expect((await page.request.post(`${program.url}/api/v1/commands`, { data: { targets: { vehicles: [1] }, command } })).ok()).toBe(true);
+  await expect.poll(async () => (await vehicle(page, 1)).northM - northM).toBeGreaterThan(4);
+  // Pictures after which a vehicle stands somewhere else though no frame came: on the canvas, not in what it said.
+  const { carried, said } = await page.evaluate(async () => {
+    const first = () => window.__skein!.positions().find(({ id }) => id === 1)!;
+    let [carried, said] = [0, 0];
+    let [frames, before] = [-1, first()];
+    for (const end = performance.now() + 5000; performance.now() < end && carried < 10; ) {
+      await new Promise(requestAnimationFrame);
+      const now = first();
+      if (window.__skein!.framesTaken() === frames) {
+        if (now.y < before.y) carried++;
+        if (now.northM !== before.northM) said++;
+      }
+      [frames, before] = [window.__skein!.framesTaken(), now];
+    }
+    return { carried, said };
+  });
+  expect(carried).toBe(10);
+  expect(said).toBe(0);
+  await hold(page, `LAND ALL ${VEHICLES}`);
+  await expect(summary(page)).toContainText(`${VEHICLES} of ${VEHICLES} done`, { timeout: 60_000 });
+});

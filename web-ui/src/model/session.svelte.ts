@@ -5,6 +5,7 @@ import { getEvents, measureLatencyMs } from '../protocol/rest';
 import { Stream, streamUrl } from '../protocol/stream';
 import type { SaidStick, StreamState } from '../protocol/stream';
 import type { EventRecord, FleetInfo, Refusal, SwarmSnapshot, VehicleControl, VehicleInfo, VehicleSafety } from '../protocol/types';
+import { carry } from '../telemetry/carry';
 import { Fleet } from '../telemetry/fleet';
 import type { Commander } from './commander.svelte';
 import type { Journal } from './journal.svelte';
@@ -194,6 +195,8 @@ export class Session {
       return;
     }
     if (!this.hasFrame) this.#firstFrame(expectedMs, buffer);
+    // Not back to what was said until the next picture: what is picked is what is seen.
+    carry(this.fleet, performance.now());
     for (const listener of this.#frameListeners) listener();
   }
 

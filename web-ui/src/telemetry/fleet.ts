@@ -28,8 +28,15 @@ export class Fleet {
   latitudeDeg = new Float64Array(GROW_BY);
   longitudeDeg = new Float64Array(GROW_BY);
   altitudeM = new Float64Array(GROW_BY);
+  /** Where it said it is, about the swarm's origin; figures are made of these. */
   northM = new Float64Array(GROW_BY);
   eastM = new Float64Array(GROW_BY);
+  /** Where it is drawn and picked: what it said, carried forward (see `carry`). */
+  shownNorthM = new Float64Array(GROW_BY);
+  shownEastM = new Float64Array(GROW_BY);
+  shownAltitudeM = new Float64Array(GROW_BY);
+  /** On the `performance.now()` clock: when it said another place than before. */
+  placedAt = new Float64Array(GROW_BY);
   velocityNorth = new Float32Array(GROW_BY);
   velocityEast = new Float32Array(GROW_BY);
   velocityDown = new Float32Array(GROW_BY);
@@ -140,7 +147,7 @@ export class Fleet {
     this.setpointHz[i] = v.getUint16(at + RECORD.setpoint_rate_dhz, true) / 10;
     this.actorIncarnation[i] = v.getUint16(at + RECORD.actor_incarnation, true);
     this.modelIncarnation[i] = v.getUint16(at + RECORD.model_incarnation, true);
-    if (flags & FLAG.position) this.#takePosition(v, at, i);
+    if (flags & FLAG.position) this.#takePosition(v, at, i, now);
     if (flags & FLAG.slot && this.projection) {
       const p = this.projection.project(
         v.getInt32(at + RECORD.slot_latitude_e7, true) / 1e7,
@@ -152,10 +159,13 @@ export class Fleet {
     }
   }
 
-  #takePosition(v: DataView, at: number, i: number): void {
+  #takePosition(v: DataView, at: number, i: number, now: number): void {
     const latitude = v.getInt32(at + RECORD.latitude_e7, true) / 1e7;
     const longitude = v.getInt32(at + RECORD.longitude_e7, true) / 1e7;
     const altitude = v.getInt32(at + RECORD.altitude_amsl_mm, true) / 1000;
+    // A place that is only told again, from a vehicle that tells it more seldom than frames come, is as old as it was.
+    const moved = latitude !== this.latitudeDeg[i] || longitude !== this.longitudeDeg[i] || altitude !== this.altitudeM[i];
+    if (moved) this.placedAt[i] = now;
     this.latitudeDeg[i] = latitude;
     this.longitudeDeg[i] = longitude;
     this.altitudeM[i] = altitude;
@@ -169,8 +179,7 @@ export class Fleet {
     }
     const p = this.projection?.project(latitude, longitude);
     if (!p) return;
-    this.northM[i] = p.north;
-    this.eastM[i] = p.east;
+    this.#place(i, p.north, p.east);
     this.trails.push(i, p.north, p.east, altitude);
   }
 
@@ -180,9 +189,17 @@ export class Fleet {
     for (let i = 0; i < this.size; i++) {
       if (!this.has(i, FLAG.position)) continue;
       const p = this.projection.project(this.latitudeDeg[i] ?? 0, this.longitudeDeg[i] ?? 0);
-      this.northM[i] = p.north;
-      this.eastM[i] = p.east;
+      this.#place(i, p.north, p.east);
     }
+  }
+
+  /** What is said is shown as it is until it is carried. */
+  #place(i: number, north: number, east: number): void {
+    this.northM[i] = north;
+    this.eastM[i] = east;
+    this.shownNorthM[i] = north;
+    this.shownEastM[i] = east;
+    this.shownAltitudeM[i] = this.altitudeM[i] ?? 0;
   }
 
   #indexFor(id: number): number {

@@ -22,7 +22,7 @@ export function followedBounds(console: Console): Bounds {
   const chosen = targets.selected.size > 0 ? [...targets.selected] : leader !== null ? [leader] : targets.ids;
   for (const id of map.followed === null ? chosen : [map.followed]) {
     const index = fleet.indexOf(id);
-    if (index >= 0 && fleet.has(index, FLAG.position)) include(bounds, fleet.northM[index] ?? 0, fleet.eastM[index] ?? 0);
+    if (index >= 0 && fleet.has(index, FLAG.position)) include(bounds, fleet.shownNorthM[index] ?? 0, fleet.shownEastM[index] ?? 0);
   }
   return bounds;
 }
@@ -33,7 +33,7 @@ export function everything(console: Console): Bounds {
   const bounds = noBounds();
   for (let i = 0; i < fleet.size; i++) {
     if (fleet.present[i] !== 1 || !fleet.has(i, FLAG.position)) continue;
-    include(bounds, fleet.northM[i] ?? 0, fleet.eastM[i] ?? 0);
+    include(bounds, fleet.shownNorthM[i] ?? 0, fleet.shownEastM[i] ?? 0);
     if (fleet.has(i, FLAG.slot)) include(bounds, fleet.slotNorthM[i] ?? 0, fleet.slotEastM[i] ?? 0);
   }
   if (info.formation && !info.formation.route_finished) {

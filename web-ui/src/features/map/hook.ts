@@ -9,7 +9,7 @@ import type { Painter } from './painter';
 
 export type Plotted = {
   id: number;
-  /** CSS pixels on the canvas. */
+  /** CSS pixels on the canvas, carried forward; all else is as the vehicle said it. */
   x: number;
   y: number;
   latitudeDeg: number;
@@ -80,8 +80,8 @@ export function installHook(app: Console, painter: Painter): () => void {
         const [northM, eastM] = [fleet.northM[i] ?? 0, fleet.eastM[i] ?? 0];
         plotted.push({
           id: fleet.ids[i] ?? 0,
-          x: view.x(eastM),
-          y: view.y(northM),
+          x: view.x(fleet.shownEastM[i] ?? 0),
+          y: view.y(fleet.shownNorthM[i] ?? 0),
           latitudeDeg: fleet.latitudeDeg[i] ?? 0,
           longitudeDeg: fleet.longitudeDeg[i] ?? 0,
           northM,

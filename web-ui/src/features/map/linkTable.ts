@@ -21,7 +21,7 @@ export function drawnLinks(session: Session, now: number): (DrawnLink & { id: nu
       nodeRoundTripMs: node === null ? NaN : (roundTripOf.get(node) ?? NaN),
     };
     links.push({
-      id, north: fleet.northM[i] ?? 0, east: fleet.eastM[i] ?? 0, altitudeM: fleet.altitudeM[i] ?? 0,
+      id, north: fleet.shownNorthM[i] ?? 0, east: fleet.shownEastM[i] ?? 0, altitudeM: fleet.shownAltitudeM[i] ?? 0,
       quality: qualityOf(condition), text: faultText(condition),
     });
   }

@@ -1,11 +1,10 @@
-// Trails, slots and vehicles on the canvas. Shapes carry the state: an arrowhead flies, a hollow one stands on the
+// Slots, ways and vehicles on the canvas. Shapes carry the state: an arrowhead flies, a hollow one stands on the
 // ground, a broken outline is stale, a cross is lost, an octagon is stopped; colour only repeats it.
 
 import { FLAG } from '../../protocol/frame';
-import { LANDED_STATES } from '../../protocol/words';
+import { isAirborne } from '../../telemetry/carry';
 import type { Fleet } from '../../telemetry/fleet';
 import { classify } from '../../telemetry/staleness';
-import { TRAIL_POINTS } from '../../telemetry/trails';
 import type { Staleness } from '../../telemetry/staleness';
 import { levelColour } from './palette';
 import type { Palette } from './palette';
@@ -25,52 +24,19 @@ const GLYPH_PX = 12;
 /** Signs shrink to this in a crowd. */
 export const CROWD_SCALE = 0.78;
 const SLOT_PX = 10;
-const FADE_STEPS = 4;
+const RIM_PX = 1.5;
+const SLOT_DASH = [3, 4];
+/** In a crowd there are thousands of dashes. */
+const CROWD_DASH = [3, 9];
+const NO_DASH: number[] = [];
 /** How far ahead the way of a vehicle is drawn. */
 export const MOTION_S = 3;
-/** Points of all trails together that are drawn. */
-const TRAIL_BUDGET = 60_000;
 /** Above so many vehicles labels say the id only. */
 export const SHORT_LABELS_FROM = 40;
 
 /** Runs over the vehicles of the last frame whose place is known. A place that is not known is never drawn. */
 export function eachPlaced(fleet: Fleet, visit: (index: number) => void): void {
   for (let i = 0; i < fleet.size; i++) if (fleet.present[i] === 1 && fleet.has(i, FLAG.position)) visit(i);
-}
-
-export function paintTrails(ctx: CanvasRenderingContext2D, view: View, palette: Palette, fleet: Fleet): void {
-  ctx.save();
-  ctx.strokeStyle = palette.trail;
-  ctx.lineWidth = fleet.presentCount > SHORT_LABELS_FROM ? 1 : 1.5;
-  ctx.lineJoin = 'round';
-  // Trails of a crowd are thinned out: their number tells where all came from, not each bend of one.
-  const stride = Math.max(1, Math.ceil((fleet.presentCount * TRAIL_POINTS) / TRAIL_BUDGET));
-  for (let step = 0; step < FADE_STEPS; step++) {
-    ctx.globalAlpha = 0.12 + (0.5 * (step + 1)) / FADE_STEPS;
-    ctx.beginPath();
-    eachPlaced(fleet, (i) => trailPart(ctx, view, fleet, i, step, stride));
-    ctx.stroke();
-  }
-  ctx.restore();
-}
-
-/** Adds the part of a trail with one degree of fading; points closer than two pixels are left out. */
-function trailPart(ctx: CanvasRenderingContext2D, view: View, fleet: Fleet, index: number, step: number, stride: number): void {
-  const length = fleet.trails.length(index);
-  const from = Math.floor((length * step) / FADE_STEPS);
-  const to = Math.floor((length * (step + 1)) / FADE_STEPS) + 1;
-  let lastX = NaN;
-  let lastY = NaN;
-  fleet.trails.visit(index, from, to, stride, (north, east) => {
-    const x = view.x(east);
-    const y = view.y(north);
-    if (Number.isNaN(lastX)) ctx.moveTo(x, y);
-    else if (Math.abs(x - lastX) + Math.abs(y - lastY) < 2) return;
-    else ctx.lineTo(x, y);
-    lastX = x;
-    lastY = y;
-  });
-  if (step === FADE_STEPS - 1 && length > 0) ctx.lineTo(view.x(fleet.eastM[index] ?? 0), view.y(fleet.northM[index] ?? 0));
 }
 
 /** Where each would be in some seconds if it went on as it goes now. */
@@ -83,7 +49,7 @@ export function paintMotion(ctx: CanvasRenderingContext2D, view: View, palette: 
     const north = (fleet.velocityNorth[i] ?? 0) * MOTION_S;
     const east = (fleet.velocityEast[i] ?? 0) * MOTION_S;
     if (Math.hypot(north, east) * view.scale < GLYPH_PX) return;
-    const [x0, y0] = [view.x(fleet.eastM[i] ?? 0), view.y(fleet.northM[i] ?? 0)];
+    const [x0, y0] = [view.x(fleet.shownEastM[i] ?? 0), view.y(fleet.shownNorthM[i] ?? 0)];
     const [x1, y1] = [x0 + east * view.scale, y0 - north * view.scale];
     const angle = Math.atan2(y1 - y0, x1 - x0);
     ctx.moveTo(x0, y0);
@@ -96,36 +62,39 @@ export function paintMotion(ctx: CanvasRenderingContext2D, view: View, palette: 
   ctx.restore();
 }
 
-/** Ghosts where the tasks want the vehicles, and a line from each vehicle to its own. */
+/** Ghosts where the tasks want the vehicles, and a line from each vehicle to its own. Each is stroked for itself: thousands of dashes in one
+ *  path take a browser without a graphics card twice as long. */
 export function paintSlots(ctx: CanvasRenderingContext2D, view: View, palette: Palette, fleet: Fleet): void {
+  const crowd = fleet.presentCount > SHORT_LABELS_FROM;
+  const r = crowd ? SLOT_PX * CROWD_SCALE : SLOT_PX;
+  const dash = crowd ? CROWD_DASH : SLOT_DASH;
   ctx.save();
   ctx.strokeStyle = palette.slot;
   ctx.lineWidth = 1.2;
-  ctx.beginPath();
   eachPlaced(fleet, (i) => {
     if (!fleet.has(i, FLAG.slot) || fleet.has(i, FLAG.leader)) return;
-    const x = view.x(fleet.slotEastM[i] ?? 0);
-    const y = view.y(fleet.slotNorthM[i] ?? 0);
-    ctx.moveTo(x + SLOT_PX, y);
-    ctx.arc(x, y, SLOT_PX, 0, Math.PI * 2);
+    const [x, y] = [view.x(fleet.slotEastM[i] ?? 0), view.y(fleet.slotNorthM[i] ?? 0)];
+    const [fromX, fromY] = [view.x(fleet.shownEastM[i] ?? 0), view.y(fleet.shownNorthM[i] ?? 0)];
+    ctx.setLineDash(NO_DASH);
+    ctx.beginPath();
+    ctx.arc(x, y, r, 0, Math.PI * 2);
+    ctx.stroke();
+    // One that is in its slot, as most are, needs no line.
+    if (Math.hypot(x - fromX, y - fromY) < r) return;
+    ctx.setLineDash(dash);
+    ctx.beginPath();
+    ctx.moveTo(fromX, fromY);
+    ctx.lineTo(x, y);
+    ctx.stroke();
   });
-  ctx.stroke();
-  ctx.setLineDash([3, 4]);
-  ctx.beginPath();
-  eachPlaced(fleet, (i) => {
-    if (!fleet.has(i, FLAG.slot) || fleet.has(i, FLAG.leader)) return;
-    ctx.moveTo(view.x(fleet.eastM[i] ?? 0), view.y(fleet.northM[i] ?? 0));
-    ctx.lineTo(view.x(fleet.slotEastM[i] ?? 0), view.y(fleet.slotNorthM[i] ?? 0));
-  });
-  ctx.stroke();
   ctx.restore();
 }
 
 export function paintVehicles(ctx: CanvasRenderingContext2D, view: View, palette: Palette, scene: FleetScene): void {
   const { fleet, now } = scene;
   eachPlaced(fleet, (i) => {
-    const x = view.x(fleet.eastM[i] ?? 0);
-    const y = view.y(fleet.northM[i] ?? 0);
+    const x = view.x(fleet.shownEastM[i] ?? 0);
+    const y = view.y(fleet.shownNorthM[i] ?? 0);
     if (x < -30 || y < -30 || x > view.width + 30 || y > view.height + 30) return;
     const staleness = classify(fleet.ageMs(i, now), fleet.has(i, FLAG.connected));
     ctx.save();
@@ -144,31 +113,23 @@ export function paintVehicles(ctx: CanvasRenderingContext2D, view: View, palette
   });
 }
 
-export function isAirborne(fleet: Fleet, index: number): boolean {
-  const landed = LANDED_STATES[fleet.landed[index] ?? 0];
-  return landed === 'unknown' ? fleet.has(index, FLAG.armed) : landed !== 'on_ground';
-}
-
 function arrow(
   ctx: CanvasRenderingContext2D, palette: Palette, colour: string, staleness: Staleness, airborne: boolean, armed: boolean,
 ): void {
   const r = airborne ? GLYPH_PX : GLYPH_PX * 0.8;
-  ctx.beginPath();
-  ctx.moveTo(0, -r);
-  ctx.lineTo(r * 0.72, r * 0.8);
-  ctx.lineTo(0, r * 0.42);
-  ctx.lineTo(-r * 0.72, r * 0.8);
-  ctx.closePath();
-  ctx.lineJoin = 'round';
   if (airborne && staleness !== 'stale') {
-    ctx.lineWidth = 3;
-    ctx.strokeStyle = palette.outline;
-    ctx.stroke();
+    // A larger one behind it is its rim: a fill costs half of what a stroke does.
+    dart(ctx, r, RIM_PX);
+    ctx.fillStyle = palette.outline;
+    ctx.fill();
+    dart(ctx, r, 0);
     ctx.globalAlpha = staleness === 'delayed' ? 0.65 : 1;
     ctx.fillStyle = colour;
     ctx.fill();
     return;
   }
+  dart(ctx, r, 0);
+  ctx.lineJoin = 'round';
   ctx.fillStyle = palette.bg;
   ctx.fill();
   ctx.lineWidth = 1.8;
@@ -181,6 +142,17 @@ function arrow(
     ctx.fillStyle = colour;
     ctx.fill();
   }
+}
+
+/** The outline of an arrow whose tip is `r` from its middle, everywhere larger by `rim`. */
+function dart(ctx: CanvasRenderingContext2D, r: number, rim: number): void {
+  // At the tip and the tails the sides meet at a sharp angle: there it has to go farther out.
+  ctx.beginPath();
+  ctx.moveTo(0, -r - rim * 2.1);
+  ctx.lineTo(r * 0.72 + rim * 1.5, r * 0.8 + rim * 1.45);
+  ctx.lineTo(0, r * 0.42 + rim * 1.15);
+  ctx.lineTo(-r * 0.72 - rim * 1.5, r * 0.8 + rim * 1.45);
+  ctx.closePath();
 }
 
 export function cross(ctx: CanvasRenderingContext2D, colour: string, palette: Palette): void {
@@ -242,7 +214,7 @@ export function hitTest(view: View, fleet: Fleet, x: number, y: number, reachPx:
   let best = -1;
   let bestDistance = reachPx;
   eachPlaced(fleet, (i) => {
-    const distance = Math.hypot(view.x(fleet.eastM[i] ?? 0) - x, view.y(fleet.northM[i] ?? 0) - y);
+    const distance = Math.hypot(view.x(fleet.shownEastM[i] ?? 0) - x, view.y(fleet.shownNorthM[i] ?? 0) - y);
     if (distance <= bestDistance) {
       best = i;
       bestDistance = distance;
@@ -255,8 +227,8 @@ export function hitTest(view: View, fleet: Fleet, x: number, y: number, reachPx:
 export function within(view: View, fleet: Fleet, x0: number, y0: number, x1: number, y1: number): number[] {
   const ids: number[] = [];
   eachPlaced(fleet, (i) => {
-    const x = view.x(fleet.eastM[i] ?? 0);
-    const y = view.y(fleet.northM[i] ?? 0);
+    const x = view.x(fleet.shownEastM[i] ?? 0);
+    const y = view.y(fleet.shownNorthM[i] ?? 0);
     const inX = x >= Math.min(x0, x1) && x <= Math.max(x0, x1);
     if (inX && y >= Math.min(y0, y1) && y <= Math.max(y0, y1)) ids.push(fleet.ids[i] ?? 0);
   });

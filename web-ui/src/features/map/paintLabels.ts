@@ -2,9 +2,10 @@
 // on the canvas a vehicle is.
 
 import { FLAG } from '../../protocol/frame';
+import { isAirborne } from '../../telemetry/carry';
 import { LabelRoom, toolsBox } from './labelRoom';
 import type { Box } from './labelRoom';
-import { CROWD_SCALE, SHORT_LABELS_FROM, eachPlaced, isAirborne } from './paintFleet';
+import { CROWD_SCALE, SHORT_LABELS_FROM, eachPlaced } from './paintFleet';
 import type { FleetScene } from './paintFleet';
 import { FONT } from './paintGround';
 import { levelColour } from './palette';

@@ -1,9 +1,11 @@
-// Draws the map when something has changed, on the next animation frame and not before. Owns the canvas, not the data.
+// Draws the map when something has changed or is under way. Owns the canvas, not the data.
 
 import type { Console } from '../../app/console.svelte';
 import { t } from '../../language/language.svelte';
 import type { PlacedFences } from '../../model/fences';
 import { FLAG } from '../../protocol/frame';
+import { carry } from '../../telemetry/carry';
+import type { SwarmProjection } from '../../telemetry/geodesy';
 import { paintBase } from '../basemap/paintBase';
 import { legs } from '../measure/measure';
 import type { Leg, Spot } from '../measure/measure';
@@ -17,7 +19,7 @@ import type { Held } from './heldByOthers';
 import { toolsBox } from './labelRoom';
 import { drawnLinks } from './linkTable';
 import { markingOf } from './marking';
-import { paintMotion, paintSlots, paintTrails, paintVehicles } from './paintFleet';
+import { paintMotion, paintSlots, paintVehicles } from './paintFleet';
 import type { FleetScene, Marking } from './paintFleet';
 import { paintFences } from './paintFences';
 import { paintFurniture, paintGrid, paintGround, paintHatching } from './paintGround';
@@ -25,11 +27,14 @@ import { paintHands } from './paintHands';
 import { paintLabels } from './paintLabels';
 import type { OnCanvas } from './paintLabels';
 import { paintLadder } from './paintLadder';
+import { Pace } from './pace';
 import { paintLinks } from './paintLinks';
 import type { Rung } from './paintLadder';
 import { paintAnchor, paintBox, paintDraftRoute, paintPreview, paintRoute } from './paintPlan';
+import { TrailPainter } from './paintTrails';
 import { readPalette } from './palette';
 import type { Palette } from './palette';
+import { Underlay } from './underlay';
 import { isEmpty } from './view';
 
 const FIT_PADDING_PX = 96;
@@ -52,8 +57,10 @@ export class Painter {
   box: SelectionBox | null = null;
   /** Written anew for every question: no garbage for each label. */
   readonly #place: OnCanvas = { x: 0, y: 0 };
-  #dirty = true;
-  #request = 0;
+  readonly #pace = new Pace(() => this.#draw());
+  readonly #trails = new TrailPainter();
+  readonly #underlay: Underlay;
+  #projection: SwarmProjection | null = null;
   #palette: Palette;
   #ratio = 1;
   #placedOnce = false;
@@ -68,20 +75,23 @@ export class Painter {
     const ctx = canvas.getContext('2d', { alpha: false });
     if (!ctx) throw new Error('this browser gives no 2D canvas');
     this.#ctx = ctx;
+    this.#underlay = new Underlay(document.createElement('canvas'));
     this.#fences = new FenceCache(console);
     this.#held = new HeldCache(() => console.session.control, console.operator.id);
     this.#palette = readPalette(canvas);
   }
 
-  /** Asks for a drawing on the next animation frame. */
+  /** Asks for a drawing of everything on the next animation frame. */
   wake = (): void => {
-    this.#dirty = true;
-    if (this.#request === 0) this.#request = requestAnimationFrame(this.#draw);
+    this.#underlay.forget();
+    this.#pace.soon();
   };
 
+  /** Asks for a drawing of news that come by themselves. */
+  news = (): void => this.#pace.news();
+
   stop(): void {
-    cancelAnimationFrame(this.#request);
-    this.#request = -1;
+    this.#pace.stop();
   }
 
   themeChanged(): void {
@@ -98,7 +108,8 @@ export class Painter {
     this.canvas.width = Math.round(view.width * ratio);
     this.canvas.height = Math.round(view.height * ratio);
     if (this.console.map.camera === 'fleet') this.fit();
-    this.wake();
+    // A canvas with another size is empty, and black: without a drawing before the browser paints, that would be seen.
+    this.#pace.now();
   }
 
   /** Brings all vehicles and plans into view. */
@@ -108,22 +119,23 @@ export class Painter {
     this.wake();
   }
 
-  #draw = (): void => {
-    this.#request = 0;
-    if (!this.#dirty || this.console.map.look !== 'flat') return;
-    this.#dirty = false;
+  /** Draws, and says whether vehicles are under way. */
+  #draw(): boolean {
+    const { map, session, targets } = this.console;
+    if (map.look !== 'flat') return false;
+    const now = performance.now();
+    const underWay = carry(session.fleet, now);
     this.#moveCamera();
     const ctx = this.#ctx;
     const palette = this.#palette;
-    const { map, session, targets } = this.console;
     const { view } = map;
     ctx.setTransform(this.#ratio, 0, 0, this.#ratio, 0, 0);
-    paintGround(ctx, view, palette);
-    const { projection } = session.fleet;
-    this.baseTiles = map.base && projection ? paintBase(ctx, view, this.#ratio, projection, map.base, palette) : 0;
-    if (map.layers.grid) paintGrid(ctx, view, palette);
-    if (map.layers.fences) paintFences(ctx, view, palette, this.fences());
-    const scene = { fleet: session.fleet, now: performance.now(), selected: targets.selected, marking: this.#marking };
+    // With another origin the trails begin anew, and what was drawn of the old ones leads nowhere.
+    if (this.#projection !== session.fleet.projection) this.#underlay.forget();
+    this.#projection = session.fleet.projection;
+    this.#underlay.lay(ctx, view, this.#ratio, now, this.#paintLowest);
+    if (map.layers.trails) this.#trails.paintSince(ctx, view, palette, session.fleet);
+    const scene = { fleet: session.fleet, now, selected: targets.selected, marking: this.#marking };
     this.#paintUnder(ctx, palette, scene);
     paintVehicles(ctx, view, palette, scene);
     if (map.layers.tracks) paintTracks(ctx, view, palette, this.tracksSeen(), (track) => t('Track {track}', { track }));
@@ -134,14 +146,28 @@ export class Painter {
     if (map.layers.heights) paintLadder(ctx, view, palette, this.#rungs());
     this.frames++;
     if (this.firstVehicleMs === null && session.fleet.presentCount > 0) this.firstVehicleMs = performance.now();
-  };
+    return underWay;
+  }
 
   #onCanvas = (index: number): OnCanvas => {
     const { view } = this.console.map;
     const { fleet } = this.console.session;
-    this.#place.x = view.x(fleet.eastM[index] ?? 0);
-    this.#place.y = view.y(fleet.northM[index] ?? 0);
+    this.#place.x = view.x(fleet.shownEastM[index] ?? 0);
+    this.#place.y = view.y(fleet.shownNorthM[index] ?? 0);
     return this.#place;
+  };
+
+  /** Ground, grid, fences and trails. */
+  #paintLowest = (ctx: CanvasRenderingContext2D): void => {
+    const palette = this.#palette;
+    const { map, session } = this.console;
+    const { view, layers, base } = map;
+    const { projection } = session.fleet;
+    paintGround(ctx, view, palette);
+    this.baseTiles = base && projection ? paintBase(ctx, view, this.#ratio, projection, base, palette) : 0;
+    if (layers.grid) paintGrid(ctx, view, palette);
+    if (layers.fences) paintFences(ctx, view, palette, this.fences());
+    if (layers.trails) this.#trails.paint(ctx, view, palette, session.fleet);
   };
 
   /** Plans, ways, slots and links: what vehicles must not be hidden by. */
@@ -158,7 +184,6 @@ export class Painter {
     // Under the vehicles: where they were last is what an operator needs most then.
     if (session.everLive && !session.canCommand) paintHatching(ctx, view, palette);
     if (layers.links) paintLinks(ctx, view, palette, { north: 0, east: 0 }, session.hello?.node ?? 'this node', drawnLinks(session, scene.now));
-    if (layers.trails) paintTrails(ctx, view, palette, fleet);
     if (layers.slots) paintSlots(ctx, view, palette, fleet);
     if (layers.motion) paintMotion(ctx, view, palette, fleet);
     this.#paintAnchors(ctx, palette);
@@ -180,7 +205,7 @@ export class Painter {
     const { fleet } = this.console.session;
     const i = fleet.indexOf(id);
     if (i < 0 || !fleet.has(i, FLAG.position)) return null;
-    return { north: fleet.northM[i] ?? 0, east: fleet.eastM[i] ?? 0, up: fleet.altitudeM[i] ?? 0, words: `vehicle ${id}` };
+    return { north: fleet.shownNorthM[i] ?? 0, east: fleet.shownEastM[i] ?? 0, up: fleet.shownAltitudeM[i] ?? 0, words: `vehicle ${id}` };
   };
 
   /** The legs that are measured now. */
@@ -241,7 +266,7 @@ export class Painter {
     const leader = info.formation?.leader ?? this.console.formation.leaderId;
     const index = leader === null ? -1 : fleet.indexOf(leader);
     if (index < 0 || !fleet.has(index, FLAG.position)) return null;
-    return { north: fleet.northM[index] ?? 0, east: fleet.eastM[index] ?? 0 };
+    return { north: fleet.shownNorthM[index] ?? 0, east: fleet.shownEastM[index] ?? 0 };
   }
 
   #moveCamera(): void {

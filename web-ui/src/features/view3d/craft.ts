@@ -2,9 +2,10 @@
 // vehicle.
 
 import { FLAG } from '../../protocol/frame';
+import { isAirborne } from '../../telemetry/carry';
 import type { Fleet } from '../../telemetry/fleet';
 import { classify } from '../../telemetry/staleness';
-import { eachPlaced, isAirborne } from '../map/paintFleet';
+import { eachPlaced } from '../map/paintFleet';
 import type { FleetScene } from '../map/paintFleet';
 
 /** Numbers of a pose: north, east, up, yaw, pitch, roll. */
@@ -44,9 +45,9 @@ export class Craft {
   #add(fleet: Fleet, i: number, originAltitudeM: number): void {
     if (this.count === this.index.length) this.#grow();
     const at = this.count * POSE;
-    this.poses[at] = fleet.northM[i] ?? 0;
-    this.poses[at + 1] = fleet.eastM[i] ?? 0;
-    this.poses[at + 2] = (fleet.altitudeM[i] ?? 0) - originAltitudeM;
+    this.poses[at] = fleet.shownNorthM[i] ?? 0;
+    this.poses[at + 1] = fleet.shownEastM[i] ?? 0;
+    this.poses[at + 2] = (fleet.shownAltitudeM[i] ?? 0) - originAltitudeM;
     this.poses[at + 3] = fleet.yawRad[i] ?? 0;
     this.poses[at + 4] = fleet.pitchRad[i] ?? 0;
     this.poses[at + 5] = fleet.rollRad[i] ?? 0;

@@ -1,11 +1,13 @@
 // The view in space, put together: camera, model, drawer, and on a canvas above them the signs and labels of the vehicles. Draws when
-// something has changed, on the next animation frame and not before. Must never send anything.
+// something has changed or is under way. Must never send anything.
 
 import type { Console } from '../../app/console.svelte';
 import { FLAG } from '../../protocol/frame';
+import { carry } from '../../telemetry/carry';
 import { classify } from '../../telemetry/staleness';
 import { HeldCache } from '../map/heldByOthers';
 import { markingOf } from '../map/marking';
+import { Pace } from '../map/pace';
 import { brackets, cross, eachPlaced, leaderRing, stopSign } from '../map/paintFleet';
 import type { FleetScene } from '../map/paintFleet';
 import { FONT, paintHatching } from '../map/paintGround';
@@ -23,7 +25,7 @@ export class Space {
   readonly model: SpaceModel;
   /** Pictures that were drawn. */
   frames = 0;
-  #request = 0;
+  readonly #pace = new Pace(() => this.#draw());
   #palette: Palette;
   #ratio = 1;
   #placed = false;
@@ -44,13 +46,14 @@ export class Space {
     this.model = new SpaceModel(console);
   }
 
-  wake = (): void => {
-    if (this.#request === 0) this.#request = requestAnimationFrame(this.#draw);
-  };
+  /** Asks for a drawing on the next animation frame. */
+  wake = (): void => this.#pace.soon();
+
+  /** Asks for a drawing of news that come by themselves. */
+  news = (): void => this.#pace.news();
 
   stop(): void {
-    cancelAnimationFrame(this.#request);
-    this.#request = -1;
+    this.#pace.stop();
     this.drawer.dispose();
   }
 
@@ -67,7 +70,8 @@ export class Space {
     this.overlay.height = Math.round(this.orbit.height * ratio);
     this.drawer.resize(this.orbit.width, this.orbit.height, ratio);
     this.#placed = false;
-    this.wake();
+    // Canvases with another size are empty until they are drawn: that must not be seen.
+    this.#pace.now();
   }
 
   zoom = (factor: number): void => {
@@ -112,8 +116,8 @@ export class Space {
   /** Where a vehicle is in the picture; written anew for every question. */
   place = (index: number): { x: number; y: number; depth: number } => {
     const { fleet } = this.console.session;
-    const up = (fleet.altitudeM[index] ?? 0) - this.model.originAltitudeM();
-    this.orbit.project(fleet.northM[index] ?? 0, fleet.eastM[index] ?? 0, up, this.#at);
+    const up = (fleet.shownAltitudeM[index] ?? 0) - this.model.originAltitudeM();
+    this.orbit.project(fleet.shownNorthM[index] ?? 0, fleet.shownEastM[index] ?? 0, up, this.#at);
     return this.#at;
   };
 
@@ -121,12 +125,14 @@ export class Space {
     if (this.console.map.camera === 'fleet') this.console.map.setCamera('free');
   }
 
-  #draw = (): void => {
-    this.#request = 0;
+  /** Draws, and says whether vehicles are under way. */
+  #draw(): boolean {
     const { map, session, targets } = this.console;
+    const now = performance.now();
+    const underWay = carry(session.fleet, now);
     this.#moveCamera();
     const scene: FleetScene = {
-      fleet: session.fleet, now: performance.now(), selected: targets.selected, marking: (index) => markingOf(session, index),
+      fleet: session.fleet, now, selected: targets.selected, marking: (index) => markingOf(session, index),
     };
     this.model.build(this.orbit, scene);
     this.drawer.draw(this.model, this.orbit, this.#palette);
@@ -140,7 +146,8 @@ export class Space {
     if (map.layers.labels) paintLabels(ctx, this.orbit, this.#palette, scene, this.place);
     this.#furniture(ctx);
     this.frames++;
-  };
+    return underWay;
+  }
 
   #hatch(ctx: CanvasRenderingContext2D): void {
     ctx.globalAlpha = 0.6;

@@ -78,7 +78,7 @@ export class SpaceModel {
     const { fleet } = this.console.session;
     const origin = this.originAltitudeM();
     let highest = 0;
-    eachPlaced(fleet, (i) => (highest = Math.max(highest, (fleet.altitudeM[i] ?? 0) - origin)));
+    eachPlaced(fleet, (i) => (highest = Math.max(highest, (fleet.shownAltitudeM[i] ?? 0) - origin)));
     return highest;
   }
 
@@ -133,7 +133,7 @@ export class SpaceModel {
     const origin = this.originAltitudeM();
     const foot = orbit.metresPerPixel(orbit.distanceM) * 4;
     eachPlaced(fleet, (i) => {
-      const [n, e, u] = [fleet.northM[i] ?? 0, fleet.eastM[i] ?? 0, (fleet.altitudeM[i] ?? 0) - origin];
+      const [n, e, u] = [fleet.shownNorthM[i] ?? 0, fleet.shownEastM[i] ?? 0, (fleet.shownAltitudeM[i] ?? 0) - origin];
       this.drops.add(n, e, u, n, e, 0);
       this.drops.add(n - foot, e, 0, n + foot, e, 0);
       this.drops.add(n, e - foot, 0, n, e + foot, 0);
@@ -155,7 +155,7 @@ export class SpaceModel {
         });
         const end = last as readonly [number, number, number] | null;
         if (set === this.newTrails && end) {
-          set.add(end[0], end[1], end[2], fleet.northM[i] ?? 0, fleet.eastM[i] ?? 0, (fleet.altitudeM[i] ?? 0) - origin);
+          set.add(end[0], end[1], end[2], fleet.shownNorthM[i] ?? 0, fleet.shownEastM[i] ?? 0, (fleet.shownAltitudeM[i] ?? 0) - origin);
         }
       }
     });
@@ -167,14 +167,14 @@ export class SpaceModel {
       if (!fleet.has(i, FLAG.slot) || fleet.has(i, FLAG.leader)) return;
       const to = [fleet.slotNorthM[i] ?? 0, fleet.slotEastM[i] ?? 0, (fleet.slotAltitudeM[i] ?? 0) - origin] as const;
       this.slots.ring(...to, 1.2, SLOT_CORNERS);
-      this.slots.broken([fleet.northM[i] ?? 0, fleet.eastM[i] ?? 0, (fleet.altitudeM[i] ?? 0) - origin], to, 8, 0.5);
+      this.slots.broken([fleet.shownNorthM[i] ?? 0, fleet.shownEastM[i] ?? 0, (fleet.shownAltitudeM[i] ?? 0) - origin], to, 8, 0.5);
     });
   }
 
   #motion(fleet: Fleet): void {
     const origin = this.originAltitudeM();
     eachPlaced(fleet, (i) => {
-      const [n, e, u] = [fleet.northM[i] ?? 0, fleet.eastM[i] ?? 0, (fleet.altitudeM[i] ?? 0) - origin];
+      const [n, e, u] = [fleet.shownNorthM[i] ?? 0, fleet.shownEastM[i] ?? 0, (fleet.shownAltitudeM[i] ?? 0) - origin];
       const [vn, ve, vd] = [fleet.velocityNorth[i] ?? 0, fleet.velocityEast[i] ?? 0, fleet.velocityDown[i] ?? 0];
       this.motion.add(n, e, u, n + vn * MOTION_S, e + ve * MOTION_S, u - vd * MOTION_S);
     });
@@ -231,7 +231,7 @@ export class SpaceModel {
     if (formation.anchor !== 'leader') return;
     const leader = session.fleet.indexOf(formation.leaderId ?? targets.ids[0] ?? -1);
     if (leader < 0) return;
-    const up = (session.fleet.altitudeM[leader] ?? 0) - this.originAltitudeM();
+    const up = (session.fleet.shownAltitudeM[leader] ?? 0) - this.originAltitudeM();
     for (const slot of formation.previewSlots()) this.previews.ring(slot.north, slot.east, up + slot.upM, 1.4, SLOT_CORNERS);
   }
 
