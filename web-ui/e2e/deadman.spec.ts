@@ -4,7 +4,11 @@ import { expect, test } from './console';
 import { Program } from './program';
 
 let program: Program;
-test.afterEach(() => program.stop());
+test.afterEach(async ({ page }) => {
+  // A page that is still there would say on the console that its program is not.
+  await page.close();
+  await program.stop();
+});
 
 test('where the node asks for signs of life, a page in use gives them', async ({ page }) => {
   program = await Program.node([

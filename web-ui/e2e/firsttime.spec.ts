@@ -10,7 +10,11 @@ let program: Program;
 test.beforeEach(async () => {
   program = await Program.start(VEHICLES);
 });
-test.afterEach(() => program.stop());
+test.afterEach(async ({ page }) => {
+  // A page that is still there would say on the console that its program is not.
+  await page.close();
+  await program.stop();
+});
 
 for (const [width, height] of [[1440, 900], [390, 844]] as const) {
   test(`a formation flies after less than ten clicks at ${width} by ${height}`, async ({ page }) => {

@@ -15,7 +15,11 @@ let program: Program;
 test.beforeEach(async () => {
   program = await Program.start(VEHICLES);
 });
-test.afterEach(() => program.stop());
+test.afterEach(async ({ page }) => {
+  // A page that is still there would say on the console that its program is not.
+  await page.close();
+  await program.stop();
+});
 
 const hands = (page: Page, id: number): Locator => card(page, id).getByTestId('hands');
 const share = (page: Page): Locator => page.getByTestId('targets-hands');

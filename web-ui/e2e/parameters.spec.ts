@@ -12,7 +12,11 @@ let program: Program;
 test.beforeEach(async () => {
   program = await Program.start(VEHICLES);
 });
-test.afterEach(() => program.stop());
+test.afterEach(async ({ page }) => {
+  // A page that is still there would say on the console that its program is not.
+  await page.close();
+  await program.stop();
+});
 
 const line = (page: Page, name: string): Locator => page.locator(`[data-parameter="${name}"]`);
 const outcome = (page: Page): Locator => page.getByTestId('write-outcome');

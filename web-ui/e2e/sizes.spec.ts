@@ -7,7 +7,9 @@ import { Program, freePort } from './program';
 
 let program: Program;
 const vehicles: ChildProcess[] = [];
-test.afterEach(async () => {
+test.afterEach(async ({ page }) => {
+  // A page that is still there would say on the console that its program is not.
+  await page.close();
   for (const vehicle of vehicles.splice(0)) vehicle.kill('SIGKILL');
   await program.stop();
 });

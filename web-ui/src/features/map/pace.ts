@@ -41,7 +41,7 @@ export class Pace {
     this.#drawMs += (ended - begun - this.#drawMs) * SMOOTHING;
     if (!underWay) return;
     const step = stepMs(this.#drawMs);
-    // From when this one was due: screens draw in steps of their own, and from when it was drawn the pictures would come more and more late.
+    // Counted from when this one was due: screens draw in steps of their own, and counted from when it was drawn pictures would come too seldom.
     this.#dueMs = begun - this.#dueMs < step && begun >= this.#dueMs ? this.#dueMs + step : begun + step;
     this.#timer = window.setTimeout(this.#due, this.#dueMs - ended);
   };
