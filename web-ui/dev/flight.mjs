@@ -60,6 +60,7 @@ export class Vehicle {
       this.armed = false;
       this.enter('idle', done);
     }
+    if (this.state === 'going_to' && this.goal && Math.hypot(this.north - this.goal[0], this.east - this.goal[1]) < 0.5) this.enter('holding', done);
     if (this.state === 'returning' && Math.hypot(this.north - this.home[0], this.east - this.home[1]) < 0.5) this.state = 'landing';
     if (this.state === 'arming' && Date.now() > this.startAt) done(this);
   }

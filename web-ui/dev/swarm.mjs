@@ -65,7 +65,8 @@ function command(v, id, c, index) {
   v.command = { id, name: c.command };
   setTimeout(() => progress(v, { progress: 'executing' }), 60);
   v.slot = null;
-  if (c.command === 'take_off') Object.assign(v, { state: 'taking_off', armed: true, height: c.height_m, startAt: Date.now() + 300 + index * 400 });
+  if (c.command === 'take_off') Object.assign(v, { state: 'taking_off', armed: true, height: c.height_m, startAt: Date.now() + 300 + index * Math.min(400, 5000 / vehicles.length) });
+  if (c.command === 'go_to') Object.assign(v, { state: 'going_to', goal: [c.position.north_m, c.position.east_m, -c.position.down_m] });
   if (c.command === 'arm') Object.assign(v, { state: 'arming', armed: true, startAt: Date.now() + 500 });
   if (c.command === 'disarm') Object.assign(v, { state: 'idle', armed: false }), setTimeout(() => done(v), 200);
   if (c.command === 'land') v.state = 'landing';

@@ -1,5 +1,5 @@
 // Where vehicles are drawn between the frames of the socket: where they said they are, carried forward by the velocity they said. Must never
-// change what a vehicle said; figures are not made of carried places.
+// change what a vehicle said: figures are made of that, but for lengths measured on the map, which end where the vehicle is drawn.
 
 import { FLAG } from '../protocol/frame';
 import { LANDED_STATES } from '../protocol/words';
