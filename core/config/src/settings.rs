@@ -118,6 +118,9 @@ pub struct AdoptionRule {
     /// Vehicle name; `{system_id}` and `{vehicle_id}` are filled in.
     #[serde(default = "AdoptionRule::default_name")]
     pub name: String,
+    /// Its autopilot runs in a simulation. One that says so over MAVLink, as PX4's does, need not be told of here.
+    #[serde(default)]
+    pub simulated: bool,
     /// Added to the system id to make the vehicle id, so that several networks can use the same system ids.
     #[serde(default)]
     pub vehicle_id_offset: u16,
@@ -235,6 +238,7 @@ impl Default for AdoptionRule {
             endpoint: None,
             links: Self::default_links(),
             name: Self::default_name(),
+            simulated: false,
             vehicle_id_offset: 0,
             model: Self::default_model(),
             model_config: toml::Table::new(),

@@ -246,7 +246,7 @@ impl EstimatorHealth {
     pub const POSITION_ABSOLUTE: u16 = 16;
     /// It has a height above mean sea level.
     pub const HEIGHT_ABSOLUTE: u16 = 32;
-    /// It does not know where it is and takes it that it does not move.
+    /// It takes it that it does not move: PX4 sets it of whatever stands still on the ground, and without any source of a position.
     pub const CONSTANT_POSITION: u16 = 128;
     /// It would have a relative position in flight.
     pub const POSITION_RELATIVE_PREDICTED: u16 = 256;
@@ -263,11 +263,13 @@ impl EstimatorHealth {
         self.flags & flags == flags
     }
 
-    /// Whether it knows where on Earth it is, how high, and how fast it moves: what flying among others needs.
+    /// Whether it knows where on Earth it is, how high, and how fast it moves: what flying among others needs. PX4 takes back
+    /// velocity and position when it has no source of them, so these flags tell it. That it takes itself not to move is no fault of
+    /// a vehicle that stands; one in the air has lost its way.
     #[must_use]
-    pub fn is_position_good(&self) -> bool {
+    pub fn is_position_good(&self, in_air: bool) -> bool {
         let needed = Self::ATTITUDE | Self::VELOCITY_HORIZONTAL | Self::POSITION_ABSOLUTE | Self::HEIGHT_ABSOLUTE;
-        self.has(needed) && !self.has(Self::CONSTANT_POSITION) && !self.has(Self::ACCELEROMETER_ERROR)
+        self.has(needed) && !(in_air && self.has(Self::CONSTANT_POSITION)) && !self.has(Self::ACCELEROMETER_ERROR)
     }
 }
 
@@ -340,6 +342,12 @@ pub struct Telemetry {
     pub mode: FlightMode,
     /// Motors armed.
     pub armed: bool,
+    /// The autopilot's own failsafe acts.
+    #[serde(default)]
+    pub failsafe: bool,
+    /// The autopilot runs in a simulation: its clock goes at a pace of its own, and its battery tells nothing of a flight's length.
+    #[serde(default)]
+    pub simulated: bool,
     /// On the ground or in the air.
     pub landed: LandedState,
     /// Whether the autopilot would let it be armed now; `None` until it says.

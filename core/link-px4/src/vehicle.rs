@@ -69,6 +69,15 @@ pub struct AutopilotIdentity {
     pub uid: Option<u64>,
 }
 
+impl AutopilotIdentity {
+    /// Whether it is PX4's software in the loop, with whatever simulator: its hardware's number is the text `SIMULATIONID`, of which
+    /// MAVLink tells `ONID` and `LATI`, and to whose first letter PX4 adds its system id less one.
+    #[must_use]
+    pub fn is_simulated(&self) -> bool {
+        self.uid.is_some_and(|uid| uid.to_le_bytes()[1..] == *b"NIDLATI")
+    }
+}
+
 /// One vehicle's link, without I/O.
 #[derive(Debug)]
 pub struct VehicleCore {
@@ -235,7 +244,12 @@ impl VehicleCore {
         self.poll_route(now);
         if self.connected {
             self.send_parameters(now);
-            if let Some(request) = self.clock.poll(now, self.settings.timesync_hz, self.target()) {
+            if let Some(request) = self.clock.poll(
+                now,
+                self.settings.timesync_hz,
+                self.identity.is_simulated(),
+                self.target(),
+            ) {
                 self.outbox.push(&request);
             }
             if !self.commands.is_tuning()

@@ -333,6 +333,8 @@ pub struct VehicleCell {
     pub name: String,
     /// System id on its link.
     pub system_id: SystemId,
+    /// Its autopilot runs in a simulation, as its rule says.
+    pub simulated: bool,
     /// The UAV-model plugin instance that flies it.
     pub model: Arc<LifeRecord>,
     /// What it carries, by name.
@@ -366,6 +368,7 @@ impl VehicleCell {
         id: VehicleId,
         name: String,
         system_id: SystemId,
+        simulated: bool,
         model: Arc<LifeRecord>,
         link: Arc<dyn VehicleLink>,
     ) -> Self {
@@ -373,6 +376,7 @@ impl VehicleCell {
             id,
             name,
             system_id,
+            simulated,
             model,
             payloads: RwLock::default(),
             link: ArcSwap::from_pointee(LinkSlot(link)),

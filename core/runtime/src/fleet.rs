@@ -281,7 +281,14 @@ impl FleetState {
             system_id,
         };
         let life = LifeRecord::new(identity, plugin, rule.model_config_json(), rule.model_isolation);
-        let cell = Arc::new(VehicleCell::new(id, name, system_id, Arc::new(life), link));
+        let cell = Arc::new(VehicleCell::new(
+            id,
+            name,
+            system_id,
+            rule.simulated,
+            Arc::new(life),
+            link,
+        ));
         for payload in &rule.payloads {
             let payload = payload_cell(&self.board, &cell, payload).map_err(|refusal| refusal.to_string())?;
             cell.payloads.write().insert(payload.name.clone(), Arc::new(payload));

@@ -129,6 +129,7 @@ fn checks(board: &Board, cell: &VehicleCell, entry: &PeerEntry, now: NodeTime) -
             .lock()
             .iter()
             .any(|other| other.system_id == cell.system_id),
+        alarms: Some(cell.watch.lock().would_act(&board.config.safety.ladder)),
         ..VehicleChecks::observed(cell.id, &entry.telemetry, &entry.link, now)
     }
 }

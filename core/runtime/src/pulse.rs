@@ -69,7 +69,8 @@ fn beat(board: &Board) {
     let cells = board.cells();
     let mut entries = Vec::with_capacity(cells.len());
     for cell in &cells {
-        let (telemetry, link) = cell.link.load().0.read(now);
+        let (mut telemetry, link) = cell.link.load().0.read(now);
+        telemetry.simulated |= cell.simulated;
         if board.frame().is_none()
             && board.coordinates()
             && let Some(place) = telemetry.home.or(telemetry.global)

@@ -20,6 +20,9 @@ use skein_domain::{Battery, EnergyLevel, EnergySettings, EnergyState, NodeTime, 
 pub struct EnergySample {
     /// Its battery; what is absent is done without.
     pub battery: Battery,
+    /// The battery is a simulated one: how full it says it is counts, how fast it empties tells nothing of how long it lasts. PX4's
+    /// empties at a set pace while armed, and stays for ever at the level where it is told to stop.
+    pub simulated: bool,
     /// Motors run and it is off the ground.
     pub airborne: bool,
     /// Its velocity over the ground.
@@ -58,8 +61,10 @@ impl EnergyEstimator {
         }
         let airspeed_m_s = airspeed_m_s(sample);
         let remaining = self.remaining.filter(|(_, at)| *at == now).map(|(share, _)| share);
+        // On the ground nothing is learned either.
+        let consumes = sample.airborne && !sample.simulated;
         self.consumption
-            .observe(now, sample.airborne, airspeed_m_s, remaining, &sample.battery, settings);
+            .observe(now, consumes, airspeed_m_s, remaining, &sample.battery, settings);
     }
 
     /// How it stands against the way home. `None` as long as the remaining charge is not known.

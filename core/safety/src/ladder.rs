@@ -75,9 +75,7 @@ impl Ladder {
     /// Takes one look at the vehicle, at least ten times a second. What is to be done is in events of kind
     /// [`LadderEventKind::Ordered`]; at most one per call.
     pub fn step(&mut self, now: NodeTime, health: &Health, settings: &LadderSettings) -> Vec<LadderEvent> {
-        let clock_deviation_s =
-            self.clock
-                .deviation_s(now, health.clock_offset_s, health.position_time, &settings.clock_fault);
+        let clock_deviation_s = self.clock.deviation_s(now, health, &settings.clock_fault);
         self.now = self.now.max(now);
         let mut events = Vec::new();
         self.note_hands(health, &mut events);
@@ -93,6 +91,11 @@ impl Ladder {
         }
         self.give_orders(health, settings, &mut events);
         events
+    }
+
+    /// The autopilot restarted: its clock began anew, and where that is now is no fault of it.
+    pub fn autopilot_restarted(&mut self) {
+        self.clock = ClockWatch::default();
     }
 
     /// Since when the vehicle has been heard without a silence.
@@ -166,10 +169,10 @@ impl Ladder {
         // In a pilot's hands the stream stays stopped until somebody takes the vehicle up again.
         let ends = |order: &Order| !health.airborne || order.reaction != Reaction::Release;
         if let Some(order) = self.order.filter(ends) {
-            let why = if health.airborne {
-                "the pilot took over"
-            } else {
-                "on the ground"
+            let why = match (health.airborne, health.failsafe) {
+                (true, true) => "the autopilot's own failsafe took over",
+                (true, false) => "the pilot took over",
+                (false, _) => "on the ground",
             };
             events.push(self.about_order(LadderEventKind::Ended, &order, why));
             self.order = None;

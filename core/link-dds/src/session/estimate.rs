@@ -78,6 +78,7 @@ impl Estimate {
     pub fn on_status(&mut self, now: NodeTime, status: &Status) {
         self.telemetry.mode = flight_mode(status.nav_state);
         self.telemetry.armed = status.armed();
+        self.telemetry.failsafe = status.failsafe;
         self.telemetry.ready_to_arm = Some(status.ready_to_arm);
         self.telemetry.heard.system_status = now;
         self.not_taken_off = Some(!status.took_off);

@@ -43,7 +43,7 @@ fn telemetry_is_filled_in_the_vehicles_own_frame() {
         "{}",
         telemetry.yaw_rad
     );
-    assert!(telemetry.estimator.unwrap().is_position_good());
+    assert!(telemetry.estimator.unwrap().is_position_good(false));
     assert!(health.connected && health.receive_rate_hz > 50.0, "{health:?}");
     // PX4 is 100 s ahead; its position was measured 5 ms before it was sent, and 1 ms passed on the way.
     assert!((health.clock_offset_s.unwrap() - 100.0).abs() < 0.003, "{health:?}");

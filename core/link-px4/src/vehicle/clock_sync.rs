@@ -1,7 +1,8 @@
 //! Offset between the autopilot's clock and the node's, and the round trip, by TIMESYNC.
 //!
-//! The autopilot's clock may run at another rate (a simulation slower than real time does): the offset is followed by an
-//! alpha-beta filter, so that a steady drift leaves no lag.
+//! The autopilot's clock may run at another pace (a simulation slower than real time does): the offset is followed by an
+//! alpha-beta filter, so that a steady drift leaves no lag. Its gains begin as those of the straight line through all samples since
+//! the start, so that a pace of one half is known after two of them.
 
 use mavlink::dialects::common::TIMESYNC_DATA;
 use skein_domain::NodeTime;
@@ -9,7 +10,9 @@ use skein_domain::NodeTime;
 /// Samples at the start are taken this fast, per second, until the filter has settled.
 const SETTLING_HZ: f64 = 5.0;
 /// How many samples that takes.
-const SETTLING_SAMPLES: u32 = 5;
+const SETTLING_SAMPLES: u32 = 8;
+/// A simulation's pace changes with what else its computer does: it is asked this often, per second.
+const SIMULATED_HZ: f64 = 5.0;
 /// A round trip over this multiple of the usual one, plus [`SLACK_S`], says little about the offset.
 const OUTLIER_FACTOR: f64 = 3.0;
 const SLACK_S: f64 = 0.01;
@@ -25,8 +28,8 @@ const AGREE_S: f64 = 0.02;
 const CONFIRM_S: f64 = 0.1;
 const ALPHA: f64 = 0.35;
 const BETA: f64 = 0.1;
-/// A clock drifts at most this much, in seconds per second.
-const DRIFT_MAX: f64 = 0.1;
+/// The offset drifts at most this much, in seconds per second: from a clock that stands to one twice as fast as ours.
+const DRIFT_MAX: f64 = 1.0;
 const ROUND_TRIP_ALPHA: f64 = 0.2;
 /// An answer older than this is not one to us any more, in seconds.
 const ANSWER_MAX_S: f64 = 2.0;
@@ -54,16 +57,17 @@ pub struct ClockSync {
     at: NodeTime,
     drift: f64,
     round_trip_s: Option<f64>,
-    /// The offset that a step would have led to, if one is suspected.
-    suspected_s: Option<f64>,
+    /// The offset that a step would have led to, and when, if one is suspected.
+    suspected: Option<(f64, NodeTime)>,
 }
 
 impl ClockSync {
     /// A request if one is due.
-    pub fn poll(&mut self, now: NodeTime, rate_hz: f64, target: (u8, u8)) -> Option<TIMESYNC_DATA> {
+    pub fn poll(&mut self, now: NodeTime, rate_hz: f64, simulated: bool, target: (u8, u8)) -> Option<TIMESYNC_DATA> {
         if rate_hz <= 0.0 || now < self.next_request {
             return None;
         }
+        let rate_hz = if simulated { rate_hz.max(SIMULATED_HZ) } else { rate_hz };
         let rate_hz = if self.samples < SETTLING_SAMPLES {
             rate_hz.max(SETTLING_HZ)
         } else {
@@ -124,15 +128,20 @@ impl ClockSync {
         }
         let by_s = measured_s - (self.offset_s + self.drift * now.seconds_since(self.at));
         let is_far = by_s.abs() > JUMP_S + doubt_s;
-        let agrees = |suspected_s: f64| (measured_s - suspected_s).abs() <= AGREE_S + doubt_s;
-        match self.suspected_s.take() {
+        let drift = self.drift;
+        let agrees = |(suspected_s, at): (f64, NodeTime)| {
+            let expected_s = suspected_s + drift * now.seconds_since(at);
+            (measured_s - expected_s).abs() <= AGREE_S + doubt_s
+        };
+        match self.suspected.take() {
             _ if !is_far => Step::None,
-            Some(suspected_s) if agrees(suspected_s) => {
-                (self.offset_s, self.at, self.drift, self.samples) = (measured_s, now, 0.0, 1);
+            Some(suspected) if agrees(suspected) => {
+                // What stood still for a moment goes on at its old pace.
+                (self.offset_s, self.at, self.samples) = (measured_s, now, 1);
                 Step::Made { by_s }
             }
             _ => {
-                self.suspected_s = Some(measured_s);
+                self.suspected = Some((measured_s, now));
                 self.next_request = self.next_request.min(now.plus_seconds(CONFIRM_S));
                 Step::Suspected
             }
@@ -149,11 +158,10 @@ impl ClockSync {
         } else {
             let error_s = measured_s - expected_s;
             self.samples = self.samples.saturating_add(1);
-            // At first the mean of what there is, then the filter.
-            let alpha = ALPHA.max(1.0 / f64::from(self.samples));
+            let (alpha, beta) = gains(self.samples);
             self.offset_s = expected_s + alpha * error_s;
             if elapsed_s > 0.05 {
-                self.drift = (self.drift + BETA * error_s / elapsed_s).clamp(-DRIFT_MAX, DRIFT_MAX);
+                self.drift = (self.drift + beta * error_s / elapsed_s).clamp(-DRIFT_MAX, DRIFT_MAX);
             }
         }
         self.at = now;
@@ -182,6 +190,16 @@ impl ClockSync {
     }
 }
 
+/// Of the straight line through `samples` evenly spaced ones, until the filter's own are greater.
+fn gains(samples: u32) -> (f64, f64) {
+    let n = f64::from(samples);
+    let line = n * (n + 1.0);
+    (
+        (2.0 * (2.0 * n - 1.0) / line).clamp(ALPHA, 1.0),
+        (6.0 / line).clamp(BETA, 1.0),
+    )
+}
+
 fn nanoseconds(time: NodeTime) -> i64 {
     i64::try_from(time.0).unwrap_or(i64::MAX / 1000).saturating_mul(1000)
 }
@@ -205,7 +223,7 @@ mod tests {
         let mut count = 0;
         while t < from_s + seconds {
             let now = NodeTime::from_seconds(t);
-            if let Some(request) = sync.poll(now, 1.0, (1, 1)) {
+            if let Some(request) = sync.poll(now, 1.0, false, (1, 1)) {
                 let delay = delay_s(count);
                 count += 1;
                 let tc1 = (((t + delay / 2.0) * rate + offset_s) * 1e9) as i64;
@@ -246,6 +264,49 @@ mod tests {
     }
 
     #[test]
+    fn a_pace_of_half_or_one_and_a_half_is_followed_and_is_no_step() {
+        for rate in [0.5, 1.5] {
+            let mut sync = ClockSync::default();
+            let mut t = 10.0;
+            let mut steps = 0;
+            while t < 30.0 {
+                let now = NodeTime::from_seconds(t);
+                if let Some(request) = sync.poll(now, 1.0, true, (1, 1)) {
+                    let tc1 = (((t + 0.002) * rate + 5.0) * 1e9) as i64;
+                    let answer = TIMESYNC_DATA { tc1, ..request };
+                    steps += u32::from(sync.on_answer(now.plus_seconds(0.004), &answer).is_some());
+                    let truth_s = (t + 0.002) * rate + 5.0 - (t + 0.002);
+                    let found_s = sync.offset_s(now).unwrap();
+                    assert!(
+                        t < 10.5 || (found_s - truth_s).abs() < 0.01,
+                        "{found_s} for {truth_s} at {t}"
+                    );
+                }
+                t += 0.02;
+            }
+            assert_eq!(steps, 0);
+        }
+    }
+
+    #[test]
+    fn a_pace_that_changes_is_found_again_and_a_stall_leaves_the_pace() {
+        let mut sync = ClockSync::default();
+        exchange(&mut sync, 10.0, 20.0, 5.0, 0.98, |_| 0.004);
+        // It stood still for 0.3 s, and goes on at its old pace.
+        let offset_s = 5.0 - 0.3 + 30.0 * 0.98 - 30.0;
+        let mut stepped = None;
+        for i in 0..10 {
+            let t = 30.0 + 0.21 * f64::from(i);
+            let there_s = offset_s - 0.02 * (t - 30.0);
+            stepped = once(&mut sync, t, there_s, 0.002, 0.002).or(stepped);
+        }
+        assert!((stepped.expect("told") + 0.3).abs() < 0.02, "{stepped:?}");
+        let now = NodeTime::from_seconds(33.0);
+        let truth_s = offset_s - 0.02 * 3.0;
+        assert!((sync.offset_s(now).unwrap() - truth_s).abs() < 0.01);
+    }
+
+    #[test]
     fn slow_answers_do_not_move_the_offset_and_a_line_slow_for_good_is_followed() {
         let mut sync = ClockSync::default();
         exchange(&mut sync, 10.0, 20.0, 5.0, 1.0, |_| 0.004);
@@ -253,7 +314,7 @@ mod tests {
         let mut t = 30.0;
         for i in 0..30 {
             let now = NodeTime::from_seconds(t);
-            if let Some(request) = sync.poll(now, 1.0, (1, 1)) {
+            if let Some(request) = sync.poll(now, 1.0, false, (1, 1)) {
                 let tc1 = ((t + 0.002 + 5.0) * 1e9) as i64;
                 let delay = if i % 10 == 0 { 0.3 } else { 0.004 };
                 sync.on_answer(now.plus_seconds(delay), &TIMESYNC_DATA { tc1, ..request });
@@ -267,7 +328,7 @@ mod tests {
 
     /// Exchanges one TIMESYNC at `t` with an autopilot whose clock is `offset_s` ahead; the way there takes `there_s`.
     fn once(sync: &mut ClockSync, t: f64, offset_s: f64, there_s: f64, back_s: f64) -> Option<f64> {
-        let request = sync.poll(NodeTime::from_seconds(t), 1.0, (1, 1))?;
+        let request = sync.poll(NodeTime::from_seconds(t), 1.0, false, (1, 1))?;
         let tc1 = ((t + there_s + offset_s) * 1e9) as i64;
         sync.on_answer(
             NodeTime::from_seconds(t + there_s + back_s),
@@ -311,7 +372,7 @@ mod tests {
     fn answers_that_are_not_ours_are_passed_over() {
         let mut sync = ClockSync::default();
         let now = NodeTime::from_seconds(3.0);
-        let request = sync.poll(now, 1.0, (1, 1)).unwrap();
+        let request = sync.poll(now, 1.0, false, (1, 1)).unwrap();
         sync.on_answer(now, &TIMESYNC_DATA { tc1: 0, ..request });
         sync.on_answer(
             now,

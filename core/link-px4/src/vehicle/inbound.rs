@@ -104,6 +104,7 @@ impl VehicleCore {
         let [kind, patch, minor, major] = message.flight_sw_version.to_le_bytes();
         self.identity.firmware = Some([major, minor, patch, kind]);
         self.identity.uid = Some(message.uid);
+        self.estimate.set_simulated(self.identity.is_simulated());
     }
 
     fn on_heartbeat(&mut self, now: NodeTime, heartbeat: Heartbeat) {
@@ -114,7 +115,7 @@ impl VehicleCore {
         let armed = heartbeat.armed();
         self.parameters.set_armed(armed);
         let mode = heartbeat.px4_mode().map_or(FlightMode::Unknown, Px4Mode::flight_mode);
-        self.estimate.set_mode(mode, armed);
+        self.estimate.set_mode(mode, armed, heartbeat.failsafe());
         if armed_before.is_some_and(|before| before != armed) {
             self.events.push(LinkEvent::ArmedChanged { armed });
         }

@@ -56,15 +56,22 @@ impl Estimate {
 
     /// Forgets what an autopilot that restarted cannot mean any more.
     pub fn restart(&mut self) {
-        let (mode, armed) = (self.telemetry.mode, self.telemetry.armed);
+        let before = self.telemetry;
         *self = Self::default();
-        self.set_mode(mode, armed);
+        self.set_mode(before.mode, before.armed, before.failsafe);
+        self.set_simulated(before.simulated);
     }
 
-    /// Mode and armed state of a heartbeat.
-    pub fn set_mode(&mut self, mode: FlightMode, armed: bool) {
+    /// Mode and armed state of a heartbeat, and whether the autopilot's own failsafe acts.
+    pub fn set_mode(&mut self, mode: FlightMode, armed: bool, failsafe: bool) {
         self.telemetry.mode = mode;
         self.telemetry.armed = armed;
+        self.telemetry.failsafe = failsafe;
+    }
+
+    /// Whether the autopilot runs in a simulation.
+    pub fn set_simulated(&mut self, simulated: bool) {
+        self.telemetry.simulated = simulated;
     }
 
     /// Seconds since a local position was heard; infinite if none was.

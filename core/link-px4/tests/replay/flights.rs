@@ -111,11 +111,15 @@ fn telemetry_on_the_way() {
 fn how_well_it_knows_where_it_is() {
     let flight = fly("plain-flight", 1, &[], &[]);
     let (early, ..) = flight.at(1.5);
-    assert!(early.estimator.is_none_or(|estimator| !estimator.is_position_good()));
+    assert!(
+        early
+            .estimator
+            .is_none_or(|estimator| !estimator.is_position_good(false))
+    );
     let (flying, ..) = flight.at(35.3);
     assert_eq!(flying.gnss_healthy, Some(true));
     let estimator = flying.estimator.unwrap();
-    assert!(estimator.is_position_good(), "{estimator:?}");
+    assert!(estimator.is_position_good(false), "{estimator:?}");
     assert!(estimator.horizontal_accuracy_m.unwrap() < 1.0 && estimator.position_ratio < 0.5);
     let frame = flying.local_frame.unwrap();
     let apart = frame.position(&flying.gnss_place.unwrap()).vector() - flying.local.unwrap().vector();

@@ -40,7 +40,7 @@ fn receivers_estimator_wind_and_battery_are_told() {
     assert_eq!((telemetry.gnss_healthy, telemetry.gnss.satellites), (Some(true), 16));
     let health = telemetry.estimator.unwrap();
     assert!(
-        health.is_position_good() && !health.has(EstimatorHealth::GNSS_GLITCH),
+        health.is_position_good(true) && !health.has(EstimatorHealth::GNSS_GLITCH),
         "{health:?}"
     );
     let wind = telemetry.wind.unwrap();
@@ -100,7 +100,7 @@ fn satellites_lost_are_seen_before_the_position_ends() {
     rig.run(2.0);
     let (telemetry, health) = rig.read();
     assert!(health.connected && rig.now().seconds_since(telemetry.heard.local) > 1.5);
-    assert!(!telemetry.estimator.unwrap().is_position_good());
+    assert!(!telemetry.estimator.unwrap().is_position_good(true));
     assert_eq!(telemetry.gnss_healthy, Some(false));
 }
 

@@ -123,6 +123,7 @@ impl VehicleState {
             LinkEvent::Rebooted => {
                 let text = format!("{name}: autopilot restarted");
                 self.record(Severity::Warning, EventKind::AutopilotRebooted, text);
+                self.cell.watch.lock().autopilot_restarted();
                 events.push(Event::Rebooted);
             }
             LinkEvent::StatusText { severity, text } => {
@@ -196,10 +197,12 @@ impl VehicleState {
         }
         self.pilot = true;
         link.0.stop_stream(now);
-        let text = format!(
-            "{}: {from} left for {to} without being told: pilot or failsafe is in control",
-            self.cell.name
-        );
+        let why = if telemetry.failsafe {
+            "by the autopilot's own failsafe"
+        } else {
+            "without being told: a pilot or another ground station is in control"
+        };
+        let text = format!("{}: {from} left for {to} {why}", self.cell.name);
         self.record(Severity::Warning, EventKind::Notice, text);
     }
 }

@@ -9,8 +9,8 @@ use crate::snapshot::EventKind;
 use crate::ways;
 use skein_domain::exchange::Severity;
 use skein_domain::{
-    AutopilotCommand, EnergyState, FlightMode, FlightState, LadderEvent, LadderEventKind, NodeTime, Order, PositionNed,
-    Reaction, Refusal, RequestId, Task, VehicleCommand,
+    AutopilotCommand, EnergyState, FlightMode, FlightState, LadderEvent, LadderEventKind, LadderSettings, NodeTime,
+    Order, PositionNed, Reaction, Refusal, RequestId, Task, VehicleCommand,
 };
 use skein_safety::Ladder;
 use skein_safety::energy::{EnergyEstimator, EnergySample, WayHome};
@@ -52,6 +52,16 @@ impl Watch {
     /// Whether a reaction is in force that the coordinator cannot end.
     pub fn is_under_order(&self) -> bool {
         self.ladder.order().is_some_and(|order| !is_over(order))
+    }
+
+    /// Alarms that stand now and would do more than warn in flight.
+    pub fn would_act(&self, settings: &LadderSettings) -> Vec<String> {
+        self.ladder.would_act(settings)
+    }
+
+    /// The autopilot restarted.
+    pub fn autopilot_restarted(&mut self) {
+        self.ladder.autopilot_restarted();
     }
 
     /// Whether it may come back into the formation that the watch took it out of.
@@ -101,6 +111,7 @@ impl VehicleState {
             battery: Some(entry.telemetry.battery)
                 .filter(|_| told_s <= BATTERY_TOLD_S)
                 .unwrap_or_default(),
+            simulated: entry.telemetry.simulated,
             airborne: entry.airborne,
             velocity: entry.telemetry.velocity,
             wind: entry.telemetry.wind,

@@ -16,6 +16,7 @@ fn sample(remaining: f32) -> EnergySample {
             remaining: Some(remaining),
             ..Battery::default()
         },
+        simulated: false,
         airborne: true,
         velocity: Some(VelocityNed::default()),
         wind: Some(VelocityNed::default()),
@@ -219,6 +220,49 @@ fn the_current_teaches_where_the_capacity_is_known_and_the_report_corrects_it() 
     assert!((f / flying - 1.0).abs() < 0.1, "flying {f} of {flying}");
 }
 
+/// PX4's simulated battery: so much per second down to where it is told to stop, and no further.
+fn simulated_battery(t: f64, full_to_empty_s: f64, stops_at: f64) -> EnergySample {
+    EnergySample {
+        simulated: true,
+        ..sample((1.0 - t / full_to_empty_s).max(stops_at) as f32)
+    }
+}
+
+#[test]
+fn a_simulated_battery_that_halves_in_thirty_seconds_calls_nobody_home_and_an_empty_one_does() {
+    let settings = EnergySettings::default();
+    let fly = |stops_at: f64| {
+        let mut estimator = EnergyEstimator::new();
+        let mut worst = EnergyLevel::Ok;
+        for i in 0..36_000_u32 {
+            let t = f64::from(i) * 0.1;
+            estimator.observe(at(t), &simulated_battery(t, 60.0, stops_at), &settings);
+            worst = worst.max(estimator.assess(at(t), &way(200.0), &settings).expect("known").level);
+        }
+        worst
+    };
+    assert_eq!(fly(0.5), EnergyLevel::Ok);
+    assert_eq!(fly(0.1), EnergyLevel::ReturnNow);
+    assert_eq!(fly(0.02), EnergyLevel::LandNow);
+    // A real battery that falls so fast is believed: one learns from it, and comes home in time.
+    let at_a_third = |simulated: bool| {
+        let mut estimator = EnergyEstimator::new();
+        let mut level = EnergyLevel::Ok;
+        for i in 0..400_u32 {
+            let t = f64::from(i) * 0.1;
+            let told = EnergySample {
+                simulated,
+                ..simulated_battery(t, 60.0, 0.0)
+            };
+            estimator.observe(at(t), &told, &settings);
+            level = estimator.assess(at(t), &way(200.0), &settings).expect("known").level;
+        }
+        level
+    };
+    assert_eq!(at_a_third(true), EnergyLevel::Ok);
+    assert!(at_a_third(false) >= EnergyLevel::ReturnNow);
+}
+
 #[test]
 fn nothing_is_learned_on_the_ground() {
     let settings = EnergySettings::default();
@@ -290,6 +334,7 @@ proptest! {
         let mut estimator = EnergyEstimator::new();
         let sample = EnergySample {
             battery: Battery { remaining: Some(remaining), voltage_v: Some(values[0] as f32), current_a: Some(values[1] as f32) },
+            simulated: false,
             airborne: true,
             velocity: Some(VelocityNed::new(values[2], values[3], 0.0)),
             wind: Some(VelocityNed::new(values[4], values[5], 0.0)),

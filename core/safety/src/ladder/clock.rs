@@ -1,10 +1,17 @@
 //! Watches the offset between an autopilot's clock and the node's: a jump, a drift, or time that goes backwards.
+//!
+//! The clock of a vehicle is a quartz: one that runs at another pace is broken. The time of a simulation runs as fast as the computer
+//! computes it, and stands still while that does something else: there a pace between half and one and a half is no fault, a jump is.
 
+use super::Health;
 use skein_domain::NodeTime;
 use skein_domain::ladder::ClockFaultRule;
 
 /// Of `clear_s`: an offset that wanders no further counts as steady.
 const STEADY_SHARE: f64 = 0.2;
+/// How fast the offset of a simulated clock may wander, in seconds per second: a pace of 0.5 to 1.5, and now and then a moment in
+/// which it stands still.
+const SIMULATED_DRIFT_S_PER_S: f64 = 0.75;
 
 /// What is remembered of the clocks of one vehicle.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -23,14 +30,16 @@ pub(super) struct ClockWatch {
 
 impl ClockWatch {
     /// How far the clocks are from where they should be, in seconds. Not a number counts as infinitely far.
-    pub(super) fn deviation_s(
-        &mut self,
-        now: NodeTime,
-        offset_s: Option<f64>,
-        position_time: Option<NodeTime>,
-        rule: &ClockFaultRule,
-    ) -> f64 {
-        let from_offset_s = offset_s.map_or(0.0, |offset_s| self.offset_deviation_s(now, offset_s, rule));
+    pub(super) fn deviation_s(&mut self, now: NodeTime, health: &Health, rule: &ClockFaultRule) -> f64 {
+        let position_time = health.position_time;
+        let max_drift_s_per_s = if health.simulated {
+            rule.max_drift_s_per_s.max(SIMULATED_DRIFT_S_PER_S)
+        } else {
+            rule.max_drift_s_per_s
+        };
+        let from_offset_s = health.clock_offset_s.map_or(0.0, |offset_s| {
+            self.offset_deviation_s(now, offset_s, max_drift_s_per_s, rule)
+        });
         self.note_backwards(now, position_time, rule);
         // A position from the future: one of the two clocks is wrong.
         let ahead_s = position_time.map_or(0.0, |at| at.seconds_since(now).max(0.0));
@@ -41,13 +50,19 @@ impl ClockWatch {
         from_offset_s.max(ahead_s).max(recent.map_or(0.0, |(back_s, _)| back_s))
     }
 
-    fn offset_deviation_s(&mut self, now: NodeTime, offset_s: f64, rule: &ClockFaultRule) -> f64 {
+    fn offset_deviation_s(
+        &mut self,
+        now: NodeTime,
+        offset_s: f64,
+        max_drift_s_per_s: f64,
+        rule: &ClockFaultRule,
+    ) -> f64 {
         if !offset_s.is_finite() {
             return f64::INFINITY;
         }
         let dt_s = self.last.map_or(0.0, |(last, _)| now.seconds_since(last).max(0.0));
         let expected_s = self.expected_s.unwrap_or(offset_s);
-        let follows_s = (rule.max_drift_s_per_s * dt_s).max(0.0);
+        let follows_s = (max_drift_s_per_s * dt_s).max(0.0);
         let mut expected_s = expected_s + (offset_s - expected_s).clamp(-follows_s, follows_s);
         let steady = self
             .steady

@@ -45,8 +45,12 @@ impl From<&crate::fence::Breach<'_>> for FenceBreach {
 pub struct Health {
     /// In the air, or it is not known that it stands on the ground.
     pub airborne: bool,
-    /// A human pilot flies it. Not for the autopilot's own failsafe.
+    /// Out of the swarm's hands: a human pilot flies it, or its autopilot's own failsafe.
     pub pilot_in_control: bool,
+    /// The autopilot's own failsafe acts.
+    pub failsafe: bool,
+    /// Its autopilot runs in a simulation, whose clock goes at a pace of its own.
+    pub simulated: bool,
     /// The autopilot's mode.
     pub mode: FlightMode,
     /// What its model says that it does.
@@ -89,16 +93,17 @@ impl Health {
     #[must_use]
     pub fn observed(telemetry: &Telemetry, link: &LinkHealth, now: NodeTime) -> Self {
         let t = telemetry;
+        let airborne = match t.landed {
+            LandedState::OnGround => false,
+            LandedState::Unknown => t.armed,
+            LandedState::InAir | LandedState::TakingOff | LandedState::Landing => true,
+        };
         let estimator_holds = t.estimator.is_none_or(|e| {
             (e.has(EstimatorHealth::POSITION_RELATIVE) || e.has(EstimatorHealth::POSITION_ABSOLUTE))
-                && !e.has(EstimatorHealth::CONSTANT_POSITION)
+                && !(airborne && e.has(EstimatorHealth::CONSTANT_POSITION))
         });
         Self {
-            airborne: match t.landed {
-                LandedState::OnGround => false,
-                LandedState::Unknown => t.armed,
-                LandedState::InAir | LandedState::TakingOff | LandedState::Landing => true,
-            },
+            airborne,
             pilot_in_control: matches!(
                 t.mode,
                 FlightMode::Manual
@@ -107,6 +112,8 @@ impl Health {
                     | FlightMode::Acro
                     | FlightMode::Stabilized
             ),
+            failsafe: t.failsafe,
+            simulated: t.simulated,
             mode: t.mode,
             state: FlightState::default(),
             streaming: link.setpoint_rate_hz > 0.0,

@@ -1,6 +1,6 @@
 //! The reaction in force: which one, whether it takes effect, and who may end it.
 
-use super::{Health, Ladder, Means, effect, words};
+use super::{Health, Ladder, Means, Tracker, effect, words};
 use skein_domain::ladder::TriggerMode;
 use skein_domain::{LadderEvent, LadderEventKind, LadderSettings, Order, Reaction, Refusal, Trigger, VehicleCommand};
 
@@ -57,6 +57,32 @@ impl Ladder {
                 detail: format!("{} while: {}", command.name(), words::title(*trigger)),
             }),
         }
+    }
+
+    /// What stands now and would do more than warn in the air, in words: such a vehicle is not to be armed. Fences and signs of life
+    /// are not looked at: where a vehicle stands has a check of its own, and people and coordinators speak up with the command.
+    #[must_use]
+    pub fn would_act(&self, settings: &LadderSettings) -> Vec<String> {
+        let acts = |trigger: Trigger, tracker: &Tracker| {
+            let by_steps = settings
+                .steps(trigger)
+                .iter()
+                .any(|step| step.reaction > Reaction::Warn);
+            by_steps || tracker.wanted().is_some_and(|reaction| reaction > Reaction::Warn)
+        };
+        let looked_at = |trigger: Trigger| POSITION_IN_DOUBT.contains(&trigger) || trigger == Trigger::Energy;
+        self.trackers
+            .iter()
+            .filter(|(trigger, tracker)| looked_at(*trigger) && tracker.is_raised() && acts(*trigger, tracker))
+            .filter(|(trigger, _)| settings.mode(*trigger) == TriggerMode::React)
+            .map(|(trigger, tracker)| {
+                let (value, limit, unit) = tracker.figures();
+                format!(
+                    "{} ({value:.2} {unit}, limit {limit:.2} {unit})",
+                    words::title(*trigger)
+                )
+            })
+            .collect()
     }
 
     /// The vehicle is taken up again: what was in force ends. Nothing happens if nothing was.

@@ -31,6 +31,8 @@ fn healthy(now: NodeTime) -> Health {
     Health {
         airborne: true,
         pilot_in_control: false,
+        failsafe: false,
+        simulated: false,
         mode: FlightMode::Offboard,
         state: FlightState::Following,
         streaming: true,

@@ -62,6 +62,11 @@ impl Tracker {
         self.overruled.is_some_and(|overruled| stand <= overruled)
     }
 
+    /// The reaction that its value itself asks for now, of triggers without steps.
+    pub(super) fn wanted(&self) -> Option<Reaction> {
+        self.wanted.map(|(reaction, _)| reaction)
+    }
+
     /// Since when it lasts.
     pub(super) fn since(&self) -> NodeTime {
         self.began.unwrap_or_default()

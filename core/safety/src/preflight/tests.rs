@@ -45,6 +45,7 @@ fn good_vehicle() -> VehicleChecks {
         }],
         limits_known: Some(true),
         duplicate_system_id: false,
+        alarms: Some(Vec::new()),
     }
 }
 
@@ -160,6 +161,10 @@ fn each_thing_that_is_wrong_with_a_vehicle_is_its_own_item() {
         ("limits", ItemStatus::Red, |c| c.limits_known = Some(false)),
         ("limits", ItemStatus::Amber, |c| c.limits_known = None),
         ("duplicate_system_id", ItemStatus::Red, |c| c.duplicate_system_id = true),
+        ("alarms", ItemStatus::Red, |c| c.alarms = None),
+        ("alarms", ItemStatus::Red, |c| {
+            c.alarms = Some(vec!["clocks jumped or drift".to_owned()]);
+        }),
     ];
     for (id, status, change) in wrong {
         assert_only(&vehicle(change), id, *status);
@@ -439,20 +444,38 @@ fn telemetry_of_a_vehicle_that_is_ready_is_green() {
     let mut checks = VehicleChecks {
         model: good_vehicle().model,
         limits_known: Some(true),
+        alarms: Some(Vec::new()),
         ..VehicleChecks::observed(VehicleId(1), &telemetry, &link, now())
     };
     assert!((checks.clock_error_s.expect("known") - 0.01).abs() < 1e-6);
     let report = vehicle_report(&checks, &PreflightSettings::default(), now());
     assert_eq!(report.worst(), ItemStatus::Green, "{report:#?}");
-    let lost = EstimatorHealth {
-        flags: EstimatorHealth::CONSTANT_POSITION,
-        ..EstimatorHealth::default()
+    // What PX4 says of itself at rest, with and without satellites; in the air the first of them is a vehicle that has lost its way.
+    let at_rest = 1023;
+    let without = at_rest & !(EstimatorHealth::POSITION_ABSOLUTE | EstimatorHealth::POSITION_ABSOLUTE_PREDICTED);
+    let mut blocking = |flags: u16, in_air: bool| {
+        telemetry.estimator = Some(EstimatorHealth {
+            flags,
+            ..EstimatorHealth::default()
+        });
+        telemetry.armed = in_air;
+        telemetry.landed = if in_air {
+            LandedState::InAir
+        } else {
+            LandedState::OnGround
+        };
+        let observed = VehicleChecks::observed(VehicleId(1), &telemetry, &link, now());
+        (checks.estimator_good, checks.airborne) = (observed.estimator_good, observed.airborne);
+        let report = vehicle_report(&checks, &PreflightSettings::default(), now());
+        report.blocking().any(|i| i.id == "position")
     };
-    telemetry.estimator = Some(lost);
-    checks.estimator_good = VehicleChecks::observed(VehicleId(1), &telemetry, &link, now()).estimator_good;
-    let report = vehicle_report(&checks, &PreflightSettings::default(), now());
-    assert_eq!(
-        report.blocking().map(|i| i.id.as_str()).collect::<Vec<_>>(),
-        ["position"]
+    assert!(
+        !blocking(at_rest, false),
+        "a vehicle that stands still says that it does not move"
     );
+    assert!(blocking(without, false), "no position on Earth");
+    assert!(blocking(EstimatorHealth::CONSTANT_POSITION, false));
+    assert!(blocking(at_rest, true), "in the air it moves");
+    assert!(!blocking(at_rest & !EstimatorHealth::CONSTANT_POSITION, true));
+    assert!(blocking(at_rest | EstimatorHealth::ACCELEROMETER_ERROR, false));
 }

@@ -3,7 +3,6 @@
 use super::{Subject, Unit, must_be};
 use crate::gnss::{disagreement_m, is_good_fix};
 use skein_domain::preflight::PreflightSettings;
-use skein_domain::telemetry::EstimatorHealth;
 use skein_domain::{
     FlightMode, GnssFix, ItemStatus, LandedState, LinkHealth, NodeTime, PreflightItem, PreflightReport, Telemetry,
     VehicleId,
@@ -70,6 +69,8 @@ pub struct VehicleChecks {
     pub limits_known: Option<bool>,
     /// Another vehicle uses the same system id.
     pub duplicate_system_id: bool,
+    /// Alarms of its ladder that stand now and would do more than warn once it is in the air, in words; `None` if nobody watches it.
+    pub alarms: Option<Vec<String>>,
 }
 
 impl VehicleChecks {
@@ -78,6 +79,7 @@ impl VehicleChecks {
     #[must_use]
     pub fn observed(vehicle: VehicleId, telemetry: &Telemetry, link: &LinkHealth, now: NodeTime) -> Self {
         let t = telemetry;
+        let airborne = t.armed && t.landed != LandedState::OnGround;
         let has_position = t.local.is_some_and(|p| p.is_finite()) && t.global.is_some_and(|g| g.is_valid());
         Self {
             vehicle,
@@ -86,14 +88,14 @@ impl VehicleChecks {
             mode: t.mode,
             ready_to_arm: t.ready_to_arm,
             position_age_s: has_position.then(|| now.seconds_since(t.position_time).max(0.0)),
-            estimator_good: t.estimator.as_ref().map(EstimatorHealth::is_position_good),
+            estimator_good: t.estimator.map(|estimator| estimator.is_position_good(airborne)),
             gnss_fix: t.gnss.fix,
             satellites: (t.gnss.fix != GnssFix::Unknown).then_some(t.gnss.satellites),
             disagreement_m: disagreement_m(t, now),
             battery: t.battery.remaining.map(f64::from),
             home_known: t.home.is_some_and(|h| h.is_valid()),
             landed: t.landed,
-            airborne: t.armed && t.landed != LandedState::OnGround,
+            airborne,
             speed_m_s: t.velocity.map(|v| v.norm()),
             // Half the way there and back is what the offset can be wrong by.
             clock_error_s: link
@@ -284,6 +286,16 @@ fn part_items(c: &VehicleChecks, s: &PreflightSettings) -> Vec<PreflightItem> {
         title: "Payloads",
         why: "what the vehicle carries is to work",
     };
+    let alarms = Subject {
+        id: "alarms",
+        title: "No alarm that would act in flight",
+        why: "it would be held or called home as soon as it is in the air",
+    };
+    let alarms_item = match &c.alarms {
+        Some(standing) if standing.is_empty() => alarms.word(ItemStatus::Green, "none"),
+        Some(standing) => alarms.word(ItemStatus::Red, standing.join("; ")),
+        None => alarms.word(ItemStatus::Red, "not known"),
+    };
     let limits = Subject {
         id: "limits",
         title: "Limits and parameters",
@@ -316,5 +328,6 @@ fn part_items(c: &VehicleChecks, s: &PreflightSettings) -> Vec<PreflightItem> {
         model_item,
         payload_item,
         limits_item,
+        alarms_item,
     ]
 }

@@ -187,7 +187,9 @@ impl Rig {
                 .battery
                 .remaining
                 .is_some_and(|charge| (f64::from(charge) - truth.battery).abs() < 0.01)
-            && told.estimator.is_some_and(|estimator| estimator.is_position_good())
+            && told
+                .estimator
+                .is_some_and(|estimator| estimator.is_position_good(false))
     }
 
     /// Waits until something is so.

@@ -281,6 +281,82 @@ fn the_slightest_drift_that_is_no_clocks_nature_is_found() {
 }
 
 #[test]
+fn a_simulated_clock_may_go_at_half_or_one_and_a_half_of_the_pace_and_unevenly() {
+    for drift_s_per_s in [-0.45, -0.02, 0.45] {
+        let mut rig = Rig::new();
+        rig.run(60.0, |h, t| {
+            h.simulated = true;
+            // It stands still for 0.2 s every three seconds.
+            let stood_s = 0.2 * (t / 3.0).floor();
+            h.clock_offset_s = h.clock_offset_s.map(|o| o + drift_s_per_s * t - stood_s);
+        });
+        assert_eq!(rig.order(), None, "{drift_s_per_s}: {:?}", rig.events);
+    }
+}
+
+#[test]
+fn a_jump_of_a_simulated_clock_and_one_that_runs_away_are_still_found() {
+    let faulty: [fn(f64) -> f64; 2] = [|t| if t < 5.0 { 0.0 } else { 2.0 }, |t| 0.9 * t];
+    for offset_s in faulty {
+        let mut rig = Rig::new();
+        rig.run(12.0, |h, t| {
+            h.simulated = true;
+            h.clock_offset_s = h.clock_offset_s.map(|o| o + offset_s(t));
+        });
+        let orders = rig.orders();
+        assert!(
+            orders.first().is_some_and(|(reaction, _)| *reaction == HOLD),
+            "{orders:?}"
+        );
+    }
+}
+
+#[test]
+fn a_restarted_autopilot_has_a_clock_of_its_own() {
+    let drifts =
+        |h: &mut Health, from_s: f64, t: f64| h.clock_offset_s = h.clock_offset_s.map(|o| o + from_s - 0.015 * t);
+    for told in [true, false] {
+        let mut rig = Rig::new();
+        let simulated = |h: &mut Health| h.simulated = true;
+        rig.run(5.0, |h, t| (simulated(h), drifts(h, 0.0, t)).1);
+        if told {
+            rig.ladder.autopilot_restarted();
+        }
+        rig.run(5.0, |h, t| (simulated(h), drifts(h, -400.0, t)).1);
+        assert_eq!(rig.order().is_none(), told, "{:?}", rig.events);
+    }
+}
+
+#[test]
+fn what_would_act_in_the_air_is_known_on_the_ground() {
+    let mut rig = Rig::new();
+    rig.run(2.0, |h, _| h.airborne = false);
+    assert_eq!(rig.ladder.would_act(&rig.settings), Vec::<String>::new());
+    rig.run(2.0, |h, _| {
+        h.airborne = false;
+        h.clock_offset_s = h.clock_offset_s.map(|o| o + 4.0);
+        h.energy = Some(charge(EnergyLevel::ReturnNow));
+        // Said by the check of the place where it stands, and by whoever gives the command.
+        h.breach = breach(RETURN, 3.0);
+        h.operator_heard = None;
+    });
+    assert_eq!(rig.order(), None, "on the ground nothing is ordered");
+    let standing = rig.ladder.would_act(&rig.settings);
+    assert_eq!(standing.len(), 2, "{standing:?}");
+    assert!(
+        standing[0].starts_with("clocks jumped or drift (4.00 s"),
+        "{standing:?}"
+    );
+    // Soon is not now, and what is set to warn only does no more in the air.
+    rig.settings.clock_fault.mode = TriggerMode::WarnOnly;
+    rig.run(0.2, |h, _| {
+        h.airborne = false;
+        h.energy = Some(charge(EnergyLevel::ReplanSoon));
+    });
+    assert_eq!(rig.ladder.would_act(&rig.settings), Vec::<String>::new());
+}
+
+#[test]
 fn time_that_goes_backwards_is_a_clock_fault() {
     let mut rig = Rig::new();
     rig.run(5.0, |_, _| ());
