@@ -355,6 +355,15 @@ pub enum EventKind {
     LinkRegained,
     /// Its autopilot restarted.
     AutopilotRebooted,
+    /// It was taken out of the swarm's hands.
+    TakenOver {
+        /// By its autopilot's own failsafe; else by a pilot or another ground station.
+        failsafe: bool,
+        /// The mode that was left.
+        from: FlightMode,
+        /// The mode it is in now.
+        to: FlightMode,
+    },
     /// Its flight state changed.
     FlightState {
         /// The new state.

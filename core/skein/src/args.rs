@@ -104,6 +104,10 @@ pub struct DemoArguments {
     /// Every vehicle is flown by this UAV model, and carries a radio only [default: a mixed swarm].
     #[arg(long, value_name = "PLUGIN")]
     pub model: Option<String>,
+    /// Fly autopilots that are there already and heard on this address, such as `udp-listen://127.0.0.1:14540`, instead of simulated
+    /// ones; may be given several times. They are judged by their own reports.
+    #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["link", "seed"])]
+    pub listen: Vec<String>,
     /// Another directory of plugins, beside `plugins` where this program is; may be given several times.
     #[arg(long, value_name = "DIR")]
     pub plugins: Vec<PathBuf>,

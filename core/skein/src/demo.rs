@@ -1,5 +1,6 @@
 //! `skein demo`: simulated vehicles and a node in one process, joined by real MAVLink over real sockets. A director gives the
-//! commands an operator would give; a referee watches the simulator's truth, not what the node believes.
+//! commands an operator would give; a referee watches the simulator's truth, not what the node believes. With `--listen` the vehicles are
+//! autopilots that are there already, a real PX4 in its own simulation say; the referee then has their reports only.
 
 mod drills;
 mod fleet;
@@ -7,6 +8,7 @@ mod layout;
 mod link_cuts;
 mod referee;
 pub mod report;
+mod reports;
 mod scenario;
 mod stage;
 mod steps;
@@ -52,7 +54,11 @@ pub async fn demo(arguments: DemoArguments) -> anyhow::Result<ExitCode> {
     flight.prepare(&mut setup);
     let domain_id = setup.node.dds.domain_id;
     let running = build(setup.node).await?;
-    let simulation = simulate(setup.simulation, &running, domain_id)?;
+    let simulation = if arguments.listen.is_empty() {
+        Some(simulate(setup.simulation, &running, domain_id)?)
+    } else {
+        None
+    };
     if arguments.link != DemoLink::Mavlink {
         println!("The vehicles' topics are in DDS domain {domain_id}, on this computer alone.");
     }
@@ -60,10 +66,7 @@ pub async fn demo(arguments: DemoArguments) -> anyhow::Result<ExitCode> {
         println!("Dashboard: http://{address}");
     }
     let outcome = if arguments.manual {
-        println!(
-            "{} simulated vehicles are yours to fly. Stop with Ctrl-C.",
-            arguments.count()
-        );
+        println!("{} vehicles are yours to fly. Stop with Ctrl-C.", arguments.count());
         stop_asked().await.map(|()| ExitCode::SUCCESS)
     } else {
         tokio::select! {
@@ -71,8 +74,9 @@ pub async fn demo(arguments: DemoArguments) -> anyhow::Result<ExitCode> {
                 if arguments.scenario == Scenario::Tour {
                     println!("{described}");
                 }
-                let referee = Referee::watch(&simulation, running.handle())?;
-                let stage = Stage::new(running.handle(), &simulation, &referee, usize::from(arguments.count()), take_off_stagger_s);
+                let (referee, _reports) = referee(simulation.as_ref(), &running)?;
+                let count = usize::from(arguments.count());
+                let stage = Stage::new(running.handle(), simulation.as_ref(), &referee, count, take_off_stagger_s);
                 fly(&arguments, &mut flight, &stage).await
             } => flown,
             asked = stop_asked() => asked.and_then(|()| bail!("stopped before the flight was over")),
@@ -85,18 +89,42 @@ pub async fn demo(arguments: DemoArguments) -> anyhow::Result<ExitCode> {
         }
         other => other,
     };
-    simulation.stop();
+    if let Some(simulation) = simulation {
+        simulation.stop();
+    }
     running.stop().await;
     outcome
+}
+
+/// Who judges the flight, and what feeds it, if it is not the simulation itself.
+fn referee(simulation: Option<&Simulation>, running: &Running) -> anyhow::Result<(Referee, Option<reports::Watch>)> {
+    if let Some(simulation) = simulation {
+        return Ok((Referee::watch(simulation, running.handle())?, None));
+    }
+    let referee = Referee::new(running.handle());
+    let watch = reports::watch(&referee, running.handle());
+    Ok((referee, Some(watch)))
+}
+
+/// The demonstration's one endpoint, or those where autopilots are heard.
+fn endpoints(arguments: &DemoArguments) -> Vec<EndpointSettings> {
+    if arguments.listen.is_empty() {
+        return vec![EndpointSettings {
+            name: Some(ENDPOINT.into()),
+            address: "udp-listen://127.0.0.1:0".into(),
+        }];
+    }
+    let heard = |address: &String| EndpointSettings {
+        name: None,
+        address: address.clone(),
+    };
+    arguments.listen.iter().map(heard).collect()
 }
 
 fn configuration(arguments: &DemoArguments, layout: &Layout) -> NodeConfig {
     let port = arguments.port;
     let mut config = NodeConfig {
-        endpoints: vec![EndpointSettings {
-            name: Some(ENDPOINT.into()),
-            address: "udp-listen://127.0.0.1:0".into(),
-        }],
+        endpoints: endpoints(arguments),
         adopt: fleet::rules(arguments),
         plugins: PluginSettings {
             directories: plugin_directories(&arguments.plugins),

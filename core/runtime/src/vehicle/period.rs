@@ -203,7 +203,8 @@ impl VehicleState {
             "without being told: a pilot or another ground station is in control"
         };
         let text = format!("{}: {from} left for {to} {why}", self.cell.name);
-        self.record(Severity::Warning, EventKind::Notice, text);
+        let failsafe = telemetry.failsafe;
+        self.record(Severity::Warning, EventKind::TakenOver { failsafe, from, to }, text);
     }
 }
 

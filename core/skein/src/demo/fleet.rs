@@ -19,6 +19,14 @@ pub fn parameters() -> Vec<(String, ParameterValue)> {
 
 /// The adoption rules, one per vehicle.
 pub fn rules(arguments: &DemoArguments) -> Vec<AdoptionRule> {
+    if !arguments.listen.is_empty() {
+        // Nothing is known of them beforehand: neither what they carry nor that they climb quicker than others.
+        let any = AdoptionRule::default();
+        return vec![AdoptionRule {
+            model: arguments.model.clone().unwrap_or(any.model.clone()),
+            ..any
+        }];
+    }
     (1..=arguments.count())
         .map(|system_id| rule(system_id, arguments))
         .collect()

@@ -67,7 +67,7 @@ impl LinkCuts {
             let cut = |cut| Fault::Cut { face: Face::Dds, cut };
             flown_over_dds(stage, vehicle).await;
             let before = told(stage, vehicle, TO_MAVLINK).len();
-            stage.simulation.inflict(system_id, cut(true))?;
+            stage.simulation()?.inflict(system_id, cut(true))?;
             self.made.fetch_add(1, Ordering::Relaxed);
             let until = Instant::now() + CUT;
             let mut stayed = true;
@@ -79,7 +79,7 @@ impl LinkCuts {
                     .iter()
                     .any(|v| v.id == vehicle && v.mode == FlightMode::Offboard);
             }
-            stage.simulation.inflict(system_id, cut(false))?;
+            stage.simulation()?.inflict(system_id, cut(false))?;
             self.left_offboard.fetch_add(u64::from(!stayed), Ordering::Relaxed);
             let handed_over = told(stage, vehicle, TO_MAVLINK).len() > before;
             self.handed_over.fetch_add(u64::from(handed_over), Ordering::Relaxed);

@@ -1,5 +1,5 @@
-//! The referee: watches the simulator's truth at 50 Hz and measures what the criteria are about. Of the node it takes only which
-//! slot each vehicle was given.
+//! The referee: watches the simulator's truth at 50 Hz, or what autopilots report where no simulator of ours moves them, and measures
+//! what the criteria are about. Of the node it takes only which slot each vehicle was given.
 
 mod pointing;
 
@@ -119,17 +119,28 @@ impl Referee {
     /// # Errors
     /// When the simulation has ended.
     pub fn watch(simulation: &Simulation, node: NodeHandle) -> anyhow::Result<Self> {
+        let referee = Self::new(node);
+        simulation.observe(Box::new(referee.shown()))?;
+        Ok(referee)
+    }
+
+    /// One that sees only what it is [shown](Self::shown).
+    pub fn new(node: NodeHandle) -> Self {
         let figures = Arc::new(Mutex::new(Figures {
             cruise_m_s: super::layout::SPEED_M_S,
             ..Figures::default()
         }));
         let last = Arc::new(Mutex::new(TruthFrame::default()));
-        let (seen, newest, handle) = (figures.clone(), last.clone(), node.clone());
-        simulation.observe(Box::new(move |truth: &TruthFrame| {
+        Self { figures, last, node }
+    }
+
+    /// Through what it is shown one frame after the other.
+    pub fn shown(&self) -> impl Fn(&TruthFrame) + Send + Sync + 'static {
+        let (seen, newest, handle) = (self.figures.clone(), self.last.clone(), self.node.clone());
+        move |truth| {
             look(&mut seen.lock(), truth, &handle);
             newest.lock().clone_from(truth);
-        }))?;
-        Ok(Self { figures, last, node })
+        }
     }
 
     /// Everything measured so far.

@@ -11,8 +11,8 @@ use super::referee::{self, Figures, Referee};
 use crate::args::{DemoArguments, FaultPlan, Scenario};
 use serde::Serialize;
 use skein_config::Isolation;
-use skein_runtime::NodeHandle;
-use skein_sim::TruthFrame;
+use skein_runtime::{EventKind, NodeHandle};
+use skein_sim::{TruthFrame, VehicleTruth};
 use std::fmt::Write;
 
 /// A simulation that stood still for less is not worth a line.
@@ -79,18 +79,10 @@ pub struct Outcome<'a> {
 }
 
 /// What every flight has to meet.
-fn common(figures: &Figures, truth: &TruthFrame, unplanned: usize) -> Vec<Criterion> {
+fn common(figures: &Figures, truth: &TruthFrame, unplanned: usize, gap: Criterion) -> Vec<Criterion> {
     let farthest = |values: &mut dyn Iterator<Item = f64>| values.reduce(f64::max);
-    let judged = || {
-        truth
-            .vehicles
-            .iter()
-            .filter(|v| !figures.excused.contains(&v.system_id))
-    };
     let to_land = truth.vehicles.iter().filter(|v| !figures.lost.contains(&v.system_id));
     let landed = truth.vehicles.iter().filter(|v| v.alive && referee::is_down(v)).count();
-    // A host that stands still stops the simulation with everything else: only what is left of a gap without that is the sender's.
-    let gap_s = farthest(&mut judged().map(|v| v.offboard_gap_sender_max_s));
     let mut criteria = vec![
         at_least(
             "smallest distance between two vehicles",
@@ -104,7 +96,7 @@ fn common(figures: &Figures, truth: &TruthFrame, unplanned: usize) -> Vec<Criter
             1.0,
             "m",
         ),
-        at_most("longest setpoint gap", gap_s, 0.2, "s"),
+        gap,
         at_most("unplanned changes of mode", Some(unplanned as f64), 0.0, ""),
         at_most(
             "vehicles that came down untold",
@@ -131,6 +123,31 @@ fn common(figures: &Figures, truth: &TruthFrame, unplanned: usize) -> Vec<Criter
     criteria
 }
 
+/// Whether setpoints came without a gap: by what the simulated vehicles saw, or by how often a link had none to send.
+fn gap(arguments: &DemoArguments, node: &NodeHandle, figures: &Figures, truth: &TruthFrame) -> Criterion {
+    if arguments.listen.is_empty() {
+        let judged = |v: &&VehicleTruth| !figures.excused.contains(&v.system_id);
+        // A host that stands still stops the simulation with everything else: only what is left of a gap without that is the sender's.
+        let gaps_s = truth
+            .vehicles
+            .iter()
+            .filter(judged)
+            .map(|v| v.offboard_gap_sender_max_s);
+        return at_most("longest setpoint gap", gaps_s.reduce(f64::max), 0.2, "s");
+    }
+    let missing = node
+        .events_after(0)
+        .iter()
+        .filter(|e| e.kind == EventKind::Stream)
+        .count();
+    at_most(
+        "times a link had no fresh setpoint to send",
+        Some(missing as f64),
+        0.0,
+        "",
+    )
+}
+
 /// Makes the report from the referee's figures.
 pub fn make(arguments: &DemoArguments, node: &NodeHandle, referee: &Referee, outcome: Outcome<'_>) -> Report {
     let figures = referee.figures();
@@ -139,7 +156,12 @@ pub fn make(arguments: &DemoArguments, node: &NodeHandle, referee: &Referee, out
     unplanned.retain(|(system_id, _)| !figures.excused.contains(system_id));
     let restarts = node.restarts();
     let mut criteria = outcome.criteria;
-    criteria.extend(common(&figures, &truth, unplanned.len()));
+    criteria.extend(common(
+        &figures,
+        &truth,
+        unplanned.len(),
+        gap(arguments, node, &figures, &truth),
+    ));
     if arguments.faults == Some(FaultPlan::Plugins) {
         criteria.extend(restarts::restart_criteria(&restarts, outcome.faults));
     }

@@ -18,8 +18,8 @@ use tokio::time::Instant;
 pub struct Stage<'a> {
     /// The node that flies.
     pub node: NodeHandle,
-    /// What it flies in.
-    pub simulation: &'a Simulation,
+    /// What it flies in; absent for autopilots that are there without us.
+    simulation: Option<&'a Simulation>,
     /// Who watches.
     pub referee: &'a Referee,
     /// How many vehicles there are.
@@ -33,7 +33,7 @@ impl<'a> Stage<'a> {
     /// Before anything has happened.
     pub fn new(
         node: NodeHandle,
-        simulation: &'a Simulation,
+        simulation: Option<&'a Simulation>,
         referee: &'a Referee,
         vehicles: usize,
         take_off_stagger_s: f64,
@@ -46,6 +46,15 @@ impl<'a> Stage<'a> {
             take_off_stagger_s,
             started: Instant::now(),
         }
+    }
+
+    /// What it flies in.
+    ///
+    /// # Errors
+    /// When it flies autopilots that are there without us: nothing can be done to these.
+    pub fn simulation(&self) -> anyhow::Result<&'a Simulation> {
+        self.simulation
+            .context("this can be flown with simulated vehicles only")
     }
 
     /// Seconds since the flight began.
@@ -194,7 +203,7 @@ impl<'a> Stage<'a> {
         let fleet = self.node.snapshot();
         let vehicle = fleet.vehicles.iter().find(|v| v.id == id);
         let system_id = vehicle.context("the vehicle is not in the picture")?.system_id.0;
-        self.simulation.inflict(system_id, Fault::Silent(false))?;
+        self.simulation()?.inflict(system_id, Fault::Silent(false))?;
         self.say(&format!("vehicle {id} is heard again, and is to land"));
         self.until(15.0, "the link to the silent vehicle", |fleet| {
             let vehicle = fleet.vehicles.iter().find(|v| v.id == id);

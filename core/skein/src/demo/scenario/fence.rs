@@ -252,7 +252,7 @@ impl Flight for Fence {
         let seen = self.seen.clone();
         seen.lock().watching = true;
         stage
-            .simulation
+            .simulation()?
             .observe(Box::new(move |truth| look(&mut seen.lock(), truth)))?;
         let id = *stage.ids().last().context("there is no vehicle")?;
         self.refusals(stage, id).await?;

@@ -158,7 +158,7 @@ impl JoinLeave {
         let system_id = silent.context("the vehicle is not in the picture")?.system_id.0;
         stage.say(&format!("vehicle {falls_silent} falls silent"));
         stage.referee.excuse(system_id);
-        stage.simulation.inflict(system_id, Fault::Silent(true))?;
+        stage.simulation()?.inflict(system_id, Fault::Silent(true))?;
         let stay = without(&[lands, falls_silent]);
         self.lost_s = Some(self.gathered(stage, "without the silent one", &stay).await?);
         Ok(falls_silent)

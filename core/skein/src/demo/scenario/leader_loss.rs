@@ -55,7 +55,7 @@ impl LeaderLoss {
         let before = stage.node.events_after(0).last().map_or(0, |e| e.seq);
         let watch = StepWatch::begin(&stage.node, Some(lost.id), SPEED_M_S);
         stage.say(&format!("the leader, vehicle {}, falls silent", lost.id));
-        stage.simulation.inflict(system_id, Fault::Silent(true))?;
+        stage.simulation()?.inflict(system_id, Fault::Silent(true))?;
         let lost = lost.id;
         stage
             .until(10.0, "another leader", |fleet| {

@@ -119,7 +119,7 @@ impl Flight for Mixed {
             self.carriers, wedge.max_speed_m_s
         ));
         stage
-            .simulation
+            .simulation()?
             .observe(Box::new(move |truth| look(&mut seen.lock(), truth, &node)))?;
         let start = stage.leader_position()?;
         let at = |north: f64, east: f64| start.moved(Vector3::new(north, east, 0.0));

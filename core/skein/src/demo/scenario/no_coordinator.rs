@@ -120,7 +120,7 @@ impl NoCoordinator {
         stage.say(&format!("vehicle {dropped} falls silent"));
         stage.referee.excuse(system_id);
         self.leave_out(dropped);
-        stage.simulation.inflict(system_id, skein_sim::Fault::Silent(true))?;
+        stage.simulation()?.inflict(system_id, skein_sim::Fault::Silent(true))?;
         Ok(dropped)
     }
 }
@@ -160,7 +160,7 @@ impl Flight for NoCoordinator {
         self.keep_in_mind(&stage.node.slots().context("no formation is flown")?);
         let shape = self.shape.clone();
         stage
-            .simulation
+            .simulation()?
             .observe(Box::new(move |truth| look(&mut shape.lock(), truth)))?;
         let start = stage.leader_position()?;
         let at = |north: f64, east: f64| start.moved(nalgebra::Vector3::new(north, east, 0.0));
