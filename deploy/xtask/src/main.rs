@@ -13,6 +13,7 @@ mod fast;
 mod long_runs;
 mod namespaces;
 mod plugins;
+mod px4;
 mod report;
 mod screenshot;
 mod step;
@@ -67,6 +68,8 @@ enum Task {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<String>,
     },
+    /// Builds everything and flies the demo with instances of your own build of PX4, in the simulation that PX4 carries.
+    Px4(px4::Px4Arguments),
     /// Measures the program beside plain loops, SciPy and rclpy; arguments go on to `skein bench fleet`. `bench ros2` measures ROS 2 alone.
     Bench {
         /// For example `--vehicles 100 --seconds 10`, or `ros2 --seconds 30`.
@@ -112,6 +115,7 @@ fn run(task: Task) -> Result<ExitCode> {
         }
         Task::BuildUi => ui::build(&workspace).map(|()| ExitCode::SUCCESS),
         Task::Demo { arguments } => demo::run(&workspace, &arguments),
+        Task::Px4(arguments) => px4::run(&workspace, &arguments),
         Task::Bench { arguments } => bench::run(&workspace, &arguments),
         Task::Tidy => tidy::run(&workspace),
         Task::Screenshots {
