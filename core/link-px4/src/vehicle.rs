@@ -301,6 +301,7 @@ impl VehicleCore {
         }
         self.connected = false;
         self.traffic.restart();
+        self.estimate.forget_readiness();
         self.events.push(LinkEvent::Lost);
         self.parameters.break_off("the link was lost", false);
         self.break_off_route(&Refusal::LinkLost {

@@ -272,6 +272,7 @@ impl CoordinatorState {
         if let Some(lost) = self.judging(&peers, &withdrawn, now).lost_leader(&formation) {
             let order = self.plan_limits().leader_order;
             if let Some(next) = coordination::succeed(&formation, lost, now, &order, &peers) {
+                self.note_passed_over(&peers, lost);
                 let leader = next.leader.map_or_else(String::new, |id| id.to_string());
                 self.reshape = true;
                 let text = format!("leader {lost} is lost: vehicle {leader} leads");

@@ -409,6 +409,8 @@ impl Purpose {
         match self {
             Self::TakeOff { .. } => FlightState::TakingOff,
             Self::Hold { .. } => FlightState::Holding,
+            // At the end of its trajectory it stays.
+            Self::Fly(fly) if fly.finished => FlightState::Holding,
             Self::GoTo { .. } | Self::Guided(_) | Self::Fly(_) | Self::Steer(_) => FlightState::GoingTo,
             Self::LandAt { .. } => FlightState::Landing,
             Self::Home { .. } => FlightState::Returning,

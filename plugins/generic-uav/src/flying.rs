@@ -265,7 +265,10 @@ impl GenericUav {
                         finished: true,
                         ..fly.clone()
                     });
-                    self.flight.phase = Phase::Flying(Flying { purpose, ..flying });
+                    self.enter(
+                        Phase::Flying(Flying { purpose, ..flying }),
+                        "at the end of its trajectory",
+                    );
                 }
             }
             Purpose::Hold { .. } => self.see_whether_stopped(&flying, at_end, out),

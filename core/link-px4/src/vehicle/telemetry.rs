@@ -62,6 +62,11 @@ impl Estimate {
         self.set_simulated(before.simulated);
     }
 
+    /// Nothing is heard: whether it would arm is not known any more.
+    pub fn forget_readiness(&mut self) {
+        self.telemetry.ready_to_arm = None;
+    }
+
     /// Mode and armed state of a heartbeat, and whether the autopilot's own failsafe acts.
     pub fn set_mode(&mut self, mode: FlightMode, armed: bool, failsafe: bool) {
         self.telemetry.mode = mode;

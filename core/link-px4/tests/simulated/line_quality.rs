@@ -118,7 +118,9 @@ fn silence_is_a_loss_and_the_first_frame_a_return() {
     rig.take_off();
     rig.passes_down = Box::new(|_, _| false);
     let silent_s = rig.now_s;
+    assert!(rig.read().0.ready_to_arm.is_some());
     rig.run_until("lost", 3.0, |rig| rig.has(&LinkEvent::Lost));
+    assert_eq!(rig.read().0.ready_to_arm, None, "nobody knows");
     assert!((rig.now_s - silent_s - 1.5).abs() < 0.1, "{}", rig.now_s - silent_s);
     assert!(!rig.read().1.connected);
     assert!(matches!(rig.ask(AutopilotCommand::Land), Err(Refusal::LinkLost { .. })));
@@ -129,6 +131,7 @@ fn silence_is_a_loss_and_the_first_frame_a_return() {
     );
     rig.passes_down = Box::new(|_, _| true);
     rig.run_until("regained", 1.0, |rig| rig.has(&LinkEvent::Regained));
+    rig.run_until("ready or not", 2.0, |rig| rig.read().0.ready_to_arm.is_some());
     assert_eq!(rig.ask(AutopilotCommand::Land), Ok(()));
 }
 

@@ -237,6 +237,17 @@ impl CoordinatorState {
         self.board.coordination.lock().unheard.extend(unheard);
     }
 
+    /// A leader is passed over before its link counts as lost. One that was only silent for a moment is taken back when it is heard; one
+    /// that a pilot, its own failsafe or a reaction took out is not.
+    pub(super) fn note_passed_over(&self, peers: &PeerSnapshot, leader: VehicleId) {
+        let only_silent = peers
+            .entry(leader)
+            .is_some_and(|entry| !entry.under_order && entry.flight_state.is_available_in_air());
+        if only_silent {
+            self.board.coordination.lock().unheard.insert(leader);
+        }
+    }
+
     /// Takes those back who had left only because nothing was heard of them, and who can be flown again.
     pub(super) fn take_back_heard(&mut self, peers: &PeerSnapshot) {
         let able = coordination::available(peers);

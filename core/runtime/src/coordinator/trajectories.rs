@@ -310,7 +310,7 @@ fn why_left(flight: &Flight, id: VehicleId, peers: &PeerSnapshot, now: NodeTime)
     }
     let flies = match entry.flight_state {
         FlightState::GoingTo => true,
-        FlightState::Holding => now.seconds_since(flight.trajectory.start) < TAKE_UP_S,
+        FlightState::Holding => flight.finished || now.seconds_since(flight.trajectory.start) < TAKE_UP_S,
         _ => false,
     };
     (!flies).then(|| format!("it is {}", entry.flight_state))

@@ -138,6 +138,7 @@ fn a_trajectory_is_flown_on_the_clock() {
     assert_eq!(rig.state, FlightState::GoingTo);
     rig.run(4.0);
     assert_eq!(finished(&rig), 1, "its end is told once");
+    assert_eq!(rig.state, FlightState::Holding, "it is going nowhere any more");
     assert!(rig.here().distance_m(&trajectory::end(&way)) < 0.1 && rig.autopilot.velocity.norm() < 0.1);
     rig.assert_no_jump_since(began);
 }

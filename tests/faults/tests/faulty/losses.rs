@@ -2,7 +2,7 @@
 
 use skein_domain::{FlightState, FormationRequest, Shape, VehicleId};
 use skein_runtime::{EventKind, FleetSnapshot};
-use skein_sim::VehicleStart;
+use skein_sim::{Fault, VehicleStart};
 use skein_testkit::Swarm;
 use std::net::UdpSocket;
 use std::time::Duration;
@@ -92,6 +92,44 @@ async fn a_vehicle_that_vanishes_is_lost_within_three_seconds_and_a_new_one_join
     a_newcomer_joins(&swarm).await;
     let smallest_m = swarm.simulation().truth().smallest_distance_m().expect("several fly");
     assert!(smallest_m > 2.0, "{smallest_m}");
+    swarm.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_leader_that_was_silent_for_a_moment_comes_back_as_a_follower() {
+    let swarm = Swarm::start(3).await;
+    swarm.take_off(6.0).await;
+    let request = FormationRequest::new(Shape::Wedge, 5.0);
+    swarm.node().set_formation(request).await.expect("is flown");
+    let is = |fleet: &FleetSnapshot, id: u16, state: FlightState| {
+        let vehicles = &fleet.vehicles;
+        vehicles
+            .iter()
+            .any(|v| v.id == VehicleId(id) && v.flight_state == state)
+    };
+    swarm
+        .until("three fly the wedge", Duration::from_secs(10), |f| {
+            is(f, 1, FlightState::Leading) && members(f) == [1, 2, 3]
+        })
+        .await;
+    swarm
+        .simulation()
+        .inflict(1, Fault::Silent(true))
+        .expect("is simulated");
+    swarm
+        .until("another leads", Duration::from_secs(3), |f| {
+            is(f, 2, FlightState::Leading) && !members(f).contains(&1)
+        })
+        .await;
+    swarm
+        .simulation()
+        .inflict(1, Fault::Silent(false))
+        .expect("is simulated");
+    swarm
+        .until("it follows", Duration::from_secs(20), |f| {
+            is(f, 1, FlightState::Following) && is(f, 2, FlightState::Leading) && members(f) == [1, 2, 3]
+        })
+        .await;
     swarm.stop().await;
 }
 
