@@ -10,7 +10,7 @@ export default defineConfig({
   workers: 1,
   timeout: 240_000,
   expect: { timeout: SLOW_MACHINE_MS },
-  // One that passes only when tried again is counted as unsteady, of which a run may have two.
+  // One that passes only when tried again is told as unsteady; `deploy/xtask/src/report.rs` says how many are no noise any more.
   retries: 1,
   forbidOnly: !!process.env.CI,
   reporter: [['list']],

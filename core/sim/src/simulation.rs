@@ -11,6 +11,7 @@ use crate::faces::Face;
 use crate::faults::Fault;
 use crate::movers::{Mover, Scripted};
 use crate::settings::{Impairment, SimSettings, VehicleStart, WindSettings};
+use crate::stalls::StallProbe;
 use crate::topics::{CarrierError, TopicCarrier};
 use crate::truth::TruthFrame;
 use crate::vehicle::VehicleIdentity;
@@ -153,7 +154,9 @@ impl Simulation {
             simulation.enlist(start)?;
         }
         let movers = voices(&simulation.settings)?;
-        let mut runner = Runner::new(&simulation.settings, movers, simulation.carrier.clone(), inbox, truth);
+        let stalls = StallProbe::start().map_err(SimError::Thread)?;
+        let carrier = simulation.carrier.clone();
+        let mut runner = Runner::new(&simulation.settings, movers, carrier, inbox, truth, stalls);
         runner.take_orders();
         runner.publish();
         let thread = std::thread::Builder::new()

@@ -14,7 +14,7 @@ pub struct TruthFrame {
     pub vehicles: Vec<VehicleTruth>,
     /// Every other that moves about.
     pub movers: Vec<MoverTruth>,
-    /// The longest time for which the simulation itself did not run, in seconds. A setpoint gap of that length may be its own.
+    /// The longest time for which the machine did not let this process run, in seconds. A setpoint gap of that length may be its own.
     pub longest_stall_s: f64,
 }
 
@@ -85,9 +85,10 @@ pub struct VehicleTruth {
     pub offboard_gap_s: Option<f64>,
     /// The longest time between two accepted setpoints while in OFFBOARD and armed, as the vehicle saw it, in seconds.
     pub offboard_gap_max_s: f64,
-    /// The same without the time in which the simulation itself did not run: what the sender is answerable for.
+    /// The longest that was left of any without the time in which the machine did not let this process run: what the sender is answerable
+    /// for.
     pub offboard_gap_sender_max_s: f64,
-    /// The same since the frame before.
+    /// What was left so at most since the frame before.
     pub offboard_gap_recent_s: f64,
     /// Setpoints accepted since the start.
     pub setpoints: u64,

@@ -42,7 +42,7 @@ pub struct VehicleLine {
     /// Whether a failsafe is in command.
     pub failsafe: bool,
     /// Longest time between two accepted setpoints since the last line, in seconds, while in OFFBOARD and armed; without the time in
-    /// which the simulation itself did not run.
+    /// which the machine did not let the simulation's process run.
     pub setpoint_gap_s: f64,
     /// Setpoints accepted since the start.
     pub setpoints: u64,

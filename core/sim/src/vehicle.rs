@@ -276,7 +276,7 @@ impl Vehicle {
         let _ = self.commander.request(mode, Asker::Pilot, self.time_s);
     }
 
-    /// Tells it for how long in all the simulation did not run, in seconds, so that gaps can be told apart.
+    /// Tells it for how long in all the machine has not let the simulation run until now, in seconds, so that gaps can be told apart.
     pub fn note_stalls(&mut self, stalled_s: f64) {
         self.stalled_s = stalled_s;
     }

@@ -1,27 +1,39 @@
-//! Which tests failed, as `cargo test` lists them, and whether the list is whole.
+//! Which tests failed, as `cargo test` lists them, and whether the list is whole; which failed and then passed, as Playwright lists them.
 //!
 //! Must never do: give the names of some when others ended without a word.
 
 #[cfg(test)]
 mod tests;
 
-/// The list at the end of each test program's output.
+/// The lists at the end of each test program's output.
 #[derive(Debug, Default)]
 pub struct Failures {
     names: Vec<String>,
+    unsteady: Vec<String>,
     begun: u64,
     ended: u64,
-    listing: bool,
+    listing: Listing,
+}
+
+/// Which list a line may belong to: the one whose heading stands right above it.
+#[derive(Debug, Default)]
+enum Listing {
+    #[default]
+    Nothing,
+    Failed,
+    Unsteady,
 }
 
 impl Failures {
     /// Takes one line of the output.
     pub fn read(&mut self, line: &str) {
         // The list follows its heading at once. Before it stands a heading alike, with what each test wrote.
-        let entry = line.strip_prefix("    ").filter(|name| !name.contains(' '));
-        match entry {
-            Some(name) if self.listing => self.names.push(name.to_owned()),
-            _ => self.listing = line == "failures:",
+        let entry = line.strip_prefix("    ");
+        match (&self.listing, entry) {
+            (Listing::Failed, Some(name)) if !name.contains(' ') => self.names.push(name.to_owned()),
+            // filled up with a rule to the width of the screen
+            (Listing::Unsteady, Some(name)) => self.unsteady.push(name.trim_end_matches(['─', ' ']).to_owned()),
+            _ => self.listing = Listing::under(line),
         }
         if line.starts_with("running ") && (line.ends_with(" tests") || line.ends_with(" test")) {
             self.begun += 1;
@@ -33,5 +45,23 @@ impl Failures {
     /// The tests that failed; none if a program ended before it could say.
     pub fn names(&self) -> &[String] {
         if self.begun == self.ended { &self.names } else { &[] }
+    }
+
+    /// The tests that failed and passed when the runner itself tried them again.
+    pub fn unsteady(&self) -> &[String] {
+        &self.unsteady
+    }
+}
+
+impl Listing {
+    fn under(line: &str) -> Self {
+        let flaky = |line: &str| line.strip_suffix(" flaky")?.trim().parse::<u64>().ok();
+        if line == "failures:" {
+            Self::Failed
+        } else if flaky(line).is_some() {
+            Self::Unsteady
+        } else {
+            Self::Nothing
+        }
     }
 }

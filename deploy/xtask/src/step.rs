@@ -1,4 +1,4 @@
-//! One child process: started, its output shown and counted as it comes, ended when its time is over.
+//! One child process: started, its output shown and counted as it comes, ended when it is taken for hung.
 //!
 //! Must never do: swallow output, or leave a child behind when its time is over.
 
@@ -8,12 +8,18 @@ mod tests;
 use crate::failures::Failures;
 use crate::tally::{Runner, Tally};
 use anyhow::{Context, Result, bail};
-use std::io::{BufRead, BufReader, IsTerminal};
+use std::io::{BufRead, BufReader, IsTerminal, Read};
 use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// A step may take this long before it is taken for hung, unless it says otherwise. The whole of CI has 40 minutes.
-const PATIENCE: Duration = Duration::from_secs(25 * 60);
+/// Who has said nothing for so long is taken for hung. How long a step takes says nothing of that: on a machine half as fast it takes
+/// twice as long, but goes on telling what it does: cargo names each crate, a runner each test. Quiet without being hung is one test
+/// that first makes a Python environment (the whole of its tier takes seven minutes), and a cargo that waits for another's lock.
+const QUIET: Duration = Duration::from_secs(15 * 60);
+/// Who talks for ever is hung too. Four times what the longest step takes on two cores, which is the browser's.
+const TOTAL: Duration = Duration::from_secs(60 * 60);
 /// How often a running child is looked at.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
@@ -22,7 +28,8 @@ pub struct Step {
     command: Command,
     runner: Option<Runner>,
     must_run_some: bool,
-    patience: Duration,
+    quiet: Duration,
+    total: Duration,
 }
 
 impl Step {
@@ -32,7 +39,8 @@ impl Step {
             command,
             runner: None,
             must_run_some: false,
-            patience: PATIENCE,
+            quiet: QUIET,
+            total: TOTAL,
         }
     }
 
@@ -42,7 +50,8 @@ impl Step {
             command,
             runner: Some(runner),
             must_run_some: true,
-            patience: PATIENCE,
+            quiet: QUIET,
+            total: TOTAL,
         }
     }
 
@@ -52,13 +61,14 @@ impl Step {
             command,
             runner: Some(runner),
             must_run_some: false,
-            patience: PATIENCE,
+            quiet: QUIET,
+            total: TOTAL,
         }
     }
 
-    /// It may take this long before it is taken for hung.
-    pub fn within(mut self, patience: Duration) -> Self {
-        self.patience = patience;
+    /// It may take this long before it is taken for hung, and be quiet all the while.
+    pub fn within(mut self, total: Duration) -> Self {
+        (self.quiet, self.total) = (total, total);
         self
     }
 
@@ -74,26 +84,26 @@ impl Step {
         if std::io::stdout().is_terminal() {
             self.command.env("CARGO_TERM_COLOR", "always");
         }
-        let status = match self.runner {
-            None => {
-                let mut child = self.command.spawn().with_context(|| format!("cannot start {name}"))?;
-                wait(&mut child, self.patience)?
-            }
-            Some(runner) => {
-                let mut child = self
-                    .command
-                    .stdout(Stdio::piped())
-                    .spawn()
-                    .with_context(|| format!("cannot start {name}"))?;
-                let output = child.stdout.take().context("the child's output is piped")?;
-                let reader = std::thread::spawn(move || count(BufReader::new(output), runner));
-                let status = wait(&mut child, self.patience);
-                let (counted, failed) = reader.join().unwrap_or_default();
-                *tally += counted;
-                *failures = failed;
-                status?
-            }
-        };
+        let mut child = self
+            .command
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .with_context(|| format!("cannot start {name}"))?;
+        let output = child.stdout.take().context("the child's output is piped")?;
+        let complaints = child.stderr.take().context("the child's complaints are piped")?;
+        let heard = Arc::new(Heard::now());
+        let (of_output, of_complaints) = (heard.clone(), heard.clone());
+        let runner = self.runner;
+        let reader = std::thread::spawn(move || count(output, runner, &of_output));
+        let passer = std::thread::spawn(move || pass_on(complaints, &of_complaints));
+        let status = wait(&mut child, &heard, self.quiet, self.total);
+        let (counted, failed) = reader.join().unwrap_or_default();
+        // it has nothing to tell but what it has shown
+        let _ = passer.join();
+        *tally += counted;
+        *failures = failed;
+        let status = status?;
         match status.code() {
             Some(0) if self.must_run_some && tally.ran() == 0 => {
                 bail!("no test ran: a tier without tests proves nothing")
@@ -105,30 +115,75 @@ impl Step {
     }
 }
 
-fn count(output: impl BufRead, runner: Runner) -> (Tally, Failures) {
+/// When the child was last heard of.
+struct Heard {
+    started: Instant,
+    /// In milliseconds since then.
+    last: AtomicU64,
+}
+
+impl Heard {
+    fn now() -> Self {
+        Self {
+            started: Instant::now(),
+            last: AtomicU64::new(0),
+        }
+    }
+
+    fn again(&self) {
+        let now = u64::try_from(self.started.elapsed().as_millis()).unwrap_or(u64::MAX);
+        // the two outputs are read by a thread each, and one may be slow to say when it heard
+        self.last.fetch_max(now, Ordering::Relaxed);
+    }
+
+    fn quiet_for(&self) -> Duration {
+        let last = Duration::from_millis(self.last.load(Ordering::Relaxed));
+        self.started.elapsed().saturating_sub(last)
+    }
+}
+
+/// Line by line, as text, until the other side is closed.
+fn lines(from: impl Read, heard: &Heard) -> impl Iterator<Item = String> {
+    let lines = BufReader::new(from).split(b'\n').map_while(Result::ok);
+    lines.map(|line| {
+        heard.again();
+        String::from_utf8_lossy(&line).into_owned()
+    })
+}
+
+fn count(output: impl Read, runner: Option<Runner>, heard: &Heard) -> (Tally, Failures) {
     let mut tally = Tally::default();
     let mut failures = Failures::default();
-    for line in output.split(b'\n').map_while(Result::ok) {
-        let line = String::from_utf8_lossy(&line).into_owned();
+    for line in lines(output, heard) {
         println!("{line}");
-        tally.read(runner, &line);
-        failures.read(&line);
+        if let Some(runner) = runner {
+            tally.read(runner, &line);
+            failures.read(&line);
+        }
     }
     (tally, failures)
 }
 
-fn wait(child: &mut Child, patience: Duration) -> Result<ExitStatus> {
-    let started = Instant::now();
+fn pass_on(complaints: impl Read, heard: &Heard) {
+    lines(complaints, heard).for_each(|line| eprintln!("{line}"));
+}
+
+fn wait(child: &mut Child, heard: &Heard, quiet: Duration, total: Duration) -> Result<ExitStatus> {
     loop {
         if let Some(status) = child.try_wait()? {
             return Ok(status);
         }
-        if started.elapsed() > patience {
-            end_tree(child.id());
-            child.wait()?;
-            bail!("hung: ended after {} minutes", patience.as_secs() / 60);
-        }
-        std::thread::sleep(LOOK_EVERY);
+        let hung = if heard.quiet_for() > quiet {
+            format!("said nothing for {} minutes", quiet.as_secs() / 60)
+        } else if heard.started.elapsed() > total {
+            format!("still running after {} minutes", total.as_secs() / 60)
+        } else {
+            std::thread::sleep(LOOK_EVERY);
+            continue;
+        };
+        end_tree(child.id());
+        child.wait()?;
+        bail!("hung: {hung}, and was ended");
     }
 }
 

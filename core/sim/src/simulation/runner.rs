@@ -6,6 +6,7 @@ use crate::faces::{Face, Faces};
 use crate::faults::Fault;
 use crate::movers::Scripted;
 use crate::settings::{Impairment, SimSettings, WindSettings};
+use crate::stalls::{self, StallProbe};
 use crate::topics::TopicCarrier;
 use crate::truth::{TruthFrame, VehicleTruth};
 use crate::vehicle::{Outbox, Vehicle, VehicleIdentity};
@@ -43,8 +44,6 @@ const MANY: usize = 24;
 const PUBLISH_S: f64 = 0.02;
 /// When real time has run away by more than this, the simulation lets it go, in seconds.
 const GIVE_UP_S: f64 = 1.0;
-/// A wake-up later than this counts as a stall, in seconds.
-const STALL_S: f64 = 0.01;
 /// Datagrams read from one link, and what is taken from one vehicle's topics, in one step at most: a flood must not stop the others.
 const READ_LIMIT: usize = 64;
 
@@ -80,10 +79,14 @@ pub(super) struct Runner {
     wind: Wind,
     rng: ChaCha8Rng,
     time_s: f64,
+    /// When the simulation's time was zero, had it always kept step since.
+    zero: Instant,
     published_s: f64,
     sequence: u64,
+    stalls: StallProbe,
     stalled_s: f64,
-    longest_stall_s: f64,
+    /// Part of the stalls that is no part of the simulation's time, in seconds.
+    let_go_s: f64,
     stopped: bool,
     outbox: Outbox,
     buffer: Vec<u8>,
@@ -96,6 +99,7 @@ impl Runner {
         carrier: Option<Arc<dyn TopicCarrier>>,
         inbox: Receiver<Order>,
         truth: Arc<Mutex<Arc<TruthFrame>>>,
+        stalls: StallProbe,
     ) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
         Self {
@@ -109,10 +113,12 @@ impl Runner {
             observers: Vec::new(),
             rng,
             time_s: 0.0,
+            zero: Instant::now(),
             published_s: 0.0,
             sequence: 0,
+            stalls,
             stalled_s: 0.0,
-            longest_stall_s: 0.0,
+            let_go_s: 0.0,
             stopped: false,
             outbox: Outbox::default(),
             buffer: vec![0; 2048],
@@ -121,23 +127,28 @@ impl Runner {
 
     /// Runs until told to stop.
     pub(super) fn run(mut self) {
-        let mut zero = Instant::now() - Duration::from_secs_f64(self.time_s);
+        self.zero = Instant::now() - Duration::from_secs_f64(self.time_s);
         while !self.stopped {
             let step_s = self.step_s();
-            let late_s = zero.elapsed().as_secs_f64() - self.time_s - step_s;
+            let woke = Instant::now();
+            let late_s = (woke - self.zero).as_secs_f64() - self.time_s - step_s;
             if late_s < 0.0 {
                 std::thread::sleep(Duration::from_secs_f64(-late_s));
                 continue;
             }
+            let late = Duration::from_secs_f64(late_s);
+            let stalled = late > stalls::LATE;
+            if stalled {
+                self.stalls.add(woke - late, woke);
+            }
             if late_s > GIVE_UP_S {
-                zero += Duration::from_secs_f64(late_s);
+                self.let_go(late);
             }
             self.take_orders();
+            // The first step reads all that came in the meantime.
             self.step(step_s);
-            // Counted after the step that reads what came in the meantime, so that the gap that follows is known for its own.
-            if late_s > STALL_S {
-                self.note_stall(late_s);
-                let behind_s = zero.elapsed().as_secs_f64() - self.time_s;
+            if stalled {
+                let behind_s = self.zero.elapsed().as_secs_f64() - self.time_s;
                 self.catch_up(behind_s.min(GIVE_UP_S));
             }
         }
@@ -152,12 +163,18 @@ impl Runner {
         }
     }
 
-    fn note_stall(&mut self, late_s: f64) {
-        self.stalled_s += late_s;
-        self.longest_stall_s = self.longest_stall_s.max(late_s);
-        for slot in &mut self.slots {
-            slot.vehicle.note_stalls(self.stalled_s);
-        }
+    /// Time that is never caught up on. A gap of the simulation's time has none of it, so a stall in it is not taken off the gap either.
+    fn let_go(&mut self, late: Duration) {
+        let before_s = self.stalled_until_now_s();
+        self.zero += late;
+        self.let_go_s += self.stalled_until_now_s() - before_s;
+    }
+
+    /// The stalls until the moment that the simulation has come to, in seconds. While it catches up that moment is not now: setpoints
+    /// that came during a stall of its own are taken at the stall's beginning, and the gap that follows has the stall in it.
+    fn stalled_until_now_s(&self) -> f64 {
+        let at = self.zero + Duration::from_secs_f64(self.time_s);
+        self.stalls.until(at).as_secs_f64() - self.let_go_s
     }
 
     fn catch_up(&mut self, behind_s: f64) {
@@ -171,6 +188,7 @@ impl Runner {
     fn step(&mut self, dt_s: f64) {
         let wind = self.wind.step(dt_s, &mut self.rng);
         self.time_s += dt_s;
+        self.stalled_s = self.stalled_until_now_s();
         let mut around = Around {
             carrier: self.carrier.as_deref(),
             rng: &mut self.rng,
@@ -179,6 +197,7 @@ impl Runner {
             now_s: self.time_s,
         };
         for slot in &mut self.slots {
+            slot.vehicle.note_stalls(self.stalled_s);
             slot.step(&mut around, dt_s, &wind);
         }
         if let Some(carrier) = &self.carrier {
@@ -208,7 +227,7 @@ impl Runner {
             sequence: self.sequence,
             vehicles,
             movers: self.movers.iter().map(|(mover, _)| mover.truth(self.time_s)).collect(),
-            longest_stall_s: self.longest_stall_s,
+            longest_stall_s: self.stalls.longest().as_secs_f64(),
         });
         for slot in &mut self.slots {
             slot.vehicle.forget_recent_gap();
@@ -350,3 +369,6 @@ impl Slot {
         around.outbox.clear();
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -41,7 +41,7 @@ pub(crate) struct OffboardInput {
     pub refused: u64,
     /// Longest gap while it mattered, in seconds.
     pub gap_max_s: f64,
-    /// The same without the simulation's own stalls.
+    /// The longest that was left without what the machine's stalls had in it.
     pub gap_sender_max_s: f64,
     /// The same since [`Self::forget_recent_gap`].
     pub gap_recent_s: f64,

@@ -15,7 +15,7 @@ use skein_runtime::{EventKind, NodeHandle};
 use skein_sim::{TruthFrame, VehicleTruth};
 use std::fmt::Write;
 
-/// A simulation that stood still for less is not worth a line.
+/// A machine that stood still for less is not worth a line.
 const WORTH_TELLING_S: f64 = 0.1;
 
 /// The report, as it is written to the file.
@@ -53,8 +53,10 @@ pub struct Report {
     pub restarts: Vec<String>,
     /// Restarts of plugin instances after failures, per isolation.
     pub plugin_restarts: Vec<PluginRestarts>,
-    /// Longest time in which the simulation itself did not run, in seconds. The setpoint gap above is without it.
-    pub simulation_longest_stall_s: f64,
+    /// Longest time in which the machine did not let this process run, in seconds. The setpoint gap above is without such times.
+    pub machine_longest_stall_s: f64,
+    /// Longest setpoint gap with all that was in it, as a simulated autopilot sees it, in seconds. Told, not judged.
+    pub raw_setpoint_gap_s: Option<f64>,
 }
 
 /// How well a formation was reached.
@@ -78,9 +80,18 @@ pub struct Outcome<'a> {
     pub broke_off: Option<&'a anyhow::Error>,
 }
 
+/// Those that went without setpoints for no reason of the scenario's.
+fn judged<'a>(figures: &'a Figures, truth: &'a TruthFrame) -> impl Iterator<Item = &'a VehicleTruth> {
+    let vehicles = truth.vehicles.iter();
+    vehicles.filter(|v| !figures.excused.contains(&v.system_id))
+}
+
+fn farthest(values: &mut dyn Iterator<Item = f64>) -> Option<f64> {
+    values.reduce(f64::max)
+}
+
 /// What every flight has to meet.
 fn common(figures: &Figures, truth: &TruthFrame, unplanned: usize, gap: Criterion) -> Vec<Criterion> {
-    let farthest = |values: &mut dyn Iterator<Item = f64>| values.reduce(f64::max);
     let to_land = truth.vehicles.iter().filter(|v| !figures.lost.contains(&v.system_id));
     let landed = truth.vehicles.iter().filter(|v| v.alive && referee::is_down(v)).count();
     let mut criteria = vec![
@@ -126,14 +137,9 @@ fn common(figures: &Figures, truth: &TruthFrame, unplanned: usize, gap: Criterio
 /// Whether setpoints came without a gap: by what the simulated vehicles saw, or by how often a link had none to send.
 fn gap(arguments: &DemoArguments, node: &NodeHandle, figures: &Figures, truth: &TruthFrame) -> Criterion {
     if arguments.listen.is_empty() {
-        let judged = |v: &&VehicleTruth| !figures.excused.contains(&v.system_id);
-        // A host that stands still stops the simulation with everything else: only what is left of a gap without that is the sender's.
-        let gaps_s = truth
-            .vehicles
-            .iter()
-            .filter(judged)
-            .map(|v| v.offboard_gap_sender_max_s);
-        return at_most("longest setpoint gap", gaps_s.reduce(f64::max), 0.2, "s");
+        // A machine that stands still stops the node with everything else: only what is left of a gap without that is the sender's.
+        let gap_s = farthest(&mut judged(figures, truth).map(|v| v.offboard_gap_sender_max_s));
+        return at_most("longest setpoint gap", gap_s, 0.2, "s");
     }
     let missing = node
         .events_after(0)
@@ -155,6 +161,7 @@ pub fn make(arguments: &DemoArguments, node: &NodeHandle, referee: &Referee, out
     let mut unplanned = referee::unplanned_mode_changes(&truth);
     unplanned.retain(|(system_id, _)| !figures.excused.contains(system_id));
     let restarts = node.restarts();
+    let raw_gap_s = farthest(&mut judged(&figures, &truth).map(|v| v.offboard_gap_max_s));
     let mut criteria = outcome.criteria;
     criteria.extend(common(
         &figures,
@@ -188,7 +195,8 @@ pub fn make(arguments: &DemoArguments, node: &NodeHandle, referee: &Referee, out
         plugin_restarts: [(Isolation::InProcess, 10.0), (Isolation::Child, 150.0)]
             .map(|(isolation, target_ms)| restarts::plugin_restarts(&restarts, isolation, target_ms))
             .into(),
-        simulation_longest_stall_s: truth.longest_stall_s,
+        machine_longest_stall_s: truth.longest_stall_s,
+        raw_setpoint_gap_s: raw_gap_s.filter(|_| arguments.listen.is_empty()),
     }
 }
 
@@ -262,11 +270,11 @@ impl Report {
             );
         }
         let _ = writeln!(text, "nearest to each other: {}", self.nearest);
-        if self.simulation_longest_stall_s > WORTH_TELLING_S {
-            let stall_s = self.simulation_longest_stall_s;
+        if self.machine_longest_stall_s > WORTH_TELLING_S {
+            let (stall_s, raw_s) = (self.machine_longest_stall_s, self.raw_setpoint_gap_s.unwrap_or(0.0));
             let _ = writeln!(
                 text,
-                "this machine did not let the simulation run for up to {stall_s:.2} s"
+                "this machine did not let the program run for up to {stall_s:.2} s; with that the longest setpoint gap is {raw_s:.2} s"
             );
         }
         for change in &self.unplanned_mode_changes {

@@ -52,3 +52,23 @@ fn those_listed_are_named() {
 fn none_is_named_where_a_program_died() {
     assert_eq!(read(&[TWO_FAILED, "running 2 tests\ntest x ... "]).names().len(), 0);
 }
+
+#[test]
+fn those_that_the_browsers_runner_tried_again_are_named() {
+    let lines = [
+        "  ✘  1 flight.spec.ts:4:1 › lands (2.1s)",
+        "  ✓  2 flight.spec.ts:4:1 › lands (retry #1) (2.0s)",
+        "  1 failed",
+        "    map.spec.ts:9:1 › draws ──────────────",
+        "  2 flaky",
+        "    flight.spec.ts:4:1 › lands ──────────────",
+        "    units.spec.ts:7:3 › feet › of height ────",
+        "  12 passed (3.1m)",
+        "    flight.spec.ts:5:1 › not listed",
+    ];
+    assert_eq!(
+        read(&lines).unsteady(),
+        ["flight.spec.ts:4:1 › lands", "units.spec.ts:7:3 › feet › of height"]
+    );
+    assert!(read(&lines).names().is_empty(), "cargo tries those again that it names");
+}

@@ -46,18 +46,30 @@ fn printing(lines: &[&str], code: u8) -> Step {
     )
 }
 
-fn failing(names: &[&str]) -> Step {
-    let result = format!("test result: FAILED. 5 passed; {} failed; 0 ignored", names.len());
+fn failing_of(ran: usize, names: &[&str]) -> Step {
+    let result = format!(
+        "test result: FAILED. {} passed; {} failed; 0 ignored",
+        ran - names.len(),
+        names.len()
+    );
     let names: Vec<String> = names.iter().map(|name| format!("    {name}")).collect();
-    let mut lines = vec!["running 6 tests", "failures:"];
+    let mut lines = vec!["running some tests", "failures:"];
     lines.extend(names.iter().map(String::as_str));
     lines.extend(["", &result]);
     printing(&lines, 101)
 }
 
+fn failing(names: &[&str]) -> Step {
+    failing_of(names.len() + 20, names)
+}
+
 fn passing(count: usize) -> Step {
     let result = format!("test result: ok. {count} passed; 0 failed; 0 ignored");
     printing(&["running 9 tests", &result], 0)
+}
+
+fn no_second_try(_: &[String]) -> Step {
+    panic!("a second try")
 }
 
 #[test]
@@ -69,8 +81,24 @@ fn a_test_that_passes_when_tried_again_is_unsteady() {
     });
     assert!(passed);
     let total = report.total();
-    assert_eq!((total.passed, total.failed, total.unsteady), (5, 0, 1));
+    assert_eq!((total.passed, total.failed, total.unsteady), (20, 0, 1));
     assert_eq!(code(report), format!("{:?}", ExitCode::SUCCESS));
+}
+
+#[test]
+fn their_number_over_a_run_fails_nothing_and_all_are_told() {
+    let mut report = Report::new();
+    for step in ["air", "browser", "hosts"] {
+        assert!(report.tests(step, "", failing(&["a", "b"]), |_| passing(2)));
+    }
+    assert_eq!(report.total().unsteady, 6);
+    let told = report.unsteady();
+    assert!(told.starts_with("6 unsteady"), "{told}");
+    for test in ["air: a", "air: b", "browser: a", "hosts: b"] {
+        assert!(told.contains(&format!("unsteady: {test}\n")), "{told}");
+    }
+    assert_eq!(code(report), format!("{:?}", ExitCode::SUCCESS));
+    assert_eq!(Report::new().unsteady(), "");
 }
 
 #[test]
@@ -79,15 +107,66 @@ fn a_test_that_fails_twice_has_failed() {
     assert!(!report.tests("flights", "", failing(&["one"]), |_| failing(&["one"])));
     assert!(!report.tests("flights", "", failing(&["one", "two"]), |_| passing(1)));
     assert_eq!(report.total().failed, 3);
+    assert_eq!(report.unsteady(), "");
     assert_eq!(code(report), format!("{:?}", ExitCode::FAILURE));
 }
 
 #[test]
-fn more_than_a_few_are_not_tried_again() {
+fn many_at_once_are_not_tried_again() {
     let mut report = Report::new();
-    assert!(!report.tests("many", "", failing(&["a", "b", "c"]), |_| panic!("a second try")));
-    assert!(report.tests("two", "", failing(&["a", "b"]), |_| passing(2)));
-    assert!(!report.tests("a third", "", failing(&["c"]), |_| panic!("a second try")));
+    let many = ["a", "b", "c", "d", "e", "f", "g"];
+    assert!(!report.tests("seven", "", failing_of(100, &many), no_second_try));
+    assert!(report.tests("six", "", failing_of(100, &many[..6]), |_| passing(6)));
+    assert!(!report.tests("more than a third", "", failing_of(5, &many[..2]), no_second_try));
+    assert!(report.tests("a third", "", failing_of(6, &many[..2]), |_| passing(2)));
+    assert!(report.tests("the only one", "", failing_of(1, &many[..1]), |_| passing(1)));
+}
+
+#[test]
+fn only_what_is_named_is_tried_again() {
+    let mut report = Report::new();
     let died = printing(&["running 2 tests"], 101);
-    assert!(!report.tests("died", "", died, |_| panic!("a second try")));
+    assert!(!report.tests("died", "", died, no_second_try));
+    let lines = [
+        "running 9 tests",
+        "failures:",
+        "    one",
+        "",
+        "test result: FAILED. 6 passed; 2 failed; 0 ignored",
+        "test result: ok. 1 passed; 0 failed",
+        "running 1 test",
+    ];
+    assert!(!report.tests("one without a name", "", printing(&lines, 101), no_second_try));
+}
+
+#[test]
+fn a_plain_step_is_never_tried_again() {
+    let mut report = Report::new();
+    assert!(!report.step("seeds", "", failing(&["one"])));
+    assert_eq!((report.total().failed, report.total().unsteady), (1, 0));
+    assert_eq!(code(report), format!("{:?}", ExitCode::FAILURE));
+}
+
+/// As Playwright tells that some passed only when it tried them again itself.
+fn in_the_browser(flaky: usize, passed: usize) -> Step {
+    let mut lines = vec![format!("  {flaky} flaky")];
+    lines.extend((0..flaky).map(|i| format!("    flight.spec.ts:{i}:1 › lands ────")));
+    lines.push(format!("  {passed} passed (1.2m)"));
+    let mut command = Command::new("sh");
+    command.args(["-c", "printf '%s\\n' \"$@\"", "sh"]).args(lines);
+    Step::tests(command, Runner::Playwright)
+}
+
+#[test]
+fn second_tries_of_a_runner_itself_have_the_same_limits() {
+    let mut report = Report::new();
+    assert!(report.step("three", "", in_the_browser(3, 9)));
+    assert!(
+        report
+            .unsteady()
+            .contains("unsteady: three: flight.spec.ts:2:1 › lands\n")
+    );
+    assert!(!report.step("seven", "", in_the_browser(7, 90)));
+    assert!(!report.step("a half", "", in_the_browser(3, 3)));
+    assert_eq!(code(report), format!("{:?}", ExitCode::FAILURE));
 }

@@ -68,7 +68,7 @@ fn a_hung_command_is_ended_with_what_it_started() {
     BufReader::new(output)
         .read_line(&mut line)
         .expect("it says the grandchild's id");
-    assert!(wait(&mut child, Duration::ZERO).is_err());
+    assert!(wait(&mut child, &Heard::now(), TOTAL, Duration::ZERO).is_err());
     let running = || {
         let stat = std::fs::read_to_string(format!("/proc/{}/stat", line.trim())).unwrap_or_default();
         !stat.is_empty() && !stat.contains(") Z ")
@@ -81,9 +81,50 @@ fn a_hung_command_is_ended_with_what_it_started() {
     }
 }
 
+/// How a step ends that may be quiet and take so long.
+fn with_limits(script: &str, quiet: Duration, total: Duration) -> Result<()> {
+    let step = Step {
+        quiet,
+        total,
+        ..Step::new(shell(script))
+    };
+    step.run(&mut Tally::default())
+}
+
+#[test]
+fn who_is_quiet_for_too_long_is_hung() {
+    let error = with_limits("echo begun; exec sleep 600", LOOK_EVERY, TOTAL).expect_err("it is ended");
+    assert!(error.to_string().contains("said nothing"), "{error}");
+}
+
+#[test]
+fn who_goes_on_talking_may_take_its_time() {
+    // on either of its outputs; with pauses that are far shorter than the limit, and a whole that is longer
+    let quiet = Duration::from_secs(3);
+    std::thread::scope(|scope| {
+        for to in ["1", "2"] {
+            scope.spawn(move || {
+                let script = format!("for word in a b c d e f g h; do echo $word >&{to}; sleep 0.5; done");
+                let began = Instant::now();
+                with_limits(&script, quiet, TOTAL).expect("it is let alone");
+                assert!(began.elapsed() > quiet, "it was over before the limit could strike");
+            });
+        }
+    });
+}
+
+#[test]
+fn who_talks_for_ever_is_hung() {
+    let talking = "while :; do echo word; sleep 0.1; done";
+    let error = with_limits(talking, TOTAL, Duration::from_millis(500)).expect_err("it is ended");
+    assert!(error.to_string().contains("still running"), "{error}");
+}
+
 #[test]
 fn a_step_has_its_own_patience() {
     let asleep = Step::new(shell("sleep 600")).within(LOOK_EVERY);
     let error = asleep.run(&mut Tally::default()).expect_err("it is ended");
     assert!(error.to_string().contains("hung"), "{error}");
+    let step = Step::new(shell("true")).within(TOTAL * 2);
+    assert!(step.quiet == TOTAL * 2, "it may be quiet all the while");
 }
