@@ -42,7 +42,7 @@ pub use airframe::Airframe;
 pub use faces::{Face, Faces};
 pub use faults::{Fault, Receiver};
 pub use movers::{Mover, Report};
-pub use payloads::{CameraSettings, GimbalSettings, PayloadPlan, RadioSettings};
+pub use payloads::{CameraSettings, GimbalOutput, GimbalSettings, PayloadPlan, RadioSettings};
 pub use settings::{
     BatterySettings, Impairment, NoiseSettings, PortPlan, Px4Ports, SimSettings, VehicleStart, WindSettings,
 };

@@ -9,7 +9,7 @@ pub(crate) mod manager;
 pub(crate) mod radio;
 
 pub use camera::CameraSettings;
-pub use gimbal::GimbalSettings;
+pub use gimbal::{GimbalOutput, GimbalSettings};
 pub use radio::RadioSettings;
 
 /// Component id of a gimbal device, of a camera, and of a telemetry radio on a vehicle or beside it.
@@ -22,7 +22,8 @@ pub(crate) const RADIO_SYSTEM: u8 = 51;
 /// What each vehicle carries. By default nothing, so that its traffic is that of a bare vehicle.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PayloadPlan {
-    /// A gimbal, steered over MAVLink's gimbal protocol (version 2): the manager is the autopilot, the device component 154.
+    /// A gimbal, steered over MAVLink's gimbal protocol (version 2): the manager is the autopilot, as PX4 has it; the device is
+    /// component 154 or servos at the autopilot's outputs.
     pub gimbal: Option<GimbalSettings>,
     /// A camera, component 100, with MAVLink's camera protocol (version 2); on the gimbal if there is one, else looking ahead.
     pub camera: Option<CameraSettings>,

@@ -2,6 +2,7 @@
 
 use crate::attitude::{Direction, Yaw};
 use minicbor::{Decode, Encode};
+use skein_domain::frames::wrap_angle_rad;
 use skein_domain::payload::{GimbalCommand, GimbalMode, GimbalYawFrame};
 use skein_domain::{CommandId, Geodetic, NodeTime, Refusal};
 
@@ -32,6 +33,39 @@ pub(crate) struct Rates {
     /// Clockwise, in radians per second.
     #[n(1)]
     pub(crate) yaw_rad_s: f64,
+}
+
+/// Where a turn at rates has got to, of a device that is told angles that move.
+#[derive(Debug, Clone, Copy, PartialEq, Encode, Decode)]
+pub(crate) struct Sweep {
+    #[n(0)]
+    pub(crate) when: NodeTime,
+    #[n(1)]
+    pub(crate) direction: Direction,
+}
+
+impl Sweep {
+    /// Where it is at `now`. A pause longer than this in seconds, as of a restart, is not made up for.
+    pub(crate) fn at(&self, now: NodeTime, rates: Rates) -> Direction {
+        const PAUSE_MAX_S: f64 = 0.5;
+        let dt_s = now.seconds_since(self.when).clamp(0.0, PAUSE_MAX_S);
+        let on = |yaw: f64| wrap_angle_rad(yaw + rates.yaw_rad_s * dt_s);
+        Direction {
+            pitch_rad: self.direction.pitch_rad + rates.pitch_rad_s * dt_s,
+            yaw: match self.direction.yaw {
+                Yaw::Vehicle(yaw) => Yaw::Vehicle(on(yaw)),
+                Yaw::North(yaw) => Yaw::North(on(yaw)),
+            },
+        }
+    }
+}
+
+impl Rates {
+    /// Stand still.
+    pub(crate) const NONE: Self = Self {
+        pitch_rad_s: 0.0,
+        yaw_rad_s: 0.0,
+    };
 }
 
 impl Aim {

@@ -4,6 +4,7 @@ use minicbor::{Decode, Encode};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use skein_domain::frames::wrap_angle_rad;
 use skein_domain::{Geodetic, NodeTime, SwarmFrame};
+use std::f64::consts::FRAC_PI_2;
 
 /// Nearer than this, in metres, straight above or below has no direction: the yaw stays as it is.
 const NO_DIRECTION_M: f64 = 0.3;
@@ -91,15 +92,24 @@ impl Direction {
         }
     }
 
+    /// The axis as seen from the vehicle; `None` if that cannot be said.
+    pub(crate) fn from_nose(&self, vehicle_yaw_rad: Option<f64>) -> Option<Vector3<f64>> {
+        Some(axis(self.pitch_rad, self.yaw.off_nose(vehicle_yaw_rad)?))
+    }
+
     /// The angle between this direction and where the gimbal looks; `None` if their frames cannot be compared.
     pub(crate) fn off_rad(&self, attitude: &Attitude, vehicle_yaw_rad: Option<f64>) -> Option<f64> {
         let (wanted, is) = match (self.yaw, attitude.yaw) {
             (Yaw::North(wanted), is) => (wanted, is.off_north(vehicle_yaw_rad)?),
             (Yaw::Vehicle(wanted), is) => (wanted, is.off_nose(vehicle_yaw_rad)?),
         };
-        let axis = |pitch: f64, yaw: f64| Vector3::new(pitch.cos() * yaw.cos(), pitch.cos() * yaw.sin(), pitch.sin());
         Some(axis(self.pitch_rad, wanted).angle(&axis(attitude.pitch_rad, is)))
     }
+}
+
+/// The direction of a pitch and a yaw in radians.
+fn axis(pitch: f64, yaw: f64) -> Vector3<f64> {
+    Vector3::new(pitch.cos() * yaw.cos(), pitch.cos() * yaw.sin(), pitch.sin())
 }
 
 /// How far a gimbal can turn, in radians.
@@ -117,6 +127,26 @@ pub(crate) struct Limits {
 }
 
 impl Limits {
+    /// Of a device that says nothing.
+    pub(crate) const ANY: Self = Self {
+        pitch_min_rad: -FRAC_PI_2,
+        pitch_max_rad: FRAC_PI_2,
+        yaw_min_rad: None,
+        yaw_max_rad: None,
+    };
+
+    /// The same, with the axes at zero that there are not.
+    pub(crate) fn of_axes(self, pitches: bool, yaws: bool) -> Self {
+        let mut limits = self;
+        if !pitches {
+            (limits.pitch_min_rad, limits.pitch_max_rad) = (0.0, 0.0);
+        }
+        if !yaws {
+            (limits.yaw_min_rad, limits.yaw_max_rad) = (Some(0.0), Some(0.0));
+        }
+        limits
+    }
+
     /// From what a device says: no limit where its numbers make none.
     pub(crate) fn said(pitch: (f32, f32), yaw: (f32, f32)) -> Option<Self> {
         let (pitch_min_rad, pitch_max_rad) = (f64::from(pitch.0), f64::from(pitch.1));

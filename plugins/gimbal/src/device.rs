@@ -18,6 +18,8 @@ pub(crate) struct Moment<'a> {
     pub(crate) settings: &'a Settings,
     /// The vehicle's yaw from north in radians, if known.
     pub(crate) vehicle_yaw_rad: Option<f64>,
+    /// Its roll and pitch about the horizon in radians, if known.
+    pub(crate) vehicle_roll_pitch_rad: Option<(f64, f64)>,
 }
 
 impl Moment<'_> {
@@ -33,6 +35,10 @@ pub(crate) struct Status {
     pub(crate) connected: bool,
     pub(crate) owner: GimbalOwner,
     pub(crate) attitude: Option<Attitude>,
+    /// It says that it is at an end stop.
+    pub(crate) at_end_stop: bool,
+    /// The autopilot turns it, by servos.
+    pub(crate) by_servos: bool,
     pub(crate) limits: Option<Limits>,
     pub(crate) model: String,
     pub(crate) fault: String,
@@ -41,6 +47,9 @@ pub(crate) struct Status {
 /// What is asked of a device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Turn {
+    /// There, by what is acknowledged where there is such a thing.
+    Once(Direction),
+    /// There, again and again.
     To(Direction),
     At(Rates),
 }
@@ -119,8 +128,24 @@ impl Device {
     /// Turns it.
     pub(crate) fn turn(&mut self, at: &Moment, turn: Turn, effects: &mut Effects) {
         match self {
-            Self::Mavlink(manager) => manager.turn(turn, effects),
+            Self::Mavlink(manager) => manager.turn(at, turn, effects),
             Self::Siyi(siyi) => siyi.turn(at, turn, effects),
+        }
+    }
+
+    /// Whether it keeps to north by itself when the vehicle turns.
+    pub(crate) fn holds_north(&self) -> bool {
+        match self {
+            Self::Mavlink(manager) => manager.holds_north(),
+            Self::Siyi(_) => false,
+        }
+    }
+
+    /// Whether it turns at rates as told; if not, it is told angles that move.
+    pub(crate) fn turns_at_rates(&self) -> bool {
+        match self {
+            Self::Mavlink(manager) => manager.turns_at_rates(),
+            Self::Siyi(_) => true,
         }
     }
 

@@ -1,10 +1,12 @@
 //! The plugin: commands in, the device turned, the state told.
 
+mod judging;
 mod report;
 
-use crate::aim::{Aim, Pending, PendingOf};
-use crate::attitude::{Direction, Limits};
+use crate::aim::{Aim, Pending, PendingOf, Rates, Sweep};
+use crate::attitude::{Direction, Limits, Yaw};
 use crate::device::{Control, ControlOutcome, Device, Moment, Turn};
+use crate::following::Following;
 use crate::manager;
 use crate::settings::Settings;
 use minicbor::{Decode, Encode};
@@ -50,6 +52,12 @@ struct Core {
     /// Angles were reached: they need not be sent again.
     #[n(5)]
     reached: bool,
+    /// Where rates have brought it, if it is told angles for them.
+    #[n(6)]
+    sweep: Option<Sweep>,
+    #[n(7)]
+    #[cbor(default)]
+    following: Following,
 }
 
 impl Payload for Gimbal {
@@ -93,6 +101,8 @@ impl Payload for Gimbal {
             sent: None,
             control_asked: None,
             reached: false,
+            sweep: None,
+            following: Following::default(),
         });
         Ok(Self {
             settings,
@@ -132,6 +142,7 @@ fn moment<'a>(now: NodeTime, settings: &'a Settings, own: &OwnState) -> Moment<'
         now,
         settings,
         vehicle_yaw_rad: own.kinematics.map(|kinematics| kinematics.yaw_rad),
+        vehicle_roll_pitch_rad: own.roll_rad.zip(own.pitch_rad),
     }
 }
 
@@ -172,6 +183,8 @@ impl Gimbal {
                 self.core.sent = None;
                 self.core.control_asked = None;
                 self.core.reached = false;
+                self.core.sweep = None;
+                self.core.following.restart();
                 PendingOf::Aim
             }
             (None, GimbalCommand::ReleaseControl) => {
@@ -237,6 +250,7 @@ impl Gimbal {
         self.yield_to_others(now, effects);
         self.drive(now, effects);
         self.judge(now, effects);
+        self.look_after(now, effects);
     }
 
     /// Whoever else steers the gimbal has it: what was asked here before ends.
@@ -276,70 +290,61 @@ impl Gimbal {
             }
             return;
         }
-        let follows = matches!(self.core.aim, Aim::Place(_)) || self.turns_with_vehicle();
+        let follows = self.is_to_follow();
         let rests = self.core.reached && !follows;
         if rests || !follows && at.within(self.core.sent, REPEAT_S) {
             return;
         }
-        let turn = match self.core.aim {
-            Aim::Idle => return,
-            Aim::Rates(rates) => Turn::At(rates),
-            Aim::Angles(_) | Aim::Place(_) => match self.wanted(now) {
-                Some(direction) => Turn::To(direction),
-                None => return,
-            },
+        let direction = match self.core.aim {
+            Aim::Rates(rates) if !self.core.device.turns_at_rates() => self.swept(now, rates),
+            _ => self.wanted(now),
+        };
+        let turn = match (self.core.aim, direction) {
+            (Aim::Rates(rates), None) if self.core.device.turns_at_rates() => Turn::At(rates),
+            // One move, and the first time that it is asked for.
+            (Aim::Angles(_), Some(direction)) if !follows && self.core.sent.is_none() => Turn::Once(direction),
+            (_, Some(direction)) => Turn::To(direction),
+            (_, None) => return,
         };
         self.core.sent = Some(now);
+        let at = moment(now, &self.settings, &self.own);
         self.core.device.turn(&at, turn, effects);
     }
 
-    /// Whether angles have to be sent anew as the vehicle turns: the device knows no north, or cannot turn all the way round.
-    fn turns_with_vehicle(&self) -> bool {
-        let Aim::Angles(direction) = self.core.aim else {
-            return false;
-        };
-        matches!(direction.yaw, crate::attitude::Yaw::North(_)) && matches!(self.core.device, Device::Siyi(_))
+    /// Whether it has to be told anew in every tick where to look.
+    fn is_to_follow(&self) -> bool {
+        match self.core.aim {
+            Aim::Idle => false,
+            Aim::Place(_) => true,
+            Aim::Rates(rates) => !self.core.device.turns_at_rates() && rates != Rates::NONE,
+            Aim::Angles(direction) => matches!(direction.yaw, Yaw::North(_)) && !self.core.device.holds_north(),
+        }
     }
 
-    /// Ends the command under way when what it asked for is the case, or took too long.
-    fn judge(&mut self, now: NodeTime, effects: &mut Effects) {
+    /// Where rates have brought it, from where it looked when they began. `None` until that is known.
+    fn swept(&mut self, now: NodeTime, rates: Rates) -> Option<Direction> {
         let at = moment(now, &self.settings, &self.own);
-        let reached = match self.core.aim {
-            Aim::Idle => return,
-            Aim::Rates(_) => self.core.sent.is_some(),
-            Aim::Angles(_) | Aim::Place(_) => {
-                let attitude = self.core.device.status(&at).attitude;
-                let heard_since = |heard: NodeTime| {
-                    self.core
-                        .sent
-                        .is_some_and(|_| self.core.pending.is_none_or(|pending| heard >= pending.begun))
-                };
-                let off_rad = self
-                    .wanted(now)
-                    .zip(attitude.filter(|a| heard_since(a.heard)))
-                    .and_then(|(wanted, attitude)| wanted.off_rad(&attitude, at.vehicle_yaw_rad));
-                off_rad.is_some_and(|off_rad| off_rad <= self.settings.tolerance_rad)
+        let direction = match self.core.sweep {
+            Some(sweep) => sweep.at(now, rates),
+            None => {
+                let looks = self.core.device.status(&at).attitude?;
+                Direction {
+                    pitch_rad: looks.pitch_rad,
+                    yaw: Yaw::Vehicle(looks.yaw.off_nose(at.vehicle_yaw_rad)?),
+                }
             }
         };
-        // Rates must be kept up: a device may stop by itself when nobody repeats them.
-        self.core.reached = reached && !matches!(self.core.aim, Aim::Rates(_));
-        let Some(pending) = self.core.pending.filter(|pending| pending.of == PendingOf::Aim) else {
-            return;
-        };
-        let after_s = now.seconds_since(pending.begun);
-        if reached {
-            self.end(Ok(()), effects);
-        } else if after_s > self.settings.turn_timeout_s {
-            let what = "the gimbal to look where it is to look".to_owned();
-            self.end(Err(Refusal::TimedOut { what, after_s }), effects);
-        }
+        let direction = self.limits(now).nearest(direction, at.vehicle_yaw_rad);
+        self.core.sweep = Some(Sweep { when: now, direction });
+        Some(direction)
     }
 
     /// Where the gimbal is to look, within what it can reach.
     fn wanted(&self, now: NodeTime) -> Option<Direction> {
         let at = moment(now, &self.settings, &self.own);
         let direction = match self.core.aim {
-            Aim::Idle | Aim::Rates(_) => return None,
+            Aim::Idle => return None,
+            Aim::Rates(_) => self.core.sweep?.direction,
             Aim::Angles(direction) => direction,
             Aim::Place(place) => {
                 let attitude = self.core.device.status(&at).attitude;

@@ -6,6 +6,7 @@
 mod aim;
 mod attitude;
 mod device;
+mod following;
 mod gimbal;
 mod manager;
 mod settings;

@@ -1,18 +1,21 @@
-//! A gimbal behind a MAVLink gimbal manager (gimbal protocol v2): found, owned, turned.
+//! A gimbal behind a MAVLink gimbal manager (gimbal protocol v2): found and owned. How it is turned is in [`turning`], what is known of
+//! the device in [`looks`].
 
-use crate::attitude::{Attitude, Limits, Yaw};
-use crate::device::{Control, ControlOutcome, Moment, Status, Turn};
+mod looks;
+mod turning;
+
+use crate::attitude::{Attitude, Limits};
+use crate::device::{Control, ControlOutcome, Moment, Status};
 use crate::settings::Settings;
 use mavlink::MessageData;
 use mavlink::dialects::common::{
     COMMAND_ACK_DATA, COMMAND_LONG_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA, GIMBAL_DEVICE_INFORMATION_DATA,
-    GIMBAL_MANAGER_INFORMATION_DATA, GIMBAL_MANAGER_SET_PITCHYAW_DATA, GIMBAL_MANAGER_STATUS_DATA,
-    GimbalDeviceErrorFlags, GimbalDeviceFlags, GimbalManagerFlags, MavCmd,
+    GIMBAL_MANAGER_INFORMATION_DATA, GIMBAL_MANAGER_STATUS_DATA, MavCmd,
 };
 use minicbor::{Decode, Encode};
-use payload_mavlink::{Requests, decode, send, text};
+use payload_mavlink::{Requests, decode, send};
 use skein_domain::payload::{GimbalOwner, MavlinkMessage};
-use skein_domain::{NodeTime, SystemId};
+use skein_domain::{NodeTime, Refusal, SystemId};
 use skein_plugin_sdk::Effects;
 
 /// Messages that a gimbal is known by.
@@ -22,6 +25,7 @@ pub(crate) const MESSAGES: &[u32] = &[
     GIMBAL_MANAGER_STATUS_DATA::ID,
     GIMBAL_DEVICE_INFORMATION_DATA::ID,
     GIMBAL_DEVICE_ATTITUDE_STATUS_DATA::ID,
+    looks::MOUNT_ORIENTATION,
 ];
 
 /// Pause between two questions, in seconds.
@@ -36,8 +40,20 @@ const GRANT_SETTLES_S: f64 = 1.0;
 const NOT_MYSELF: f32 = -3.0;
 /// "Leave it as it is", in the same numbers.
 const UNCHANGED: f32 = -1.0;
-/// Lowest component id that a device of its own can have; below are devices that their manager speaks for.
+/// Lowest component id that a device of its own can have; below are servos and the like, which their manager turns and speaks for.
 const FIRST_COMPONENT: u8 = 7;
+
+/// What a command to the manager is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Encode, Decode)]
+#[cbor(index_only)]
+enum Errand {
+    #[n(0)]
+    Take,
+    #[n(1)]
+    Release,
+    #[n(2)]
+    Turn,
+}
 
 /// The client of a gimbal manager.
 #[derive(Debug, Clone, PartialEq, Default, Encode, Decode)]
@@ -51,7 +67,7 @@ pub(crate) struct Manager {
     #[n(2)]
     device: u8,
     #[n(3)]
-    requests: Requests<Control>,
+    requests: Requests<Errand>,
     #[n(4)]
     heard: Option<NodeTime>,
     #[n(5)]
@@ -82,6 +98,19 @@ pub(crate) struct Manager {
     /// When it was found.
     #[n(16)]
     found: Option<NodeTime>,
+    /// What the manager says it can; absent until it says anything.
+    #[n(17)]
+    capabilities: Option<u32>,
+    /// Where the servos stand, if the device is servos.
+    #[n(18)]
+    servos: Option<Attitude>,
+    /// When a turn was last asked for by a command.
+    #[n(19)]
+    turn_asked: Option<NodeTime>,
+    /// It said that it does not know the command to turn.
+    #[n(20)]
+    #[cbor(default)]
+    by_messages_only: bool,
 }
 
 impl Manager {
@@ -103,8 +132,10 @@ impl Manager {
         Status {
             connected,
             owner: if connected { self.owner() } else { GimbalOwner::Unknown },
-            attitude: self.attitude,
-            limits: self.manager_limits.or(self.device_limits),
+            attitude: self.looks(at),
+            at_end_stop: self.is_at_end_stop(),
+            by_servos: self.has_servos(),
+            limits: self.limits(),
             model: self.model.clone(),
             fault: if connected { self.fault() } else { String::new() },
         }
@@ -130,44 +161,6 @@ impl Manager {
         }
     }
 
-    fn fault(&self) -> String {
-        let failures = GimbalDeviceErrorFlags::from_bits_retain(self.failures);
-        let words = [
-            (
-                GimbalDeviceErrorFlags::GIMBAL_DEVICE_ERROR_FLAGS_ENCODER_ERROR,
-                "encoder",
-            ),
-            (GimbalDeviceErrorFlags::GIMBAL_DEVICE_ERROR_FLAGS_POWER_ERROR, "power"),
-            (GimbalDeviceErrorFlags::GIMBAL_DEVICE_ERROR_FLAGS_MOTOR_ERROR, "motor"),
-            (
-                GimbalDeviceErrorFlags::GIMBAL_DEVICE_ERROR_FLAGS_SOFTWARE_ERROR,
-                "software",
-            ),
-            (
-                GimbalDeviceErrorFlags::GIMBAL_DEVICE_ERROR_FLAGS_COMMS_ERROR,
-                "communication",
-            ),
-            (
-                GimbalDeviceErrorFlags::GIMBAL_DEVICE_ERROR_FLAGS_CALIBRATION_RUNNING,
-                "calibrating",
-            ),
-            (
-                GimbalDeviceErrorFlags::GIMBAL_DEVICE_ERROR_FLAGS_NO_MANAGER,
-                "no manager",
-            ),
-        ];
-        let mut faults: Vec<&str> = words
-            .iter()
-            .filter(|(flag, _)| failures.contains(*flag))
-            .map(|(_, w)| *w)
-            .collect();
-        let flags = GimbalDeviceFlags::from_bits_retain(self.flags);
-        if flags.contains(GimbalDeviceFlags::GIMBAL_DEVICE_FLAGS_RC_EXCLUSIVE) {
-            faults.push("steered by the remote control alone");
-        }
-        faults.join(", ")
-    }
-
     pub(crate) fn hear(&mut self, at: &Moment, message: &MavlinkMessage) -> Option<ControlOutcome> {
         match message.message_id {
             COMMAND_ACK_DATA::ID => return self.hear_acknowledgement(at, message),
@@ -175,26 +168,54 @@ impl Manager {
             GIMBAL_MANAGER_STATUS_DATA::ID => self.hear_status(at, message, &decode(message)?),
             GIMBAL_DEVICE_INFORMATION_DATA::ID => self.hear_device(at, message, &decode(message)?),
             GIMBAL_DEVICE_ATTITUDE_STATUS_DATA::ID => self.hear_attitude(at, message, &decode(message)?),
+            looks::MOUNT_ORIENTATION => self.hear_mount(at, message),
             _ => {}
         }
         None
     }
 
     fn hear_acknowledgement(&mut self, at: &Moment, message: &MavlinkMessage) -> Option<ControlOutcome> {
-        let (control, outcome) = self.requests.heard(at.now, message)?;
+        let (errand, outcome) = self.requests.heard(at.now, message)?;
         let named = self.requests.own().filter(|named| *named != self.own);
-        match (control, &outcome) {
-            (Control::Take, Ok(())) if let Some(named) = named => {
+        match (errand, outcome) {
+            (Errand::Take, Ok(())) if let Some(named) = named => {
                 // It calls us otherwise than we thought, and gave control to nobody there is.
                 self.own = named;
                 self.request_control(Control::Take);
-                return None;
+                None
             }
-            (Control::Take, Ok(())) => self.granted = Some(at.now),
-            (Control::Release, Ok(())) => self.lose(),
-            (_, Err(_)) => {}
+            (Errand::Take, outcome) => {
+                if outcome.is_ok() {
+                    self.granted = Some(at.now);
+                }
+                Some((Control::Take, outcome))
+            }
+            (Errand::Release, outcome) => {
+                if outcome.is_ok() {
+                    self.lose();
+                }
+                Some((Control::Release, outcome))
+            }
+            (Errand::Turn, outcome) => {
+                self.turn_answered(at, outcome);
+                None
+            }
         }
-        Some((control, outcome))
+    }
+
+    /// A turn was done or refused. Whether it is reached is seen by where the device looks.
+    fn turn_answered(&mut self, at: &Moment, outcome: Result<(), Refusal>) {
+        match outcome {
+            Ok(()) => {}
+            Err(Refusal::NotSupported { .. }) => self.by_messages_only = true,
+            // PX4 denies it to whoever is not in control, and says only every two seconds who is: it is asked at once, and what is wanted
+            // goes on or ends by the answer.
+            Err(_) => {
+                self.lose();
+                self.found = Some(at.now);
+                self.last_question = None;
+            }
+        }
     }
 
     /// Control is no longer ours; who has it is for the manager to say.
@@ -214,6 +235,7 @@ impl Manager {
         if self.component.replace(message.component_id).is_none() {
             self.found = Some(at.now);
         }
+        self.capabilities = Some(said.cap_flags.bits()).filter(|bits| *bits != 0);
         self.manager_limits = Limits::said((said.pitch_min, said.pitch_max), (said.yaw_min, said.yaw_max));
         self.heard = Some(at.now);
     }
@@ -235,48 +257,6 @@ impl Manager {
         self.owner = Some(primary);
     }
 
-    fn hear_device(&mut self, at: &Moment, message: &MavlinkMessage, said: &GIMBAL_DEVICE_INFORMATION_DATA) {
-        if !self.is_of_device(message, said.gimbal_device_id) {
-            return;
-        }
-        self.heard = Some(at.now);
-        let (vendor, model) = (text(&*said.vendor_name), text(&*said.model_name));
-        self.model = format!("{vendor} {model}").trim().to_owned();
-        self.device_limits = Limits::said((said.pitch_min, said.pitch_max), (said.yaw_min, said.yaw_max));
-    }
-
-    fn hear_attitude(&mut self, at: &Moment, message: &MavlinkMessage, said: &GIMBAL_DEVICE_ATTITUDE_STATUS_DATA) {
-        if !self.is_of_device(message, said.gimbal_device_id) {
-            return;
-        }
-        let has = |flag| said.flags.contains(flag);
-        let from_north = if has(GimbalDeviceFlags::GIMBAL_DEVICE_FLAGS_YAW_IN_EARTH_FRAME) {
-            true
-        } else if has(GimbalDeviceFlags::GIMBAL_DEVICE_FLAGS_YAW_IN_VEHICLE_FRAME) {
-            false
-        } else {
-            // Devices that know neither flag say it by this one.
-            has(GimbalDeviceFlags::GIMBAL_DEVICE_FLAGS_YAW_LOCK)
-        };
-        let yaw = if from_north { Yaw::North } else { Yaw::Vehicle };
-        let Some(attitude) = Attitude::from_quaternion(at.now, said.q, yaw) else {
-            return;
-        };
-        self.heard = Some(at.now);
-        self.attitude = Some(attitude);
-        self.failures = said.failure_flags.bits();
-        self.flags = said.flags.bits();
-    }
-
-    /// Whether a message is of the device: by the id it names, or by where it comes from.
-    fn is_of_device(&self, message: &MavlinkMessage, named: u8) -> bool {
-        if self.device == 0 {
-            return self.component.is_some();
-        }
-        named == self.device
-            || named == 0 && (message.component_id == self.device || Some(message.component_id) == self.component)
-    }
-
     pub(crate) fn work(&mut self, at: &Moment, effects: &mut Effects) -> Option<ControlOutcome> {
         if self.component.is_some() && !at.within(self.heard, at.settings.lost_after_s) {
             // Whoever comes back may be another, or have forgotten us.
@@ -285,7 +265,18 @@ impl Manager {
             self.lose();
         }
         self.question(at, effects);
-        self.requests.work(at.now, at.settings.patience(), effects).pop()
+        self.work_requests(at, effects)
+    }
+
+    /// Sends what is due; gives what was given up. A turn that nobody acknowledged is none of it: it goes on by messages.
+    fn work_requests(&mut self, at: &Moment, effects: &mut Effects) -> Option<ControlOutcome> {
+        let given_up = self.requests.work(at.now, at.settings.patience(), effects);
+        let of_control = given_up.into_iter().filter_map(|(errand, outcome)| match errand {
+            Errand::Take => Some((Control::Take, outcome)),
+            Errand::Release => Some((Control::Release, outcome)),
+            Errand::Turn => None,
+        });
+        of_control.last()
     }
 
     fn question(&mut self, at: &Moment, effects: &mut Effects) {
@@ -327,22 +318,24 @@ impl Manager {
     }
 
     pub(crate) fn ask(&mut self, at: &Moment, control: Control, effects: &mut Effects) -> Option<ControlOutcome> {
-        if self.requests.contains(&control) {
+        let (errand, opposite) = match control {
+            Control::Take => (Errand::Take, Errand::Release),
+            Control::Release => (Errand::Release, Errand::Take),
+        };
+        if self.requests.contains(&errand) {
             return None;
         }
-        // A request the other way that nobody answered yet is out of date.
-        self.requests.forget(&match control {
-            Control::Take => Control::Release,
-            Control::Release => Control::Take,
-        });
+        // A request the other way that nobody answered yet is out of date, and a turn need not be waited for.
+        self.requests.forget(&opposite);
+        self.requests.forget(&Errand::Turn);
         self.request_control(control);
-        self.requests.work(at.now, at.settings.patience(), effects).pop()
+        self.work_requests(at, effects)
     }
 
     fn request_control(&mut self, control: Control) {
-        let (system_id, component_id) = match control {
-            Control::Take => (f32::from(self.own.0), f32::from(self.own.1)),
-            Control::Release => (NOT_MYSELF, NOT_MYSELF),
+        let (errand, system_id, component_id) = match control {
+            Control::Take => (Errand::Take, f32::from(self.own.0), f32::from(self.own.1)),
+            Control::Release => (Errand::Release, NOT_MYSELF, NOT_MYSELF),
         };
         let command = COMMAND_LONG_DATA {
             param1: system_id,
@@ -355,45 +348,6 @@ impl Manager {
             target_component: self.component.unwrap_or_default(),
             ..COMMAND_LONG_DATA::default()
         };
-        self.requests.ask(control, &command);
-    }
-
-    pub(crate) fn turn(&self, turn: Turn, effects: &mut Effects) {
-        let level =
-            GimbalManagerFlags::GIMBAL_MANAGER_FLAGS_ROLL_LOCK | GimbalManagerFlags::GIMBAL_MANAGER_FLAGS_PITCH_LOCK;
-        let to_north = level
-            | GimbalManagerFlags::GIMBAL_MANAGER_FLAGS_YAW_LOCK
-            | GimbalManagerFlags::GIMBAL_MANAGER_FLAGS_YAW_IN_EARTH_FRAME;
-        let to_vehicle = level | GimbalManagerFlags::GIMBAL_MANAGER_FLAGS_YAW_IN_VEHICLE_FRAME;
-        let still = GIMBAL_MANAGER_SET_PITCHYAW_DATA {
-            flags: to_vehicle,
-            pitch: f32::NAN,
-            yaw: f32::NAN,
-            pitch_rate: f32::NAN,
-            yaw_rate: f32::NAN,
-            target_system: self.system_id,
-            target_component: self.component.unwrap_or_default(),
-            gimbal_device_id: self.device,
-        };
-        let message = match turn {
-            Turn::At(rates) => GIMBAL_MANAGER_SET_PITCHYAW_DATA {
-                pitch_rate: rates.pitch_rad_s as f32,
-                yaw_rate: rates.yaw_rad_s as f32,
-                ..still
-            },
-            Turn::To(direction) => {
-                let (flags, yaw) = match direction.yaw {
-                    Yaw::North(yaw) => (to_north, yaw),
-                    Yaw::Vehicle(yaw) => (to_vehicle, yaw),
-                };
-                GIMBAL_MANAGER_SET_PITCHYAW_DATA {
-                    flags,
-                    pitch: direction.pitch_rad as f32,
-                    yaw: yaw as f32,
-                    ..still
-                }
-            }
-        };
-        send(&message, effects);
+        self.requests.ask(errand, &command);
     }
 }

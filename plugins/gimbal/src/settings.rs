@@ -43,6 +43,13 @@ pub struct Settings {
     /// Angles are reached when the direction is off by no more than this, in radians.
     #[schemars(range(min = 0.001))]
     pub tolerance_rad: f64,
+    /// A gimbal that looks farther from where it is wanted than this, in radians, for `follow_timeout_s` and without coming nearer does
+    /// not follow.
+    #[schemars(range(min = 0.001))]
+    pub follow_tolerance_rad: f64,
+    /// See `follow_tolerance_rad`; in seconds.
+    #[schemars(range(min = 0.1))]
+    pub follow_timeout_s: f64,
     /// How long a turn to angles or a place may take, in seconds, before its command counts as failed.
     #[schemars(range(min = 0.1))]
     pub turn_timeout_s: f64,
@@ -68,6 +75,8 @@ impl Default for Settings {
             pitch_max_rad: FRAC_PI_4,
             rate_max_rad_s: FRAC_PI_2,
             tolerance_rad: 0.03,
+            follow_tolerance_rad: 5_f64.to_radians(),
+            follow_timeout_s: 2.0,
             turn_timeout_s: 10.0,
             ack_timeout_s: 0.7,
             attempts: 4,
@@ -84,6 +93,8 @@ impl Settings {
             ("own_component_id", f64::from(self.own_component_id)),
             ("rate_max_rad_s", self.rate_max_rad_s),
             ("tolerance_rad", self.tolerance_rad),
+            ("follow_tolerance_rad", self.follow_tolerance_rad),
+            ("follow_timeout_s", self.follow_timeout_s),
             ("turn_timeout_s", self.turn_timeout_s),
             ("ack_timeout_s", self.ack_timeout_s),
             ("attempts", f64::from(self.attempts)),

@@ -84,6 +84,8 @@ impl Siyi {
             connected: at.within(self.heard, at.settings.lost_after_s),
             owner: GimbalOwner::Unknown,
             attitude: self.attitude,
+            at_end_stop: false,
+            by_servos: false,
             limits: model.map(|(_, _, travel)| limits(*travel)),
             model: format!("{name} {}", self.firmware).trim().to_owned(),
             fault: String::new(),
@@ -182,7 +184,7 @@ impl Siyi {
                     effects,
                 );
             }
-            Turn::To(direction) => {
+            Turn::Once(direction) | Turn::To(direction) => {
                 if std::mem::take(&mut self.turning) {
                     self.send(command::RATES, &[0, 0], effects);
                 }

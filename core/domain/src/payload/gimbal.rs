@@ -164,6 +164,8 @@ pub struct GimbalState {
     pub pitch_max_rad: Option<f64>,
     /// What it is, in words.
     pub model: String,
+    /// It looks elsewhere than it is wanted and comes no nearer, though it could reach it. Its fault says so too.
+    pub not_following: bool,
     /// What is wrong with it; empty if nothing.
     pub fault: String,
 }

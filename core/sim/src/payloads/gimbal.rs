@@ -4,9 +4,25 @@
 
 use std::f64::consts::PI;
 
+/// What the manager in the autopilot turns: MNT_MODE_OUT of PX4.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum GimbalOutput {
+    /// A device that speaks MAVLink, component 154 (MNT_MODE_OUT 2). It says itself where it looks.
+    #[default]
+    Device,
+    /// Servos at the autopilot's outputs (MNT_MODE_OUT 0). Nobody measures where they are.
+    Servos {
+        /// The autopilot turns them against the vehicle's own turning (MNT_DO_STAB 1). Without it PX4 does not turn a servo that is to
+        /// be held to the horizon or to north.
+        stabilised: bool,
+    },
+}
+
 /// How a gimbal is built.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GimbalSettings {
+    /// What it is to the autopilot.
+    pub output: GimbalOutput,
     /// Fastest turn about each axis in radians per second.
     pub rate_max_rad_s: f64,
     /// Strongest acceleration about each axis in radians per second squared.
@@ -22,6 +38,7 @@ pub struct GimbalSettings {
 impl Default for GimbalSettings {
     fn default() -> Self {
         Self {
+            output: GimbalOutput::Device,
             rate_max_rad_s: 90_f64.to_radians(),
             acceleration_max_rad_s2: 720_f64.to_radians(),
             pitch_min_rad: -120_f64.to_radians(),
@@ -38,6 +55,16 @@ pub(crate) enum AxisGoal {
     Angle(f64),
     /// Turn at this rate in radians per second.
     Rate(f64),
+}
+
+impl AxisGoal {
+    /// The same angle, or so large a share of the rate.
+    pub(crate) fn slowed(self, share: f64) -> Self {
+        match self {
+            Self::Angle(_) => self,
+            Self::Rate(rate_rad_s) => Self::Rate(rate_rad_s * share),
+        }
+    }
 }
 
 /// What one axis cannot exceed.

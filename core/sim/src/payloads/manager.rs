@@ -1,16 +1,19 @@
-//! Who may steer a gimbal, and what it was told: the gimbal manager as PX4 has it. Only whoever took primary control is obeyed; a
-//! region of interest is the vehicle's own business and obeyed whoever asked for it.
+//! Who may steer a gimbal, and what it was told: the gimbal manager as PX4 has it (1.18 development; `src/modules/gimbal`). Only
+//! whoever took primary control is obeyed; a region of interest is the vehicle's own business and obeyed whoever asked for it.
+//!
+//! Its oddities are PX4's too: the lock alone says in which frame a yaw is given, retracting is heard and not done, rates end when they
+//! are not repeated, and what it turns by servos has a slow rate and an attitude that is only what was asked for.
 //!
 //! Must never do: obey somebody who is not in control.
 
-use super::gimbal::{AxisGoal, GimbalSettings, Head};
+use super::gimbal::{AxisGoal, GimbalOutput, GimbalSettings, Head};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use skein_domain::Geodetic;
 use skein_domain::frames::wrap_angle_rad;
 
 /// Flags of the manager that matter here; those of the device have the same values.
 pub(crate) mod flags {
-    /// Retracted, and stays so.
+    /// Retracted: PX4 does not do it.
     pub(crate) const RETRACT: u32 = 1;
     /// Level and ahead.
     pub(crate) const NEUTRAL: u32 = 2;
@@ -25,6 +28,11 @@ pub(crate) mod flags {
     /// The yaw given counts from north.
     pub(crate) const YAW_IN_EARTH_FRAME: u32 = 64;
 }
+
+/// Rates that nobody repeats end after this time, in seconds.
+const RATES_LAST_S: f64 = 2.0;
+/// PX4 filters the angles of servos (MNT_TAU 0.3 s, every 0.01 s) and integrates a rate behind its own filter: this share of it is left.
+const SERVO_RATE_SHARE: f64 = 0.01 / (0.01 + 0.3);
 
 /// A system and one of its components.
 pub(crate) type Party = (u8, u8);
@@ -67,10 +75,15 @@ impl Asked {
 /// Where the head is to point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Aim {
-    /// Level and ahead; retracted or not.
-    Rest { retracted: bool },
+    /// Level and ahead.
+    Rest,
     /// Each axis for itself; with `lock` the yaw counts from north, else from the vehicle's nose.
-    Axes { pitch: AxisGoal, yaw: AxisGoal, lock: bool },
+    Axes {
+        pitch: AxisGoal,
+        yaw: AxisGoal,
+        lock: bool,
+        pitch_lock: bool,
+    },
     /// At a place on Earth.
     Place(Geodetic),
 }
@@ -92,6 +105,10 @@ pub(crate) struct Gimbal {
     /// Who has primary control; zeros: nobody.
     pub owner: Party,
     aim: Aim,
+    /// Pitch and yaw as last asked for, in radians.
+    asked_rad: (f64, f64),
+    /// How long nobody asked for anything, in seconds.
+    unasked_s: f64,
 }
 
 impl Gimbal {
@@ -100,14 +117,16 @@ impl Gimbal {
         Self {
             head: Head::new(settings),
             owner: (0, 0),
-            aim: Aim::Rest { retracted: false },
+            aim: Aim::Rest,
+            asked_rad: (0.0, 0.0),
+            unasked_s: 0.0,
         }
     }
 
     /// The manager starts anew: it has forgotten who was in control and what was asked.
     pub(crate) fn restart_manager(&mut self) {
         self.owner = (0, 0);
-        self.aim = Aim::Rest { retracted: false };
+        self.rest();
     }
 
     /// Primary control is given: -1 leaves it, -2 the vehicle itself, -3 gives it back if the asking party has it; else an id.
@@ -135,21 +154,15 @@ impl Gimbal {
         if by != self.owner || by == (0, 0) {
             return false;
         }
-        if asked.flags & (flags::RETRACT | flags::NEUTRAL) != 0 {
-            self.aim = Aim::Rest {
-                retracted: asked.flags & flags::RETRACT != 0,
-            };
+        self.unasked_s = 0.0;
+        if asked.flags & flags::RETRACT != 0 {
+            return true;
+        }
+        if asked.flags & flags::NEUTRAL != 0 {
+            self.rest();
             return true;
         }
         let lock = asked.flags & flags::YAW_LOCK != 0;
-        // Without a word on the frame the lock decides; else the angle is turned into the frame in which it is held.
-        let from_north =
-            asked.flags & flags::YAW_IN_EARTH_FRAME != 0 || lock && asked.flags & flags::YAW_IN_VEHICLE_FRAME == 0;
-        let turn_rad = match (from_north, lock) {
-            (true, false) => -carrier.yaw_rad,
-            (false, true) => carrier.yaw_rad,
-            _ => 0.0,
-        };
         let axis = |angle_rad: f64, rate_rad_s: f64, held_rad: f64| {
             if angle_rad.is_finite() {
                 AxisGoal::Angle(angle_rad)
@@ -164,29 +177,55 @@ impl Gimbal {
         } else {
             self.head.yaw.angle_rad
         };
+        let known = |asked_rad: f64, before_rad: f64| if asked_rad.is_finite() { asked_rad } else { before_rad };
+        self.asked_rad = (
+            known(asked.pitch_rad, self.asked_rad.0),
+            known(asked.yaw_rad, self.asked_rad.1),
+        );
+        let (mut pitch, mut yaw) = (
+            axis(asked.pitch_rad, asked.pitch_rad_s, self.head.pitch.angle_rad),
+            axis(wrap_angle_rad(asked.yaw_rad), asked.yaw_rad_s, yaw_now_rad),
+        );
+        if matches!(self.head.settings.output, GimbalOutput::Servos { .. }) {
+            (pitch, yaw) = (pitch.slowed(SERVO_RATE_SHARE), yaw.slowed(SERVO_RATE_SHARE));
+        }
         self.aim = Aim::Axes {
-            pitch: axis(asked.pitch_rad, asked.pitch_rad_s, self.head.pitch.angle_rad),
-            yaw: axis(wrap_angle_rad(asked.yaw_rad + turn_rad), asked.yaw_rad_s, yaw_now_rad),
+            pitch,
+            yaw,
             lock,
+            pitch_lock: asked.flags & flags::PITCH_LOCK != 0,
         };
         true
     }
 
+    fn rest(&mut self) {
+        self.aim = Aim::Rest;
+        self.asked_rad = (0.0, 0.0);
+    }
+
     /// Looks at a place from now on, or ahead again.
     pub(crate) fn region_of_interest(&mut self, place: Option<Geodetic>) {
-        self.aim = place.map_or(Aim::Rest { retracted: false }, Aim::Place);
+        match place {
+            Some(place) => self.aim = Aim::Place(place),
+            None => self.rest(),
+        }
     }
 
     /// Lets `dt_s` pass; `towards` gives the way from the camera to a place in metres north, east, down.
     pub(crate) fn step(&mut self, carrier: &Carrier, towards: impl FnOnce(&Geodetic) -> Vector3<f64>, dt_s: f64) {
+        self.unasked_s += dt_s;
+        if let (Aim::Axes { pitch, yaw, .. }, true) = (&mut self.aim, self.unasked_s > RATES_LAST_S) {
+            (*pitch, *yaw) = (pitch.slowed(0.0), yaw.slowed(0.0));
+        }
         let level = AxisGoal::Angle(0.0);
         let from_nose = |north_rad: f64| AxisGoal::Angle(wrap_angle_rad(north_rad - carrier.yaw_rad));
-        let (pitch, yaw, drift_rad_s) = match &self.aim {
-            Aim::Rest { .. } => (level, level, 0.0),
+        let (mut pitch, mut yaw, mut drift_rad_s) = match &self.aim {
+            Aim::Rest => (level, level, 0.0),
             Aim::Axes {
                 pitch,
                 yaw,
                 lock: false,
+                ..
             } => (*pitch, *yaw, 0.0),
             Aim::Axes {
                 pitch,
@@ -204,12 +243,58 @@ impl Gimbal {
                 (pitch, from_nose(way.y.atan2(way.x)), -carrier.yaw_rate_rad_s)
             }
         };
+        let (pitch_stays, yaw_stays) = self.stays();
+        if pitch_stays {
+            pitch = AxisGoal::Rate(0.0);
+        }
+        if yaw_stays {
+            (yaw, drift_rad_s) = (AxisGoal::Rate(0.0), 0.0);
+        }
         self.head.step(pitch, yaw, drift_rad_s, dt_s);
+    }
+
+    /// Whether pitch and yaw are servos that PX4 does not turn: to be held, but not stabilised.
+    fn stays(&self) -> (bool, bool) {
+        match (self.head.settings.output, &self.aim) {
+            (GimbalOutput::Servos { stabilised: false }, Aim::Axes { lock, pitch_lock, .. }) => (*pitch_lock, *lock),
+            _ => (false, false),
+        }
     }
 
     /// Yaw from north in radians.
     pub(crate) fn yaw_north_rad(&self, carrier: &Carrier) -> f64 {
         wrap_angle_rad(carrier.yaw_rad + self.head.yaw.angle_rad)
+    }
+
+    /// Pitch and yaw as asked for, in radians, in the frame in which they are held: what PX4 says of servos, wherever those are.
+    pub(crate) fn asked_rad(&self, carrier: &Carrier) -> (f64, f64) {
+        match &self.aim {
+            Aim::Rest | Aim::Place(_) => (self.head.pitch.angle_rad, self.yaw_held_rad(carrier)),
+            Aim::Axes { pitch, yaw, .. } => {
+                let turns = |goal: &AxisGoal| matches!(goal, AxisGoal::Rate(rate_rad_s) if *rate_rad_s != 0.0);
+                (
+                    if turns(pitch) {
+                        self.head.pitch.angle_rad
+                    } else {
+                        self.asked_rad.0
+                    },
+                    if turns(yaw) {
+                        self.yaw_held_rad(carrier)
+                    } else {
+                        self.asked_rad.1
+                    },
+                )
+            }
+        }
+    }
+
+    /// Yaw in radians in the frame in which it is held.
+    pub(crate) fn yaw_held_rad(&self, carrier: &Carrier) -> f64 {
+        if self.is_yaw_locked() {
+            self.yaw_north_rad(carrier)
+        } else {
+            self.head.yaw.angle_rad
+        }
     }
 
     /// Whether the yaw is held to north.
@@ -220,8 +305,8 @@ impl Gimbal {
     /// The flags that are in force, of manager and device alike.
     pub(crate) fn flags(&self) -> u32 {
         let mut flags = flags::ROLL_LOCK | flags::PITCH_LOCK;
-        if let Aim::Rest { retracted } = self.aim {
-            flags |= if retracted { flags::RETRACT } else { flags::NEUTRAL };
+        if self.aim == Aim::Rest {
+            flags |= flags::NEUTRAL;
         }
         flags
             | if self.is_yaw_locked() {

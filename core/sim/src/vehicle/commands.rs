@@ -2,6 +2,7 @@
 
 use super::channel::{AUTOPILOT_COMPONENT, LinkKind, Outbox, Stream};
 use super::commander::Asker;
+use super::payloads::{GIMBAL_CONFIGURE, GIMBAL_PITCHYAW};
 use super::receive::asked_mode;
 use super::{REBOOT_DELAY_S, Source, Vehicle};
 use crate::wire::CommandRequest;
@@ -107,6 +108,8 @@ impl Vehicle {
             }
             MISSION_START => REJECTED,
             REBOOT => self.ask_reboot(c),
+            // Left to a gimbal manager, and there is none.
+            GIMBAL_PITCHYAW | GIMBAL_CONFIGURE => return None,
             _ => UNSUPPORTED,
         })
     }

@@ -6,13 +6,15 @@
 mod camera;
 mod gimbal;
 
+pub(super) use gimbal::{GIMBAL_CONFIGURE, GIMBAL_PITCHYAW};
+
 use super::Vehicle;
 use super::channel::{AUTOPILOT_COMPONENT, Channel, LinkKind, Outbox, Stream};
 use super::commands::{REQUEST_MESSAGE, SET_MESSAGE_INTERVAL};
 use crate::payloads::camera::Camera;
 use crate::payloads::manager::{Carrier, Gimbal};
 use crate::payloads::radio::{Radio, sik_raw};
-use crate::payloads::{CAMERA_COMPONENT, GIMBAL_COMPONENT, PayloadPlan, RADIO_COMPONENT};
+use crate::payloads::{CAMERA_COMPONENT, GIMBAL_COMPONENT, GimbalOutput, GimbalSettings, PayloadPlan, RADIO_COMPONENT};
 use crate::truth::{CameraTruth, GimbalTruth, RadioTruth};
 use crate::wire::{CommandRequest, Sender};
 use mavlink::dialects::common::{
@@ -56,7 +58,7 @@ impl Payloads {
     /// Which component a report comes from, if not the autopilot itself.
     fn component_of(&self, message_id: u32) -> Option<u8> {
         match message_id {
-            283 | 285 if self.gimbal.is_some() => Some(GIMBAL_COMPONENT),
+            283 | 285 if self.has(GIMBAL_COMPONENT) => Some(GIMBAL_COMPONENT),
             259..=263 | 269..=271 if self.camera.is_some() => Some(CAMERA_COMPONENT),
             _ => None,
         }
@@ -64,15 +66,26 @@ impl Payloads {
 
     /// Whether there is such a component.
     pub(super) fn has(&self, component: u8) -> bool {
-        component == GIMBAL_COMPONENT && self.gimbal.is_some() || component == CAMERA_COMPONENT && self.camera.is_some()
+        let settings = self.gimbal.as_ref().map(|gimbal| &gimbal.head.settings);
+        component == GIMBAL_COMPONENT && has_device(settings) || component == CAMERA_COMPONENT && self.camera.is_some()
     }
+}
+
+/// Whether there is a gimbal that speaks for itself.
+fn has_device(gimbal: Option<&GimbalSettings>) -> bool {
+    gimbal.is_some_and(|settings| settings.output == GimbalOutput::Device)
 }
 
 /// What payloads send by themselves, and what can be asked to be sent at a rate: component, message, rate in hertz.
 pub(super) fn streams(plan: &PayloadPlan) -> Vec<(u8, u32, f64)> {
     let mut streams = Vec::new();
-    if plan.gimbal.is_some() {
-        streams.extend([(AUTOPILOT_COMPONENT, 280, 0.0), (AUTOPILOT_COMPONENT, 281, 5.0)]);
+    if let Some(gimbal) = &plan.gimbal {
+        streams.extend([(AUTOPILOT_COMPONENT, 280, 0.0), (AUTOPILOT_COMPONENT, 281, 0.5)]);
+        if gimbal.output != GimbalOutput::Device {
+            streams.extend([(AUTOPILOT_COMPONENT, 265, 10.0), (AUTOPILOT_COMPONENT, 285, 5.0)]);
+        }
+    }
+    if has_device(plan.gimbal.as_ref()) {
         streams.extend([(HEARTBEAT, 1.0), (285, 10.0), (283, 0.0)].map(|(id, rate)| (GIMBAL_COMPONENT, id, rate)));
     }
     if plan.camera.is_some() {
@@ -156,7 +169,7 @@ impl Vehicle {
                 channel.send_as(component, out, &part_heartbeat(component));
                 true
             }
-            (AUTOPILOT_COMPONENT, 280 | 281) | (GIMBAL_COMPONENT, _) => {
+            (AUTOPILOT_COMPONENT, 265 | 280 | 281 | 285) | (GIMBAL_COMPONENT, _) => {
                 self.send_gimbal_message(channel, component, message_id, out)
             }
             (CAMERA_COMPONENT, _) => self.send_camera_message(channel, message_id, index, out),

@@ -83,9 +83,10 @@ impl Vehicle {
                 };
                 self.on_channel(link, |_, channel| channel.send(out, &answer));
             }
-            MavMessage::GIMBAL_MANAGER_SET_ATTITUDE(_)
-            | MavMessage::GIMBAL_MANAGER_SET_PITCHYAW(_)
-            | MavMessage::GIMBAL_MANAGER_SET_MANUAL_CONTROL(_) => self.take_gimbal_message(sender, message),
+            // GIMBAL_MANAGER_SET_PITCHYAW is not among them: PX4 does not know it.
+            MavMessage::GIMBAL_MANAGER_SET_ATTITUDE(_) | MavMessage::GIMBAL_MANAGER_SET_MANUAL_CONTROL(_) => {
+                self.take_gimbal_message(sender, message)
+            }
             _ => self.take_protocol(link, sender, message, out),
         }
     }

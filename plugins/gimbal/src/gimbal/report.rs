@@ -12,6 +12,9 @@ const DRIFT_PAUSE_S: f64 = 0.1;
 /// Angles are told to this, in radians: finer is noise.
 const STEP_RAD: f64 = 1e-4;
 
+/// The fault of a gimbal that does not follow.
+const NOT_FOLLOWING: &str = "does not follow";
+
 /// Tells the state when it changed.
 #[derive(Debug, Default)]
 pub(super) struct Reporter {
@@ -64,10 +67,13 @@ impl Gimbal {
             limits,
             model,
             fault,
+            at_end_stop: _,
+            by_servos: _,
         } = self.core.device.status(&at);
         let nose = at.vehicle_yaw_rad;
         let wanted = self.wanted(now);
         let reach = self.limits(now);
+        let not_following = self.core.following.stays();
         GimbalState {
             connected,
             mode: self.core.aim.mode(),
@@ -85,7 +91,12 @@ impl Gimbal {
             pitch_min_rad: limits.map(|_| reach.pitch_min_rad),
             pitch_max_rad: limits.map(|_| reach.pitch_max_rad),
             model,
-            fault,
+            not_following,
+            fault: [fault.as_str(), if not_following { NOT_FOLLOWING } else { "" }]
+                .into_iter()
+                .filter(|words| !words.is_empty())
+                .collect::<Vec<_>>()
+                .join(", "),
         }
     }
 }

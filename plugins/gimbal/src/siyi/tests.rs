@@ -52,6 +52,7 @@ fn at(seconds: f64, settings: &Settings) -> Moment<'_> {
         now: NodeTime::from_seconds(seconds),
         settings,
         vehicle_yaw_rad: Some(0.5),
+        vehicle_roll_pitch_rad: None,
     }
 }
 

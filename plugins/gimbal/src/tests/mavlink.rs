@@ -15,8 +15,12 @@ const NOSE_RAD: f64 = 0.8;
 const QGC: (u8, u8) = (255, 190);
 
 fn rig_with(config: &str) -> Rig<Gimbal> {
+    rig_on(GimbalSettings::default(), config)
+}
+
+fn rig_on(gimbal: GimbalSettings, config: &str) -> Rig<Gimbal> {
     let plan = PayloadPlan {
-        gimbal: Some(GimbalSettings::default()),
+        gimbal: Some(gimbal),
         ..PayloadPlan::default()
     };
     Rig::new(&quiet(plan), config, PositionNed::new(20.0, -30.0, -7.0), NOSE_RAD)
@@ -24,7 +28,11 @@ fn rig_with(config: &str) -> Rig<Gimbal> {
 
 /// One that has found its gimbal.
 fn rig() -> Rig<Gimbal> {
-    let mut rig = rig_with("{}");
+    found(GimbalSettings::default())
+}
+
+pub(super) fn found(gimbal: GimbalSettings) -> Rig<Gimbal> {
+    let mut rig = rig_on(gimbal, "{}");
     assert!(
         rig.run_until(5.0, |rig| rig.state()["connected"] == true),
         "{}",
@@ -33,16 +41,15 @@ fn rig() -> Rig<Gimbal> {
     rig
 }
 
-fn truth(rig: &Rig<Gimbal>) -> skein_sim::GimbalTruth {
+pub(super) fn truth(rig: &Rig<Gimbal>) -> skein_sim::GimbalTruth {
     rig.vehicle.truth().gimbal.expect("it carries a gimbal")
 }
 
-fn angles(pitch_rad: f64, yaw_rad: f64, yaw_frame: &str) -> String {
+pub(super) fn angles(pitch_rad: f64, yaw_rad: f64, yaw_frame: &str) -> String {
     json!({"command": "angles", "pitch_rad": pitch_rad, "yaw_rad": yaw_rad, "yaw_frame": yaw_frame}).to_string()
 }
 
-/// Somebody takes primary control.
-fn taken_by(rig: &mut Rig<Gimbal>, who: (u8, u8)) {
+fn configure(who: (u8, u8)) -> MavlinkMessage {
     let command = COMMAND_LONG_DATA {
         param1: f32::from(who.0),
         param2: f32::from(who.1),
@@ -53,13 +60,18 @@ fn taken_by(rig: &mut Rig<Gimbal>, who: (u8, u8)) {
         target_component: 1,
         ..COMMAND_LONG_DATA::default()
     };
-    let message = MavlinkMessage {
+    MavlinkMessage {
         message_id: COMMAND_LONG_DATA::ID,
         payload: encode(&command),
         ..MavlinkMessage::default()
-    };
-    rig.send_as(who, &message);
-    rig.run(0.5);
+    }
+}
+
+/// Somebody takes primary control.
+fn taken_by(rig: &mut Rig<Gimbal>, who: (u8, u8)) {
+    rig.send_as(who, &configure(who));
+    // The manager says every two seconds who has it.
+    rig.run(2.5);
 }
 
 #[test]
@@ -189,7 +201,8 @@ fn another_owner_is_not_fought() {
 fn an_owner_from_before_is_not_fought_either() {
     let mut rig = rig_with("{}");
     rig.run(0.1);
-    taken_by(&mut rig, QGC);
+    rig.send_as(QGC, &configure(QGC));
+    rig.run(0.05);
     let mut ends = Vec::new();
     for _ in 0..30 {
         let id = rig.command(&angles(-0.5, 0.0, "vehicle"));
@@ -201,6 +214,22 @@ fn an_owner_from_before_is_not_fought_either() {
         matches!(ends.last(), Some(Some(Err(Refusal::NotPermitted { .. })))),
         "{ends:?}"
     );
+}
+
+/// The manager says only every two seconds who is in control, but denies a move at once.
+#[test]
+fn a_denied_move_is_not_repeated_against_whoever_took_control() {
+    let mut rig = rig();
+    let id = rig.command(&angles(-0.3, 0.0, "vehicle"));
+    assert_eq!(rig.end_of(id, 8.0), Some(Ok(())));
+    rig.run(1.0);
+    rig.send_as(QGC, &configure(QGC));
+    rig.run(0.1);
+    let id = rig.command(&angles(-0.5, 0.0, "vehicle"));
+    let end = rig.end_of(id, 1.0);
+    assert!(matches!(end, Some(Err(Refusal::NotPermitted { .. }))), "{end:?}");
+    assert_eq!(truth(&rig).owner, QGC);
+    rig.replay();
 }
 
 #[test]

@@ -64,11 +64,7 @@ fn nobody_is_obeyed_before_control_was_taken_and_then_one() {
 
 #[test]
 fn a_locked_yaw_stays_when_the_vehicle_turns_and_a_following_one_turns_with_it() {
-    for (flags, kept_north) in [
-        (flags::YAW_LOCK, true),
-        (0, false),
-        (flags::YAW_LOCK | flags::YAW_IN_VEHICLE_FRAME, true),
-    ] {
+    for (flags, kept_north) in [(flags::YAW_LOCK, true), (0, false), (flags::YAW_IN_EARTH_FRAME, false)] {
         let mut gimbal = ours();
         gimbal.ask(US, &angles(0.0, 0.5, flags), &NORTH);
         run(&mut gimbal, &NORTH, 1.0);
@@ -94,7 +90,7 @@ fn a_locked_yaw_stays_when_the_vehicle_turns_and_a_following_one_turns_with_it()
 }
 
 #[test]
-fn a_yaw_is_read_in_the_frame_its_flags_name() {
+fn a_yaw_is_read_in_the_frame_in_which_it_is_held_whatever_other_flags_say() {
     let east = Carrier {
         yaw_rad: FRAC_PI_2,
         yaw_rate_rad_s: 0.0,
@@ -102,8 +98,8 @@ fn a_yaw_is_read_in_the_frame_its_flags_name() {
     for (flags, north_rad) in [
         (flags::YAW_LOCK, 0.2),
         (0, FRAC_PI_2 + 0.2),
-        (flags::YAW_IN_EARTH_FRAME, 0.2),
-        (flags::YAW_LOCK | flags::YAW_IN_VEHICLE_FRAME, FRAC_PI_2 + 0.2),
+        (flags::YAW_IN_EARTH_FRAME, FRAC_PI_2 + 0.2),
+        (flags::YAW_LOCK | flags::YAW_IN_VEHICLE_FRAME, 0.2),
         (flags::YAW_LOCK | flags::YAW_IN_EARTH_FRAME, 0.2),
     ] {
         let mut gimbal = ours();
@@ -126,18 +122,58 @@ fn a_region_of_interest_is_looked_at_and_given_up() {
 }
 
 #[test]
-fn rates_turn_until_told_otherwise_and_attitudes_are_taken_apart() {
+fn rates_turn_until_nobody_repeats_them_and_attitudes_are_taken_apart() {
     let mut gimbal = ours();
     let asked = Asked::from_attitude([f32::NAN; 4], [0.0, -0.2, 0.1], 0);
     assert!(asked.pitch_rad.is_nan());
     gimbal.ask(US, &asked, &NORTH);
     run(&mut gimbal, &NORTH, 2.0);
     assert!((gimbal.head.pitch.angle_rad + 0.4).abs() < 0.02 && (gimbal.head.yaw.angle_rad - 0.2).abs() < 0.02);
+    run(&mut gimbal, &NORTH, 2.0);
+    assert!(
+        (gimbal.head.pitch.angle_rad + 0.4).abs() < 0.02,
+        "two seconds, then it stands"
+    );
     let turn = UnitQuaternion::from_euler_angles(0.0, -0.7, 0.3);
     let q = [turn.w, turn.i, turn.j, turn.k].map(|value| value as f32);
     let asked = Asked::from_attitude(q, [f32::NAN; 3], 0);
     assert!((asked.pitch_rad + 0.7).abs() < 1e-5 && (asked.yaw_rad - 0.3).abs() < 1e-5);
     assert!(Asked::from_attitude([0.0; 4], [0.0; 3], 0).pitch_rad.is_nan());
+}
+
+#[test]
+fn to_retract_it_is_heard_and_not_done() {
+    let mut gimbal = ours();
+    gimbal.ask(US, &angles(-0.5, 0.2, 0), &NORTH);
+    assert!(gimbal.ask(US, &angles(0.0, 0.0, flags::RETRACT), &NORTH));
+    run(&mut gimbal, &NORTH, 1.0);
+    assert!((gimbal.head.pitch.angle_rad + 0.5).abs() < 1e-3);
+    assert!(gimbal.ask(US, &angles(-0.5, 0.0, flags::NEUTRAL), &NORTH));
+    run(&mut gimbal, &NORTH, 1.0);
+    assert!(gimbal.head.pitch.angle_rad.abs() < 1e-3);
+}
+
+/// Measured with PX4: -20 degrees with the lock gave 0 at the servo and -20 in what is said of it; 10 degrees per second gave 0.33.
+#[test]
+fn servos_that_are_not_stabilised_stay_where_they_are_to_be_held_and_rates_are_slow() {
+    for (stabilised, pitch_rad) in [(false, 0.0), (true, -0.5)] {
+        let mut gimbal = Gimbal::new(GimbalSettings {
+            output: GimbalOutput::Servos { stabilised },
+            ..GimbalSettings::default()
+        });
+        gimbal.configure(US, (245.0, 190.0), AUTOPILOT);
+        gimbal.ask(US, &angles(-0.5, 0.3, flags::PITCH_LOCK), &NORTH);
+        run(&mut gimbal, &NORTH, 1.0);
+        assert!(
+            (gimbal.head.pitch.angle_rad - pitch_rad).abs() < 1e-3 && (gimbal.head.yaw.angle_rad - 0.3).abs() < 1e-3
+        );
+        assert_eq!(gimbal.asked_rad(&NORTH), (-0.5, 0.3));
+        let rates = Asked::from_attitude([f32::NAN; 4], [0.0, 0.0, 0.2], 0);
+        gimbal.ask(US, &rates, &NORTH);
+        run(&mut gimbal, &NORTH, 1.0);
+        let turned_rad = gimbal.head.yaw.angle_rad - 0.3;
+        assert!((turned_rad - 0.2 / 31.0).abs() < 1e-3, "{turned_rad}");
+    }
 }
 
 proptest! {

@@ -3,8 +3,8 @@
 use super::super::Vehicle;
 use super::super::channel::{AUTOPILOT_COMPONENT, Channel, Outbox};
 use super::super::telemetry::wire_quaternion;
-use crate::payloads::GIMBAL_COMPONENT;
 use crate::payloads::manager::{Asked, Party};
+use crate::payloads::{GIMBAL_COMPONENT, GimbalOutput, GimbalSettings};
 use crate::wire::{CommandRequest, Sender};
 use mavlink::dialects::common::*;
 use mavlink::types::CharArray;
@@ -13,13 +13,17 @@ use skein_domain::Geodetic;
 
 const DO_SET_ROI_LOCATION: u16 = 195;
 const DO_SET_ROI_NONE: u16 = 197;
-const GIMBAL_PITCHYAW: u16 = 1000;
-const GIMBAL_CONFIGURE: u16 = 1001;
+pub(in crate::vehicle) const GIMBAL_PITCHYAW: u16 = 1000;
+pub(in crate::vehicle) const GIMBAL_CONFIGURE: u16 = 1001;
 /// Has neutral and retracted positions; roll, pitch and yaw locked to the horizon and to north, yaw following too; yaw given from
 /// north.
 const DEVICE_CAPABILITIES: u32 = 1 | 2 | 4 | 16 | 32 | 128 | 256 | 512 | 1024 | 4096;
-/// The manager can keep it at a place on Earth besides.
-const MANAGER_CAPABILITIES: u32 = DEVICE_CAPABILITIES | 131_072;
+/// What PX4's manager says of servos: neutral, locks of all axes, turns in pitch and yaw, can keep a place on Earth in view.
+const SERVO_CAPABILITIES: u32 = 2 | 16 | 32 | 128 | 256 | 1024 | 131_072;
+/// The id of a device that the autopilot turns by servos.
+const SERVO_DEVICE: u8 = 1;
+/// MNT_RATE_PITCH and MNT_RATE_YAW, 30 degrees per second.
+const MANUAL_RATE_RAD_S: f64 = 0.523_598_775_598_298_8;
 /// `GIMBAL_DEVICE_ERROR_FLAGS`: at the end stop of pitch, of yaw.
 const AT_PITCH_LIMIT: u32 = 2;
 const AT_YAW_LIMIT: u32 = 4;
@@ -33,12 +37,11 @@ impl Vehicle {
         let Some(gimbal) = &mut self.payloads.gimbal else {
             return;
         };
-        let settings = gimbal.head.settings;
-        let own = self.identity.system_id;
+        let (own_device, own) = (device_id(&gimbal.head.settings), self.identity.system_id);
         let for_me = |system: u8, component: u8, device: u8| {
             (system == 0 || system == own)
                 && matches!(component, 0 | AUTOPILOT_COMPONENT)
-                && matches!(device, 0 | GIMBAL_COMPONENT)
+                && (device == 0 || device == own_device)
         };
         let asked = match message {
             MavMessage::GIMBAL_MANAGER_SET_ATTITUDE(m)
@@ -47,32 +50,25 @@ impl Vehicle {
                 let velocity = [m.angular_velocity_x, m.angular_velocity_y, m.angular_velocity_z];
                 Asked::from_attitude(m.q, velocity, m.flags.bits())
             }
-            MavMessage::GIMBAL_MANAGER_SET_PITCHYAW(m)
-                if for_me(m.target_system, m.target_component, m.gimbal_device_id) =>
-            {
-                Asked {
-                    pitch_rad: f64::from(m.pitch),
-                    yaw_rad: f64::from(m.yaw),
-                    pitch_rad_s: f64::from(m.pitch_rate),
-                    yaw_rad_s: f64::from(m.yaw_rate),
-                    flags: m.flags.bits(),
-                }
-            }
             MavMessage::GIMBAL_MANAGER_SET_MANUAL_CONTROL(m)
                 if for_me(m.target_system, m.target_component, m.gimbal_device_id) =>
             {
-                // Shares of what the gimbal can do, -1 to 1.
-                let share = |value: f32| f64::from(value.clamp(-1.0, 1.0));
-                let pitch = share(m.pitch);
-                Asked {
-                    pitch_rad: if pitch < 0.0 {
-                        -pitch * settings.pitch_min_rad
+                // PX4 takes the shares of a deflection for radians, and a rate for a share of MNT_RATE_PITCH and _YAW.
+                let both = |a: f32, b: f32| {
+                    let known = a.is_finite() && b.is_finite();
+                    if known {
+                        (f64::from(a), f64::from(b))
                     } else {
-                        pitch * settings.pitch_max_rad
-                    },
-                    yaw_rad: share(m.yaw) * settings.yaw_max_rad,
-                    pitch_rad_s: share(m.pitch_rate) * settings.rate_max_rad_s,
-                    yaw_rad_s: share(m.yaw_rate) * settings.rate_max_rad_s,
+                        (f64::NAN, f64::NAN)
+                    }
+                };
+                let (pitch_rad, yaw_rad) = both(m.pitch, m.yaw);
+                let (pitch_share, yaw_share) = both(m.pitch_rate, m.yaw_rate);
+                Asked {
+                    pitch_rad,
+                    yaw_rad,
+                    pitch_rad_s: pitch_share * MANUAL_RATE_RAD_S,
+                    yaw_rad_s: yaw_share * MANUAL_RATE_RAD_S,
                     flags: m.flags.bits(),
                 }
             }
@@ -89,9 +85,11 @@ impl Vehicle {
         match c.command {
             GIMBAL_CONFIGURE => gimbal.configure(by, (c.param[0], c.param[1]), autopilot),
             GIMBAL_PITCHYAW => {
+                // Unlike in the messages, an angle that is no number is level and ahead.
+                let angle = |deg: f64| if deg.is_finite() { deg.to_radians() } else { 0.0 };
                 let asked = Asked {
-                    pitch_rad: a.to_radians(),
-                    yaw_rad: b.to_radians(),
+                    pitch_rad: angle(a),
+                    yaw_rad: angle(b),
                     pitch_rad_s: rate_a.to_radians(),
                     yaw_rad_s: rate_b.to_radians(),
                     flags: c.x as u32,
@@ -124,14 +122,18 @@ impl Vehicle {
         message_id: u32,
         out: &mut Outbox,
     ) -> bool {
-        if self.payloads.gimbal.is_none() {
+        let Some(gimbal) = &self.payloads.gimbal else {
             return false;
-        }
-        match message_id {
-            280 => channel.send_as(component, out, &self.gimbal_manager_information()),
-            281 => channel.send_as(component, out, &self.gimbal_manager_status()),
-            283 => channel.send_as(component, out, &self.gimbal_device_information()),
-            285 => channel.send_as(component, out, &self.gimbal_attitude()),
+        };
+        let by_servos = is_by_servos(&gimbal.head.settings);
+        match (message_id, by_servos) {
+            (265, true) => channel.send_as(component, out, &self.mount_orientation()),
+            (280, _) => channel.send_as(component, out, &self.gimbal_manager_information()),
+            (281, _) => channel.send_as(component, out, &self.gimbal_manager_status()),
+            (283, false) => channel.send_as(component, out, &self.gimbal_device_information()),
+            (285, _) if by_servos == (component == AUTOPILOT_COMPONENT) => {
+                channel.send_as(component, out, &self.gimbal_attitude());
+            }
             _ => return false,
         }
         true
@@ -139,14 +141,19 @@ impl Vehicle {
 
     fn gimbal_manager_information(&self) -> GIMBAL_MANAGER_INFORMATION_DATA {
         let settings = self.gimbal_settings();
+        let capabilities = if is_by_servos(&settings) {
+            SERVO_CAPABILITIES
+        } else {
+            DEVICE_CAPABILITIES
+        };
         GIMBAL_MANAGER_INFORMATION_DATA {
             time_boot_ms: self.up_ms(),
-            cap_flags: GimbalManagerCapFlags::from_bits_retain(MANAGER_CAPABILITIES),
+            cap_flags: GimbalManagerCapFlags::from_bits_retain(capabilities),
             pitch_min: settings.pitch_min_rad as f32,
             pitch_max: settings.pitch_max_rad as f32,
             yaw_min: -settings.yaw_max_rad as f32,
             yaw_max: settings.yaw_max_rad as f32,
-            gimbal_device_id: GIMBAL_COMPONENT,
+            gimbal_device_id: device_id(&settings),
             ..GIMBAL_MANAGER_INFORMATION_DATA::default()
         }
     }
@@ -160,7 +167,7 @@ impl Vehicle {
         GIMBAL_MANAGER_STATUS_DATA {
             time_boot_ms: self.up_ms(),
             flags: GimbalManagerFlags::from_bits_retain(flags),
-            gimbal_device_id: GIMBAL_COMPONENT,
+            gimbal_device_id: device_id(&self.gimbal_settings()),
             primary_control_sysid: system,
             primary_control_compid: component,
             ..GIMBAL_MANAGER_STATUS_DATA::default()
@@ -186,14 +193,31 @@ impl Vehicle {
         }
     }
 
-    fn gimbal_settings(&self) -> crate::payloads::GimbalSettings {
+    fn gimbal_settings(&self) -> GimbalSettings {
         self.payloads
             .gimbal
             .as_ref()
             .map_or_else(Default::default, |gimbal| gimbal.head.settings)
     }
 
-    /// Angles about the horizon; yaw from the nose, or from north while it is held there.
+    /// How the servos stand to the vehicle, in degrees: PX4 has nothing that would measure it, and means the angles it puts out.
+    #[expect(deprecated, reason = "PX4 sends it, and nothing else of servos is true")]
+    fn mount_orientation(&self) -> MOUNT_ORIENTATION_DATA {
+        let mut message = MOUNT_ORIENTATION_DATA {
+            time_boot_ms: self.up_ms(),
+            ..MOUNT_ORIENTATION_DATA::default()
+        };
+        if let Some(gimbal) = &self.payloads.gimbal {
+            let (roll_rad, pitch_rad) = self.body.roll_pitch_rad();
+            message.roll = -roll_rad.to_degrees() as f32;
+            message.pitch = (gimbal.head.pitch.angle_rad - pitch_rad).to_degrees() as f32;
+            message.yaw = gimbal.head.yaw.angle_rad.to_degrees() as f32;
+            message.yaw_absolute = gimbal.yaw_north_rad(&self.carrier()).to_degrees().rem_euclid(360.0) as f32;
+        }
+        message
+    }
+
+    /// Angles about the horizon; yaw from the nose, or from north while it is held there. Of servos it is what was asked for.
     fn gimbal_attitude(&self) -> GIMBAL_DEVICE_ATTITUDE_STATUS_DATA {
         let mut message = GIMBAL_DEVICE_ATTITUDE_STATUS_DATA {
             time_boot_ms: self.up_ms(),
@@ -203,17 +227,22 @@ impl Vehicle {
             return message;
         };
         let (carrier, head) = (self.carrier(), &gimbal.head);
-        let (yaw_rad, yaw_rate_rad_s) = if gimbal.is_yaw_locked() {
-            let rate_rad_s = head.yaw.rate_rad_s + carrier.yaw_rate_rad_s;
-            (gimbal.yaw_north_rad(&carrier), rate_rad_s)
-        } else {
-            (head.yaw.angle_rad, head.yaw.rate_rad_s)
-        };
-        let turn = UnitQuaternion::from_euler_angles(0.0, head.pitch.angle_rad, yaw_rad);
-        message.q = wire_quaternion(&turn);
-        message.angular_velocity_y = head.pitch.rate_rad_s as f32;
-        message.angular_velocity_z = yaw_rate_rad_s as f32;
         message.flags = GimbalDeviceFlags::from_bits_retain(gimbal.flags() as u16);
+        if is_by_servos(&head.settings) {
+            let (pitch_rad, yaw_rad) = gimbal.asked_rad(&carrier);
+            message.q = wire_quaternion(&UnitQuaternion::from_euler_angles(0.0, pitch_rad, yaw_rad));
+            message.gimbal_device_id = SERVO_DEVICE;
+            return message;
+        }
+        let yaw_rad = gimbal.yaw_held_rad(&carrier);
+        let drift_rad_s = if gimbal.is_yaw_locked() {
+            carrier.yaw_rate_rad_s
+        } else {
+            0.0
+        };
+        message.q = wire_quaternion(&UnitQuaternion::from_euler_angles(0.0, head.pitch.angle_rad, yaw_rad));
+        message.angular_velocity_y = head.pitch.rate_rad_s as f32;
+        message.angular_velocity_z = (head.yaw.rate_rad_s + drift_rad_s) as f32;
         let (pitch, yaw) = head.limits();
         let at_stop = |angle_rad: f64, min_rad: f64, max_rad: f64| {
             angle_rad < min_rad + AT_LIMIT_RAD || angle_rad > max_rad - AT_LIMIT_RAD
@@ -229,5 +258,17 @@ impl Vehicle {
         message.delta_yaw = carrier.yaw_rad as f32;
         message.delta_yaw_velocity = carrier.yaw_rate_rad_s as f32;
         message
+    }
+}
+
+fn is_by_servos(settings: &GimbalSettings) -> bool {
+    matches!(settings.output, GimbalOutput::Servos { .. })
+}
+
+fn device_id(settings: &GimbalSettings) -> u8 {
+    if is_by_servos(settings) {
+        SERVO_DEVICE
+    } else {
+        GIMBAL_COMPONENT
     }
 }

@@ -1,7 +1,7 @@
 //! Payloads over MAVLink: who answers what, and that the messages say what is really the case.
 
 use super::rig::{Rig, command_frame, quiet};
-use crate::payloads::{CameraSettings, PayloadPlan, RadioSettings};
+use crate::payloads::{CameraSettings, GimbalOutput, GimbalSettings, PayloadPlan, RadioSettings};
 use crate::settings::SimSettings;
 use crate::truth::VehicleTruth;
 use crate::vehicle::LinkKind;
@@ -50,7 +50,8 @@ fn a_bare_vehicle_says_and_answers_what_it_did() {
     assert!(!rig.received.iter().any(strange));
     assert_eq!(
         rig.command(1000, pitchyaw(0.0, 0.0, 0.0)),
-        Some(MavResult::MAV_RESULT_UNSUPPORTED)
+        None,
+        "left to a manager that is not there"
     );
     assert_eq!(rig.command_to(1, 100, 2000, [0.0; 7]), None, "no such component");
     let truth = rig.truth();
@@ -61,7 +62,7 @@ fn a_bare_vehicle_says_and_answers_what_it_did() {
 fn everything_speaks_at_its_rate_from_its_component_and_flies_as_before() {
     let mut rig = Rig::flying(&all(), 5.0);
     rig.run(2.0);
-    for (id, rate_hz) in [(281, 5.0), (285, 10.0), (109, 1.0), (0, 3.0)] {
+    for (id, rate_hz) in [(281, 0.5), (285, 10.0), (109, 1.0), (0, 3.0)] {
         for link in [LinkKind::Onboard, LinkKind::GroundStation] {
             let found = rig.rate_hz(link, id, 4.0);
             assert!((found - rate_hz).abs() < 0.6, "{id}: {found} Hz");
@@ -108,6 +109,7 @@ fn the_gimbal_is_found_taken_and_steered() {
         (truth.pitch_rad.to_degrees() + 30.0).abs() < 0.1 && (truth.yaw_vehicle_rad.to_degrees() - 20.0).abs() < 0.1
     );
     assert_eq!(truth.owner, (245, 190));
+    rig.run(1.0);
     let status = rig.last(|m| match m {
         MavMessage::GIMBAL_MANAGER_STATUS(m) => Some((m.primary_control_sysid, m.primary_control_compid)),
         _ => None,
@@ -132,33 +134,33 @@ fn messages_steer_it_too_in_every_way_and_only_those_of_whoever_is_in_control() 
         rig.run(1.5);
         rig.truth().gimbal.unwrap().pitch_rad.to_degrees()
     };
-    let message = GIMBAL_MANAGER_SET_PITCHYAW_DATA {
-        pitch: -0.5,
-        yaw: f32::NAN,
-        pitch_rate: f32::NAN,
-        yaw_rate: f32::NAN,
-        flags: GimbalManagerFlags::empty(),
-        target_system: 1,
-        target_component: 1,
-        gimbal_device_id: 154,
-    };
-    rig.send(LinkKind::Onboard, &message);
-    assert!(pitch_deg(&mut rig).abs() < 0.01, "not in control");
-    take_control(&mut rig);
-    rig.send(LinkKind::Onboard, &message);
-    assert!((pitch_deg(&mut rig) + 28.65).abs() < 0.1);
-    let turn = UnitQuaternion::from_euler_angles(0.0, 0.2, 0.0);
-    rig.send(
-        LinkKind::Onboard,
-        &GIMBAL_MANAGER_SET_ATTITUDE_DATA {
+    let turned = |pitch_rad: f64| {
+        let turn = UnitQuaternion::from_euler_angles(0.0, pitch_rad, 0.0);
+        GIMBAL_MANAGER_SET_ATTITUDE_DATA {
             q: [turn.w, turn.i, turn.j, turn.k].map(|value: f64| value as f32),
             flags: GimbalManagerFlags::empty(),
             target_system: 1,
             target_component: 1,
             ..GIMBAL_MANAGER_SET_ATTITUDE_DATA::default()
-        },
-    );
+        }
+    };
+    rig.send(LinkKind::Onboard, &turned(-0.5));
+    assert!(pitch_deg(&mut rig).abs() < 0.01, "not in control");
+    take_control(&mut rig);
+    rig.send(LinkKind::Onboard, &turned(0.2));
     assert!((pitch_deg(&mut rig) - 11.46).abs() < 0.1);
+    let pitch_yaw = GIMBAL_MANAGER_SET_PITCHYAW_DATA {
+        pitch: -0.5,
+        target_system: 1,
+        target_component: 1,
+        gimbal_device_id: 154,
+        ..GIMBAL_MANAGER_SET_PITCHYAW_DATA::default()
+    };
+    rig.send(LinkKind::Onboard, &pitch_yaw);
+    assert!(
+        (pitch_deg(&mut rig) - 11.46).abs() < 0.1,
+        "PX4 does not know this message"
+    );
     rig.send(
         LinkKind::Onboard,
         &GIMBAL_MANAGER_SET_MANUAL_CONTROL_DATA {
@@ -170,7 +172,7 @@ fn messages_steer_it_too_in_every_way_and_only_those_of_whoever_is_in_control() 
             ..GIMBAL_MANAGER_SET_MANUAL_CONTROL_DATA::default()
         },
     );
-    assert!((pitch_deg(&mut rig) + 60.0).abs() < 0.1, "half of what it can");
+    assert!((pitch_deg(&mut rig) + 28.65).abs() < 0.1, "radians to PX4");
     // To the device itself, past its manager.
     rig.send(
         LinkKind::Onboard,
@@ -181,7 +183,7 @@ fn messages_steer_it_too_in_every_way_and_only_those_of_whoever_is_in_control() 
             ..GIMBAL_DEVICE_SET_ATTITUDE_DATA::default()
         },
     );
-    assert!((pitch_deg(&mut rig) + 60.0).abs() < 0.1, "it obeys its manager only");
+    assert!((pitch_deg(&mut rig) + 28.65).abs() < 0.1, "it obeys its manager only");
     rig.vehicle.reboot();
     assert_eq!(
         rig.command(1000, pitchyaw(0.0, 0.0, 0.0)),
@@ -403,4 +405,41 @@ fn what_it_carries_changes_nothing_of_how_it_flies() {
         ..laden
     };
     assert_eq!(without, bare, "the same seed, the same flight");
+}
+
+#[test]
+fn servos_are_the_autopilots_own_device_and_say_where_they_stand_apart_from_what_was_asked() {
+    let mut rig = Rig::ready(&carrying(PayloadPlan {
+        gimbal: Some(GimbalSettings {
+            output: GimbalOutput::Servos { stabilised: false },
+            ..GimbalSettings::default()
+        }),
+        ..PayloadPlan::default()
+    }));
+    let Some(MavMessage::GIMBAL_MANAGER_INFORMATION(manager)) = asks(&mut rig, 1, 280, 0.0) else {
+        panic!()
+    };
+    assert_eq!((manager.gimbal_device_id, manager.cap_flags.bits()), (1, 132_530));
+    assert_eq!(asks(&mut rig, 1, 283, 0.0), None);
+    assert_eq!(rig.command_to(1, 154, 512, [285.0; 7]), None, "no such component");
+    take_control(&mut rig);
+    assert_eq!(rig.command(1000, pitchyaw(-20.0, 10.0, 12.0)), OK);
+    rig.run(3.0);
+    let said = rig.last(|m| match m {
+        MavMessage::GIMBAL_DEVICE_ATTITUDE_STATUS(m) => Some((m.gimbal_device_id, m.q.map(f64::from))),
+        _ => None,
+    });
+    let (device, [w, x, y, z]) = said.unwrap();
+    let (_, pitch_rad, _) = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)).euler_angles();
+    assert!(device == 1 && (pitch_rad.to_degrees() + 20.0).abs() < 0.1);
+    #[expect(deprecated, reason = "what PX4 sends")]
+    let stands = rig.last(|m| match m {
+        MavMessage::MOUNT_ORIENTATION(m) => Some((m.pitch, m.yaw)),
+        _ => None,
+    });
+    let (pitch_deg, yaw_deg) = stands.unwrap();
+    assert!(
+        pitch_deg.abs() < 0.5 && (yaw_deg - 10.0).abs() < 0.1,
+        "{pitch_deg} {yaw_deg}"
+    );
 }
