@@ -34,6 +34,7 @@ pub fn setpoint(anchor: &AnchorReference, slot: &SlotMove, now: NodeTime) -> Set
             acceleration: Some(slot_acceleration.into()),
             yaw_rad: Some(heading),
             yaw_rate_rad_s: Some(0.0),
+            drag_per_s: None,
         };
     }
     let velocity = v0 + a0 * dt + slot_velocity + across(&arm) * rate;
@@ -45,6 +46,7 @@ pub fn setpoint(anchor: &AnchorReference, slot: &SlotMove, now: NodeTime) -> Set
         acceleration: Some((a0 + slot_acceleration + coriolis + centripetal).into()),
         yaw_rad: Some(heading),
         yaw_rate_rad_s: Some(rate),
+        drag_per_s: None,
     }
 }
 
