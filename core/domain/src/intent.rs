@@ -293,4 +293,9 @@ pub struct AnchorReference {
     /// When this was true.
     #[n(5)]
     pub time: NodeTime,
+    /// Its rate's rate in radians per second squared. Zero from who does not tell it.
+    #[n(6)]
+    #[cbor(default)]
+    #[serde(default)]
+    pub heading_acceleration_rad_s2: f64,
 }

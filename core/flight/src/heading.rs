@@ -13,6 +13,7 @@ pub struct HeadingFollower {
     mode: FormationHeading,
     heading_rad: f64,
     rate_rad_s: f64,
+    acceleration_rad_s2: f64,
 }
 
 impl HeadingFollower {
@@ -23,6 +24,7 @@ impl HeadingFollower {
             mode,
             heading_rad: 0.0,
             rate_rad_s: 0.0,
+            acceleration_rad_s2: 0.0,
         };
         if initial_rad.is_finite() {
             follower.heading_rad = wrap_angle_rad(initial_rad);
@@ -74,6 +76,12 @@ impl HeadingFollower {
         self.rate_rad_s
     }
 
+    /// How the rate changed over the last step, in radians per second squared; zero before the first one.
+    #[must_use]
+    pub fn acceleration_rad_s2(&self) -> f64 {
+        self.acceleration_rad_s2
+    }
+
     /// One step of `dt_s` towards `course_rad`, or the fixed heading; gives heading and rate. The rate is the one over this step, never above the
     /// limit (from a faster turn it is slowed down to it). A course that is not finite leaves the heading where it is (the turning fades out).
     pub fn step(&mut self, course_rad: f64, dt_s: f64) -> (f64, f64) {
@@ -105,7 +113,9 @@ impl HeadingFollower {
         // As fast as can still be slowed down from before the course is reached; within a step's reach, just onto it.
         let stoppable = (2.0 * ramp * error.abs() + (0.5 * ramp * dt_s).powi(2)).sqrt() - 0.5 * ramp * dt_s;
         let wanted = stoppable.min(error.abs() / dt_s).min(max_rate).copysign(error);
-        self.rate_rad_s += (wanted - self.rate_rad_s).clamp(-ramp * dt_s, ramp * dt_s);
+        let change = (wanted - self.rate_rad_s).clamp(-ramp * dt_s, ramp * dt_s);
+        self.rate_rad_s += change;
+        self.acceleration_rad_s2 = change / dt_s;
         self.heading_rad = wrap_angle_rad(self.heading_rad + self.rate_rad_s * dt_s);
         (self.heading_rad, self.rate_rad_s)
     }

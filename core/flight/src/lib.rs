@@ -8,6 +8,7 @@
 
 pub mod assignment;
 pub mod consensus;
+pub mod drag;
 pub mod follow;
 pub mod formation;
 pub mod goto;
@@ -23,6 +24,7 @@ pub mod transition;
 pub mod virtual_leader;
 pub mod way_around;
 
+pub use drag::DragEstimator;
 pub use formation::FormationError;
 pub use goto::GoTo;
 pub use heading::HeadingFollower;

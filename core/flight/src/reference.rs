@@ -181,6 +181,7 @@ impl ReferenceTracker {
             acceleration: state.acceleration.into(),
             heading_rad: skein_domain::frames::wrap_angle_rad(state.heading.heading_rad() + rate * dt),
             heading_rate_rad_s: rate,
+            heading_acceleration_rad_s2: state.heading.acceleration_rad_s2(),
             time: now,
         };
         Some((anchor, self.is_stale(aim, now)))
@@ -268,6 +269,8 @@ impl ReferenceTracker {
             if stale && state.velocity.norm() < STANDS_M_S && state.heading.rate_rad_s().abs() < STANDS_M_S {
                 // It stands and goes on standing: no need to count the steps of a long silence.
                 (state.velocity, state.acceleration) = (Vector3::zeros(), Vector3::zeros());
+                let heading = &state.heading;
+                state.heading = HeadingFollower::resume(heading.mode(), heading.heading_rad(), heading.rate_rad_s());
                 state.step = until;
                 return state;
             }

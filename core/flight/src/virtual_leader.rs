@@ -31,12 +31,13 @@ pub enum VirtualLeaderError {
     },
 }
 
-/// From `at_step` on the heading turns at this rate, until the next of these.
+/// From `at_step` on the heading turns at this rate, until the next of these; for one step the rate is taken to be changing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Turn {
     at_step: usize,
     heading_rad: f64,
     rate_rad_s: f64,
+    acceleration_rad_s2: f64,
 }
 
 /// A virtual leader on its route.
@@ -87,10 +88,11 @@ impl VirtualLeader {
     #[must_use]
     pub fn anchor(&self, now: NodeTime) -> AnchorReference {
         let t_s = now.seconds_since(self.start);
-        let (heading_rad, heading_rate_rad_s) = self.heading(t_s);
+        let (heading_rad, heading_rate_rad_s, heading_acceleration_rad_s2) = self.heading(t_s);
         let mut anchor = AnchorReference {
             heading_rad,
             heading_rate_rad_s,
+            heading_acceleration_rad_s2,
             time: now,
             ..AnchorReference::default()
         };
@@ -102,7 +104,8 @@ impl VirtualLeader {
         anchor
     }
 
-    fn heading(&self, t_s: f64) -> (f64, f64) {
+    /// Heading, its rate, and how that changes.
+    fn heading(&self, t_s: f64) -> (f64, f64, f64) {
         let after = |turn: &Turn| turn.at_step as f64 * STEP_S <= t_s;
         let next = self.turns.partition_point(after);
         let turn = match next.checked_sub(1) {
@@ -110,14 +113,19 @@ impl VirtualLeader {
             // Before the start it stands.
             None => {
                 let first = self.turns.first().map_or(0.0, |turn| turn.heading_rad);
-                return (first, 0.0);
+                return (first, 0.0, 0.0);
             }
         };
-        turn.map_or((0.0, 0.0), |turn| {
+        turn.map_or((0.0, 0.0, 0.0), |turn| {
             let since_s = t_s - turn.at_step as f64 * STEP_S;
             (
                 wrap_angle_rad(turn.heading_rad + turn.rate_rad_s * since_s),
                 turn.rate_rad_s,
+                if since_s < STEP_S {
+                    turn.acceleration_rad_s2
+                } else {
+                    0.0
+                },
             )
         })
     }
@@ -143,6 +151,7 @@ fn turns(route: &RouteTrajectory, mut follower: HeadingFollower) -> Vec<Turn> {
                 at_step: step,
                 heading_rad,
                 rate_rad_s,
+                acceleration_rad_s2: follower.acceleration_rad_s2(),
             });
         }
         if over && rate_rad_s == 0.0 {

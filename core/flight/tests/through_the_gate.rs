@@ -133,6 +133,7 @@ fn fly(
             heading_rad,
             heading_rate_rad_s,
             time: measured.measured,
+            ..AnchorReference::default()
         };
         for ((slot, vehicle), peer) in moves.iter().zip(&mut vehicles).zip(&peers) {
             let setpoint = if peer.id == VehicleId(1) {

@@ -79,6 +79,7 @@ impl AnchorKeeper {
                             velocity: VelocityNed::default(),
                             acceleration: skein_domain::AccelerationNed::default(),
                             heading_rate_rad_s: 0.0,
+                            heading_acceleration_rad_s2: 0.0,
                             time: now,
                             ..before
                         }
@@ -150,6 +151,7 @@ impl AnchorKeeper {
             position,
             heading_rad,
             heading_rate_rad_s,
+            heading_acceleration_rad_s2: self.heading_acceleration_rad_s2(),
             time: now,
             ..AnchorReference::default()
         }
@@ -184,14 +186,20 @@ impl AnchorKeeper {
             return AnchorReference {
                 heading_rad: formerly_rad,
                 heading_rate_rad_s: 0.0,
+                heading_acceleration_rad_s2: 0.0,
                 ..reference
             };
         }
         AnchorReference {
             heading_rad,
             heading_rate_rad_s,
+            heading_acceleration_rad_s2: self.heading_acceleration_rad_s2(),
             ..reference
         }
+    }
+
+    fn heading_acceleration_rad_s2(&self) -> f64 {
+        self.heading.map_or(0.0, |heading| heading.acceleration_rad_s2())
     }
 }
 

@@ -12,6 +12,7 @@ use skein_domain::{
     AccelerationNed, AnchorReference, CommandId, FlightMode, FlightState, FormationHeading, Keeping, NodeTime,
     PositionNed, Refusal, RequestId, Route, SlotMove, Trajectory, VehicleCommand, VehicleId, VehicleTask, VelocityNed,
 };
+use skein_flight::DragEstimator;
 
 /// Everything a new instance needs to go on.
 #[derive(Debug, Clone, PartialEq, Default, Encode, Decode)]
@@ -73,6 +74,10 @@ pub(crate) struct Flight {
     /// When the vehicle was heard again after a silence, in heard seconds.
     #[n(18)]
     pub heard_again_s: Option<f64>,
+    /// What is known of how strongly the air slows the vehicle down.
+    #[n(19)]
+    #[cbor(default)]
+    pub drag: DragEstimator,
 }
 
 /// The state last told to the host.

@@ -8,15 +8,15 @@ use crate::keeping::turned_towards;
 use crate::model::{GenericUav, LONGEST_STEP_S};
 use crate::plan::Sample;
 use crate::tasks::age_s;
+use crate::telling::change_of_turning_rad_s2;
 use skein_domain::exchange::{OwnState, Severity};
-use skein_domain::{AnchorReference, AutopilotCommand, FlightMode, LandedState, PositionNed, Refusal};
+use skein_domain::{AutopilotCommand, FlightMode, LandedState, PositionNed, Refusal};
 use skein_plugin_sdk::Effects;
 
 /// A vehicle slower than this stands, in metres per second.
 const STANDS_M_S: f64 = 0.5;
 /// How long a stopped vehicle may take to stand, in seconds.
 const STOP_SETTLE_S: f64 = 5.0;
-
 impl GenericUav {
     pub(crate) fn step_flying(&mut self, mut flying: Flying, own: &OwnState, dt_s: f64, out: &mut Effects) {
         if flying.engaging.is_some() {
@@ -38,11 +38,13 @@ impl GenericUav {
             self.ended_without_landing(own, out);
             return;
         }
+        let turned_rad_s = flying.purpose.turning_rad_s();
         self.advance(&mut flying, dt_s, out);
         let sample = self.sample(&flying, self.now);
         if let Purpose::Lead(lead) = &mut flying.purpose {
             lead.turn(sample.course_rad, dt_s, &self.settings);
         }
+        let turning_rad_s2 = change_of_turning_rad_s2(turned_rad_s, flying.purpose.turning_rad_s(), dt_s);
         if matches!(flying.purpose, Purpose::Fly(_))
             && let (Some(yaw_rad), Some(course_rad)) = (flying.yaw_rad, sample.course_rad)
         {
@@ -52,7 +54,7 @@ impl GenericUav {
         let motion = flying.blend.map_or(sample.motion, |blend| blend.apply(&sample.motion));
         let (yaw_rad, yaw_rate_rad_s) = flying.yaw(sample.yaw);
         self.stream(&motion, yaw_rad, yaw_rate_rad_s, out);
-        self.publish(&flying, &sample, &motion, out);
+        self.publish(&flying, &sample, &motion, turning_rad_s2, out);
         self.flight.phase = Phase::Flying(flying.clone());
         if !self.flight.link_lost {
             self.see_whether_done(flying, &sample, out);
@@ -207,44 +209,6 @@ impl GenericUav {
         }
     }
 
-    /// What others want to know of this flight.
-    fn publish(&mut self, flying: &Flying, sample: &Sample, reference: &Motion, out: &mut Effects) {
-        let Some(here) = self.measured() else { return };
-        let goal = flying.purpose.goal().unwrap_or(sample.motion.position);
-        let distance_m = match (&flying.purpose, &flying.plan) {
-            (_, Plan::Kept(kept)) => kept.error_m,
-            (Purpose::LandAt { .. } | Purpose::Home { .. }, _) => here.position.horizontal_distance_m(&goal),
-            _ => here.position.distance_m(&goal),
-        };
-        self.tell_distance(distance_m, out);
-        // Followers must see that a leader which is not heard is not heard.
-        if let Purpose::Lead(lead) = &flying.purpose
-            && !self.flight.link_lost
-        {
-            let held_back = self.flight.gate_refusal.is_some();
-            out.anchor(AnchorReference {
-                position: here.position,
-                velocity: here.velocity,
-                acceleration: if held_back {
-                    Default::default()
-                } else {
-                    reference.acceleration
-                },
-                heading_rad: lead.heading_rad,
-                heading_rate_rad_s: lead.heading_rate_rad_s,
-                // Not the present, if it is not heard any more: its followers then carry it on as it was, instead of seeing it stop.
-                time: self.now.plus_seconds(-self.not_heard_s()),
-            });
-        }
-    }
-
-    /// A goal may be farther than numbers go.
-    fn tell_distance(&self, distance_m: f64, out: &mut Effects) {
-        if distance_m.is_finite() {
-            out.tracking_error(distance_m);
-        }
-    }
-
     /// Whether what the flight is for is the case, or cannot become so.
     fn see_whether_done(&mut self, flying: Flying, sample: &Sample, out: &mut Effects) {
         if let Some(refusal) = self.flight.gate_refusal.clone()
@@ -394,7 +358,7 @@ impl Flying {
 
 impl Purpose {
     /// Where it ends, if it ends at a place.
-    fn goal(&self) -> Option<PositionNed> {
+    pub(crate) fn goal(&self) -> Option<PositionNed> {
         match self {
             Self::TakeOff { hold } => Some(*hold),
             Self::Hold { at } => *at,

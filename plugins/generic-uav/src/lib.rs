@@ -22,6 +22,7 @@ mod plan;
 mod settings;
 mod steering;
 mod tasks;
+mod telling;
 
 pub use guidance::Goal;
 pub use model::GenericUav;

@@ -9,6 +9,7 @@ use skein_domain::manifest::EffectKind;
 use skein_domain::{
     FlightLimits, FlightMode, LandedState, NodeTime, Refusal, RequestId, Setpoint, Stick, Task, VehicleId, VehicleTask,
 };
+use skein_flight::drag::Look;
 use skein_plugin_sdk::{CreateError, Effects, UavManifest, UavModel, log, saved};
 
 /// Of the saved flight state. Changes when an older one would be misunderstood; fields that are only added keep it.
@@ -194,6 +195,7 @@ impl GenericUav {
     fn tick(&mut self, out: &mut Effects) {
         let Some(own) = self.own else { return };
         let dt_s = self.step_clock();
+        self.learn_drag(&own);
         self.begin_waiting(out);
         self.watch_modes(&own, out);
         self.take_up_task(out);
@@ -229,6 +231,22 @@ impl GenericUav {
             self.flight.heard_s += dt_s;
         }
         dt_s
+    }
+
+    /// Looks at how the vehicle flies, while it surely does.
+    fn learn_drag(&mut self, own: &OwnState) {
+        let flies = own.armed && own.landed == LandedState::InAir && !self.flight.link_lost;
+        let told = own.kinematics.zip(own.roll_rad).zip(own.pitch_rad);
+        match told.filter(|_| flies) {
+            Some(((kinematics, roll_rad), pitch_rad)) => self.flight.drag.see(Look {
+                time: kinematics.measured,
+                velocity: kinematics.velocity,
+                roll_rad,
+                pitch_rad,
+                yaw_rad: kinematics.yaw_rad,
+            }),
+            None => self.flight.drag.interrupt(),
+        }
     }
 
     /// Without a snapshot the state follows from what the vehicle does. Once, with the first state that is heard.
@@ -375,6 +393,8 @@ impl GenericUav {
             acceleration: Some(motion.acceleration),
             yaw_rad: yaw_rad.filter(|yaw| yaw.is_finite()),
             yaw_rate_rad_s: yaw_rate_rad_s.filter(|rate| rate.is_finite()),
+            // Not into the acceleration itself: whoever judges how the setpoint moves must see how it moves.
+            drag_per_s: Some(self.flight.drag.drag_per_s()),
         };
         if !setpoint.is_well_formed() {
             return;

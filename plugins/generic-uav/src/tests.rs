@@ -2,6 +2,7 @@
 
 mod autopilot;
 mod commands;
+mod drag;
 mod flights;
 mod keeping;
 mod pilot;

@@ -60,6 +60,13 @@ impl Lost {
     }
 }
 
+/// What a vehicle tells of itself.
+#[derive(Debug, Clone, Copy)]
+struct Told {
+    kinematics: VehicleKinematics,
+    roll_pitch_rad: (f64, f64),
+}
+
 /// The vehicle.
 pub struct Craft {
     pub id: VehicleId,
@@ -80,7 +87,7 @@ pub struct Craft {
     /// Still climbing, as far as the node is told.
     pub climbing: bool,
     model: GenericUav,
-    down: AirLink<VehicleKinematics>,
+    down: AirLink<Told>,
     up: AirLink<Setpoint>,
     rng: ChaCha8Rng,
     waiting: Vec<Event>,
@@ -206,7 +213,10 @@ impl Craft {
         if let Some(setpoint) = self.up.receive(now_s).pop() {
             self.plant.obey(&setpoint);
         }
-        let state = self.believed(now);
+        let state = Told {
+            kinematics: self.believed(now),
+            roll_pitch_rad: self.plant.roll_pitch_rad(),
+        };
         self.down.send(now_s, state, &mut self.rng);
     }
 
@@ -217,10 +227,12 @@ impl Craft {
             if self
                 .entry
                 .kinematics
-                .is_none_or(|known| state.measured > known.measured)
+                .is_none_or(|known| state.kinematics.measured > known.measured)
             {
-                self.entry.kinematics = Some(state);
-                self.entry.telemetry.position_time = state.measured;
+                self.entry.kinematics = Some(state.kinematics);
+                self.entry.telemetry.position_time = state.kinematics.measured;
+                let (roll_rad, pitch_rad) = state.roll_pitch_rad;
+                (self.entry.telemetry.roll_rad, self.entry.telemetry.pitch_rad) = (roll_rad as f32, pitch_rad as f32);
             }
         }
         let connected = now.seconds_since(self.entry.link.last_heard) <= link.lost_after_s;
@@ -338,7 +350,12 @@ impl Craft {
 
     fn stream(&mut self, setpoint: &Setpoint, now_s: f64, now: NodeTime, link: &LinkSettings) {
         self.streamed_until = now.plus_seconds(link.setpoint_valid_s);
-        self.up.send(now_s, *setpoint, &mut self.rng);
+        // As the node hands it to its link.
+        let handed_over = Setpoint {
+            acceleration: setpoint.forward_acceleration(),
+            ..*setpoint
+        };
+        self.up.send(now_s, handed_over, &mut self.rng);
     }
 
     /// What the others see of it: the same, but for one that is still climbing.

@@ -23,11 +23,11 @@ fn triple(limit: f64) -> impl Strategy<Value = Vector3<f64>> {
 prop_compose! {
     fn anchor()(
         position in triple(500.0), velocity in triple(10.0), acceleration in triple(3.0),
-        heading_rad in -3.0..3.0, heading_rate_rad_s in -0.5..0.5,
+        heading_rad in -3.0..3.0, heading_rate_rad_s in -0.5..0.5, heading_acceleration_rad_s2 in -0.4..0.4,
     ) -> AnchorReference {
         AnchorReference {
             position: position.into(), velocity: velocity.into(), acceleration: acceleration.into(),
-            heading_rad, heading_rate_rad_s, time: NOW,
+            heading_rad, heading_rate_rad_s, time: NOW, heading_acceleration_rad_s2,
         }
     }
 }
@@ -55,7 +55,9 @@ proptest! {
     #[test]
     fn an_older_anchor_gives_the_same_setpoint(anchor in anchor(), offset in triple(50.0), age_s in 0.0..0.9) {
         // Two leaders' reports of the same constant motion, one older: the follower must not notice.
-        let steady = AnchorReference { acceleration: AccelerationNed::default(), heading_rate_rad_s: 0.0, ..anchor };
+        let steady = AnchorReference {
+            acceleration: AccelerationNed::default(), heading_rate_rad_s: 0.0, heading_acceleration_rad_s2: 0.0, ..anchor
+        };
         let later = AnchorReference {
             position: steady.position.after(&steady.velocity, age_s), time: NOW.plus_seconds(age_s), ..steady
         };

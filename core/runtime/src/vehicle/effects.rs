@@ -269,7 +269,7 @@ impl VehicleState {
         Ok(LocalSetpoint {
             position: setpoint.position.map(|p| local_frame.from_swarm(&frame, &p)),
             velocity: setpoint.velocity,
-            acceleration: setpoint.acceleration,
+            acceleration: setpoint.forward_acceleration(),
             yaw_rad: setpoint.yaw_rad,
             yaw_rate_rad_s: setpoint.yaw_rate_rad_s,
         })

@@ -104,6 +104,12 @@ impl Plant {
         self.body.velocity
     }
 
+    /// Roll and pitch in radians.
+    #[must_use]
+    pub fn roll_pitch_rad(&self) -> (f64, f64) {
+        self.body.roll_pitch_rad()
+    }
+
     /// Where it believes to be, how fast, and how it points.
     #[must_use]
     pub fn believed(&self) -> (Vector3<f64>, Vector3<f64>, f64) {
