@@ -6,6 +6,7 @@ mod orders;
 use orders::{camera, child, create, events, runners, told, transmitted, ways};
 use skein_domain::exchange::Event;
 use skein_plugin_host::{ChildLimits, Instance, Isolation, PluginError, RunnerSettings, Runners};
+use std::cell::Cell;
 use std::time::{Duration, Instant};
 
 async fn started(runners: &Runners) -> Instance {
@@ -115,36 +116,40 @@ async fn a_panic_is_told_with_its_message_and_leaves_the_process() {
 
 #[tokio::test]
 async fn a_call_that_does_not_return_ends_the_child_and_delays_nobody() {
+    // Far longer than healthy calls take: the ten have to come back before it is over, however long each of them takes.
+    let deadline = Duration::from_secs(2);
     let runners = Runners::with_settings(RunnerSettings {
-        call_deadline: Duration::from_millis(100),
+        call_deadline: deadline,
         create_deadline: Duration::from_secs(10),
         ..RunnerSettings::default()
     });
     runners.set_host_program(orders::host_program());
     let (hangs, other) = (started(&runners).await, started(&runners).await);
-    let hang = told(&hangs, r#"{"do": "die", "how": "hang"}"#);
+    let hang_is_over = Cell::new(false);
+    let hang = async {
+        let answer = told(&hangs, r#"{"do": "die", "how": "hang"}"#).await;
+        hang_is_over.set(true);
+        answer
+    };
     let others = async {
-        let began = Instant::now();
         for _ in 0..10 {
             other.call(events(vec![Event::Tick]), &[]).await.expect("answers");
         }
-        began.elapsed()
+        hang_is_over.get()
     };
-    let (error, others_took) = tokio::join!(hang, others);
+    let (error, others_waited) = tokio::join!(hang, others);
     let Err(PluginError::DeadlineExceeded { after }) = error else {
         panic!("another error")
     };
-    assert!(after >= Duration::from_millis(100));
-    assert!(
-        others_took < after,
-        "{others_took:?} for ten calls beside one that hangs"
-    );
+    assert!(after >= deadline);
+    assert!(!others_waited, "ten calls came back only after the one that hangs");
     assert_eq!(hangs.pid(), None, "its process is gone");
 }
 
 #[tokio::test]
 async fn one_that_takes_no_end_is_ended() {
-    let runners = runners(Duration::from_secs(1));
+    // So long it is let try to end.
+    let runners = runners(Duration::from_secs(3));
     let instance = runners
         .create(camera(), child(), create(r#"{"hang_at_end": true}"#, None))
         .await
@@ -152,7 +157,7 @@ async fn one_that_takes_no_end_is_ended() {
     let process = format!("/proc/{}", instance.pid().expect("is there"));
     let began = Instant::now();
     drop(instance);
-    assert!(began.elapsed() < Duration::from_secs(1), "nobody waits for it");
+    assert!(std::path::Path::new(&process).exists(), "somebody waited for its end");
     while std::path::Path::new(&process).exists() {
         assert!(began.elapsed() < Duration::from_secs(60), "it is still there");
         tokio::time::sleep(Duration::from_millis(10)).await;

@@ -9,8 +9,8 @@ use skein_tests_plugin_boundary::{assert_alive, create_uav, fixture, shipped, ti
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Where a call is to be given up.
-const CALL_DEADLINE: Duration = Duration::from_millis(100);
+/// Where a call is to be given up, and healthy ones come back in time on a busy machine too. Shorter than what `slow_in_handle` takes.
+const CALL_DEADLINE: Duration = Duration::from_secs(1);
 /// Where none is, however busy the machine.
 const LONG: Duration = Duration::from_secs(20);
 
@@ -140,7 +140,7 @@ async fn what_a_model_does_wrong_is_told_apart() {
             |e| matches!(e, PluginError::Refused { detail } if detail.contains("unknown variant")),
         ),
     ];
-    let (runners, plugin) = (one_lane_with(5 * CALL_DEADLINE), load("failing_model"));
+    let (runners, plugin) = (one_lane(), load("failing_model"));
     let other = healthy(&runners).await;
     for (what, expected) in cases {
         let error = match wrong_instance(&runners, &plugin, "fail", what).await {
@@ -212,7 +212,7 @@ async fn a_call_that_comes_back_too_late_is_cleaned_up_after() {
 async fn a_plugin_in_which_too_many_threads_hang_gets_no_more() {
     let settings = RunnerSettings {
         threads: 1,
-        call_deadline: Duration::from_millis(20),
+        call_deadline: CALL_DEADLINE,
         max_hanging_threads: 2,
         ..RunnerSettings::default()
     };
@@ -271,7 +271,7 @@ async fn drills_take_the_ways_of_faults() {
 
 #[tokio::test]
 async fn a_plugin_of_any_kind_is_created_and_says_what_it_is() {
-    let instance = one_lane()
+    let instance = one_lane_with(LONG)
         .create(load("other_kind"), Isolation::InProcess, create_uav(1, "{}", None))
         .await
         .expect("is created");
@@ -280,7 +280,7 @@ async fn a_plugin_of_any_kind_is_created_and_says_what_it_is() {
 
 #[tokio::test]
 async fn a_configuration_that_is_not_right_is_refused_in_words() {
-    let runners = one_lane();
+    let runners = one_lane_with(LONG);
     for (config, said) in [
         (r#"{"cruise_speed": 3}"#, "unknown field `cruise_speed`"),
         (
@@ -314,7 +314,7 @@ async fn two_loads_of_one_file_are_two_plugins_and_outlive_the_file() {
     );
     // Exchanged in place and cut off, as a careless upgrade does.
     std::fs::write(&path, b"garbage").expect("written");
-    let runners = one_lane();
+    let runners = one_lane_with(LONG);
     let mut instances = Vec::new();
     for _ in 0..3 {
         instances.push(
@@ -338,7 +338,7 @@ async fn two_loads_of_one_file_are_two_plugins_and_outlive_the_file() {
 
 #[tokio::test]
 async fn calls_are_counted_and_timed() {
-    let runners = one_lane();
+    let runners = one_lane_with(LONG);
     let instance = healthy(&runners).await;
     for i in 0..100 {
         instance.call(tick(i), &[]).await.expect("answers");
@@ -356,7 +356,7 @@ async fn calls_are_counted_and_timed() {
 
 #[tokio::test]
 async fn instances_outlive_the_pool_they_were_made_in() {
-    let runners = one_lane();
+    let runners = one_lane_with(LONG);
     let instance = healthy(&runners).await;
     drop(runners);
     assert_alive(&instance).await;
