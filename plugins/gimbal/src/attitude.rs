@@ -93,7 +93,7 @@ impl Direction {
     }
 
     /// The axis as seen from the vehicle; `None` if that cannot be said.
-    pub(crate) fn from_nose(&self, vehicle_yaw_rad: Option<f64>) -> Option<Vector3<f64>> {
+    pub(crate) fn seen_from_nose(&self, vehicle_yaw_rad: Option<f64>) -> Option<Vector3<f64>> {
         Some(axis(self.pitch_rad, self.yaw.off_nose(vehicle_yaw_rad)?))
     }
 

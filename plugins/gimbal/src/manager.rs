@@ -271,12 +271,12 @@ impl Manager {
     /// Sends what is due; gives what was given up. A turn that nobody acknowledged is none of it: it goes on by messages.
     fn work_requests(&mut self, at: &Moment, effects: &mut Effects) -> Option<ControlOutcome> {
         let given_up = self.requests.work(at.now, at.settings.patience(), effects);
-        let of_control = given_up.into_iter().filter_map(|(errand, outcome)| match errand {
+        let mut of_control = given_up.into_iter().filter_map(|(errand, outcome)| match errand {
             Errand::Take => Some((Control::Take, outcome)),
             Errand::Release => Some((Control::Release, outcome)),
             Errand::Turn => None,
         });
-        of_control.last()
+        of_control.next_back()
     }
 
     fn question(&mut self, at: &Moment, effects: &mut Effects) {

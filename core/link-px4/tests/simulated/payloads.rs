@@ -4,10 +4,12 @@ use crate::net::Net;
 use crate::puppet::Puppet;
 use crate::rig::Rig;
 use mavlink::dialects::common::{
-    COMMAND_LONG_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA, GIMBAL_MANAGER_SET_PITCHYAW_DATA, GimbalManagerFlags,
-    MavAutopilot, MavCmd, MavMessage, MavResult, MavType, RADIO_STATUS_DATA,
+    COMMAND_LONG_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA, GIMBAL_MANAGER_SET_ATTITUDE_DATA,
+    GIMBAL_MANAGER_SET_PITCHYAW_DATA, GimbalManagerFlags, MavAutopilot, MavCmd, MavMessage, MavResult, MavType,
+    RADIO_STATUS_DATA,
 };
 use mavlink::{MavlinkVersion, Message, MessageData};
+use nalgebra::UnitQuaternion;
 use parking_lot::Mutex;
 use skein_domain::Refusal;
 use skein_domain::link::{MessageTap, VehicleLink};
@@ -316,12 +318,13 @@ async fn the_payloads_of_simulated_vehicles_are_heard_and_steered_through_their_
         .await;
     }
     let ear = &ears[0];
-    let pitchyaw = outgoing(&GIMBAL_MANAGER_SET_PITCHYAW_DATA {
-        pitch: -0.6,
-        yaw: 0.4,
-        pitch_rate: f32::NAN,
-        yaw_rate: f32::NAN,
+    let turn = UnitQuaternion::from_euler_angles(0.0, -0.6, 0.4);
+    let attitude = outgoing(&GIMBAL_MANAGER_SET_ATTITUDE_DATA {
         flags: GimbalManagerFlags::empty(),
+        q: [turn.w, turn.i, turn.j, turn.k],
+        angular_velocity_x: f32::NAN,
+        angular_velocity_y: f32::NAN,
+        angular_velocity_z: f32::NAN,
         target_system: 1,
         target_component: 1,
         gimbal_device_id: 154,
@@ -331,7 +334,7 @@ async fn the_payloads_of_simulated_vehicles_are_heard_and_steered_through_their_
         acknowledged(&net, &link, ear, &take_control, 1).await,
         MavResult::MAV_RESULT_ACCEPTED
     );
-    link.send_payload(net.now(), &pitchyaw).unwrap();
+    link.send_payload(net.now(), &attitude).unwrap();
     let points = |id: u8| simulation.truth().vehicle(id).unwrap().gimbal.unwrap();
     net.until("pointing", |_| {
         let gimbal = points(1);
@@ -375,10 +378,7 @@ fn what_was_turned_off_comes_back_when_a_payload_wants_it_and_nothing_counts_as_
     };
     rig.wanted = vec![281];
     rig.run(20.0);
-    assert!(
-        (45..=55).contains(&in_ten_seconds(&mut rig, 281)),
-        "wanted: it stays on"
-    );
+    assert!((4..=6).contains(&in_ten_seconds(&mut rig, 281)), "wanted: it stays on");
     rig.wanted.clear();
     rig.run(20.0);
     assert_eq!(in_ten_seconds(&mut rig, 281), 0, "nobody reads it: off");
@@ -389,10 +389,7 @@ fn what_was_turned_off_comes_back_when_a_payload_wants_it_and_nothing_counts_as_
     rig.wanted = vec![281];
     rig.core().want(|id| id == 281);
     rig.run(2.0);
-    assert!(
-        (45..=55).contains(&in_ten_seconds(&mut rig, 281)),
-        "back at its own rate"
-    );
+    assert!((4..=6).contains(&in_ten_seconds(&mut rig, 281)), "back at its own rate");
     // Each component counts its frames for itself; for the link that is no loss.
     let (_, health) = rig.read();
     assert!(health.connected && health.loss < 0.005, "{health:?}");

@@ -218,7 +218,13 @@ impl Gimbal {
             (*pitch, *yaw) = (pitch.slowed(0.0), yaw.slowed(0.0));
         }
         let level = AxisGoal::Angle(0.0);
-        let from_nose = |north_rad: f64| AxisGoal::Angle(wrap_angle_rad(north_rad - carrier.yaw_rad));
+        let by_servos = matches!(self.head.settings.output, GimbalOutput::Servos { .. });
+        let from_nose = |north_rad: f64| {
+            let (north_rad, nose_rad) = (wrap_angle_rad(north_rad), wrap_angle_rad(carrier.yaw_rad));
+            // Servos are not turned round the circle: they end at their stop.
+            let yaw_rad = north_rad - nose_rad;
+            AxisGoal::Angle(if by_servos { yaw_rad } else { wrap_angle_rad(yaw_rad) })
+        };
         let (mut pitch, mut yaw, mut drift_rad_s) = match &self.aim {
             Aim::Rest => (level, level, 0.0),
             Aim::Axes {

@@ -83,7 +83,7 @@ impl Gimbal {
             .filter(|attitude| seen && at.within(Some(attitude.heard), at.settings.lost_after_s))?;
         let wanted = self.wanted(now)?;
         Some(Look {
-            wanted: wanted.from_nose(at.vehicle_yaw_rad)?,
+            wanted: wanted.seen_from_nose(at.vehicle_yaw_rad)?,
             off_rad: wanted.off_rad(&attitude, at.vehicle_yaw_rad)?,
         })
     }

@@ -20,8 +20,12 @@ use mavlink::dialects::common::{
 };
 use nalgebra::UnitQuaternion;
 use payload_mavlink::send;
+use skein_domain::frames::wrap_angle_rad;
 use skein_plugin_sdk::Effects;
+use std::f64::consts::PI;
 
+/// Nearer to the end of the circle than this, in radians, servos are told a yaw from the nose: the vehicle turns meanwhile.
+const NEAR_END_RAD: f64 = 0.1;
 /// Moves that follow each other faster than this, in seconds, are a stream.
 const STREAM_PAUSE_S: f64 = 0.5;
 
@@ -36,7 +40,7 @@ impl Manager {
                 self.requests.ask(Errand::Turn, &self.pitch_yaw(direction));
             }
             Turn::Once(direction) | Turn::To(direction) => {
-                let (flags, yaw_rad) = frame(direction.yaw);
+                let (flags, yaw_rad) = frame(self.reachable(at, direction.yaw));
                 let turn = UnitQuaternion::from_euler_angles(0.0, direction.pitch_rad, yaw_rad);
                 let message = GIMBAL_MANAGER_SET_ATTITUDE_DATA {
                     flags,
@@ -89,11 +93,27 @@ impl Manager {
         }
     }
 
-    /// Whether it keeps to north by itself when the vehicle turns.
+    /// The same yaw, as servos get there: PX4 takes the vehicle's yaw from one to north without going round the circle (as long as
+    /// MNT_RC_IN_MODE is not 0), so that they would stand at their end stop with the vehicle between the two. From the nose is right then.
+    fn reachable(&self, at: &Moment, yaw: Yaw) -> Yaw {
+        match (yaw, at.vehicle_yaw_rad) {
+            (Yaw::North(north_rad), Some(nose_rad)) if self.has_servos() => {
+                let (north_rad, nose_rad) = (wrap_angle_rad(north_rad), wrap_angle_rad(nose_rad));
+                if (north_rad - nose_rad).abs() > PI - NEAR_END_RAD {
+                    Yaw::Vehicle(wrap_angle_rad(north_rad - nose_rad))
+                } else {
+                    yaw
+                }
+            }
+            _ => yaw,
+        }
+    }
+
+    /// Whether it keeps to north by itself when the vehicle turns. Servos do not all the way: see [`Self::reachable`].
     pub(crate) fn holds_north(&self) -> bool {
         let holds = GimbalManagerCapFlags::GIMBAL_MANAGER_CAP_FLAGS_HAS_YAW_LOCK
             | GimbalManagerCapFlags::GIMBAL_MANAGER_CAP_FLAGS_SUPPORTS_YAW_IN_EARTH_FRAME;
-        self.can(holds)
+        !self.has_servos() && self.can(holds)
     }
 
     /// Whether rates are for it to keep. Not where an autopilot turns servos: PX4 integrates a rate behind the filter of its outputs,

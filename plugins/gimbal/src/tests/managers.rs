@@ -178,11 +178,14 @@ fn what_a_manager_says_that_it_cannot_is_not_asked_of_it() {
 #[test]
 fn servos_turn_to_angles_places_and_at_rates() {
     let mut rig = found(servos(true));
-    for (pitch, yaw, frame) in [(-0.6, 0.5, "vehicle"), (-0.2, 2.0, "north")] {
+    // The last is more than half a circle from the nose, counted from north.
+    for (pitch, yaw, frame) in [(-0.6, 0.5, "vehicle"), (-0.2, 2.0, "north"), (-0.2, -2.9, "north")] {
         let id = rig.command(&angles(pitch, yaw, frame));
         assert_eq!(rig.end_of(id, 8.0), Some(Ok(())), "{}", rig.state());
         assert!((truth(&rig).pitch_rad - pitch).abs() < 0.04);
     }
+    let id = rig.command(&angles(-0.2, 0.0, "vehicle"));
+    assert_eq!(rig.end_of(id, 8.0), Some(Ok(())));
     let before = truth(&rig);
     rig.command(r#"{"command": "rates", "pitch_rad_s": -0.1, "yaw_rad_s": 0.2}"#);
     rig.run(3.0);

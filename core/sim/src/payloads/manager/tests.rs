@@ -2,7 +2,7 @@
 
 use super::*;
 use proptest::prelude::*;
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 const US: Party = (245, 190);
 const OTHERS: Party = (255, 190);
@@ -151,6 +151,28 @@ fn to_retract_it_is_heard_and_not_done() {
     assert!(gimbal.ask(US, &angles(-0.5, 0.0, flags::NEUTRAL), &NORTH));
     run(&mut gimbal, &NORTH, 1.0);
     assert!(gimbal.head.pitch.angle_rad.abs() < 1e-3);
+}
+
+/// Seen with PX4: its nose to the south, a place in the north-west, and the servo at 180 degrees.
+#[test]
+fn servos_are_not_turned_round_the_circle() {
+    let south = Carrier {
+        yaw_rad: 3.12,
+        yaw_rate_rad_s: 0.0,
+    };
+    for (output, north_rad) in [
+        (GimbalOutput::Servos { stabilised: true }, 3.12 - PI),
+        (GimbalOutput::Device, -0.9),
+    ] {
+        let mut gimbal = Gimbal::new(GimbalSettings {
+            output,
+            ..GimbalSettings::default()
+        });
+        gimbal.configure(US, (245.0, 190.0), AUTOPILOT);
+        gimbal.ask(US, &angles(0.0, -0.9, flags::YAW_LOCK), &south);
+        run(&mut gimbal, &south, 4.0);
+        assert!((gimbal.yaw_north_rad(&south) - north_rad).abs() < 0.01);
+    }
 }
 
 /// Measured with PX4: -20 degrees with the lock gave 0 at the servo and -20 in what is said of it; 10 degrees per second gave 0.33.
