@@ -104,9 +104,9 @@ proptest! {
 
     #[test]
     fn nothing_that_is_not_finite_passes(
-        field in 0_usize..11, odd in prop::sample::select(vec![f64::NAN, f64::INFINITY, f64::NEG_INFINITY]), fenced in any::<bool>(),
+        field in 0_usize..12, odd in prop::sample::select(vec![f64::NAN, f64::INFINITY, f64::NEG_INFINITY]), fenced in any::<bool>(),
     ) {
-        let mut n = [50.0, 50.0, -10.0, 1.0, 1.0, 0.0, 0.1, 0.1, 0.0, 0.5, 0.1];
+        let mut n = [50.0, 50.0, -10.0, 1.0, 1.0, 0.0, 0.1, 0.1, 0.0, 0.5, 0.1, 0.3];
         n[field] = odd;
         let setpoint = Setpoint {
             position: Some(PositionNed::new(n[0], n[1], n[2])),
@@ -114,6 +114,7 @@ proptest! {
             acceleration: Some(AccelerationNed::new(n[6], n[7], n[8])),
             yaw_rad: Some(n[9]),
             yaw_rate_rad_s: Some(n[10]),
+            drag_per_s: Some(n[11]),
         };
         let gate = Gate::new(LIMITS, fenced.then(square));
         let verdict = gate.setpoint(OWN, &standing(at(50.0, 50.0, 10.0)), true, &setpoint, &[], NOW);

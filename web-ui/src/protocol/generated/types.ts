@@ -715,7 +715,19 @@ export type Escalation = "degrade" | "hold" | "return";
 /**
  * What kind of thing happened.
  */
-export type EventKind = { "kind": "adopted" } | { "kind": "not_adopted" } | { "kind": "link_lost" } | { "kind": "link_regained" } | { "kind": "autopilot_rebooted" } | { "kind": "flight_state", 
+export type EventKind = { "kind": "adopted" } | { "kind": "not_adopted" } | { "kind": "link_lost" } | { "kind": "link_regained" } | { "kind": "autopilot_rebooted" } | { "kind": "taken_over", 
+/**
+ * By its autopilot's own failsafe; else by a pilot or another ground station.
+ */
+failsafe: boolean, 
+/**
+ * The mode that was left.
+ */
+from: FlightMode, 
+/**
+ * The mode it is in now.
+ */
+to: FlightMode, } | { "kind": "flight_state", 
 /**
  * The new state.
  */
@@ -1410,6 +1422,10 @@ pitch_max_rad: number | null,
  * What it is, in words.
  */
 model: string, 
+/**
+ * It looks elsewhere than it is wanted and comes no nearer, though it could reach it. Its fault says so too.
+ */
+not_following: boolean, 
 /**
  * What is wrong with it; empty if nothing.
  */
