@@ -175,9 +175,8 @@ fn who_stands_still_holds_nobody_up() {
     }
     while c.receive(clock()).is_some() {}
     stands.store(true, Ordering::Release);
-    // More than sockets and queues hold, as fast as the one beside it hears them: its own queue never fills, whoever else runs here.
+    // More than sockets and queues hold.
     let (mut sent, mut got, mut longest) = (0, 0, Duration::ZERO);
-    let begun = Instant::now();
     for _ in 0..1000 {
         for _ in 0..10 {
             let before = Instant::now();
@@ -185,18 +184,14 @@ fn who_stands_still_holds_nobody_up() {
             longest = longest.max(before.elapsed());
             sent += 1;
         }
-        // What is lost is lost: all but two of a hundred have to come, at whatever pace.
-        while got * 100 < sent * 98 {
-            assert!(begun.elapsed() < PATIENCE, "{got} of {sent} came to the one beside it");
-            std::thread::sleep(Duration::from_millis(1));
-            got += std::iter::from_fn(|| c.receive(clock()))
-                .filter(|datagram| datagram.class == Class::Bulk)
-                .count();
-        }
+        std::thread::sleep(Duration::from_millis(5));
+        got += std::iter::from_fn(|| c.receive(clock()))
+            .filter(|datagram| datagram.class == Class::Bulk)
+            .count();
     }
     println!(
-        "{got} of {sent} came to the one beside it in {:.1} s; the longest sending took {} us",
-        begun.elapsed().as_secs_f64(),
+        "{got} of {sent} came to the one beside it; the longest sending took {} us",
         longest.as_micros()
     );
+    assert!(got * 100 >= sent * 98, "{got} of {sent}");
 }
