@@ -99,7 +99,7 @@ pub fn commands_exist(file: &File, commands: &[String]) -> Vec<Finding> {
         for rest in line.split("cargo xtask ").skip(1) {
             let name: String = rest
                 .chars()
-                .take_while(|c| c.is_ascii_lowercase() || *c == '-')
+                .take_while(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || *c == '-')
                 .collect();
             if !name.is_empty() && !commands.contains(&name) {
                 findings.push(file.finding(

@@ -12,7 +12,14 @@ const ALLOWED: [(&str, &[&str]); 5] = [
     ("core/failover", &["minicbor", "serde", "thiserror"]),
     (
         "core/flight",
-        &["nalgebra", "pathfinding", "serde", "serde_json", "thiserror"],
+        &[
+            "minicbor",
+            "nalgebra",
+            "pathfinding",
+            "serde",
+            "serde_json",
+            "thiserror",
+        ],
     ),
     ("core/safety", &["nalgebra", "serde", "thiserror"]),
     ("core/plugin-abi", &[]),
