@@ -107,6 +107,10 @@ fn checks(board: &Board, cell: &VehicleCell, entry: &PeerEntry, now: NodeTime) -
     let position = entry.kinematics.map(|k| k.position);
     let running = |status: ActorStatus| status == ActorStatus::Running;
     let model = cell.model.health.lock().clone();
+    // Each lock is let go before the next is taken: within one expression all would be held to its end, and the watch over the vehicle
+    // takes these two the other way round.
+    let alarms = cell.watch.lock().would_act(&board.config.safety.ladder);
+    let limits_known = cell.state.lock().limits.is_some();
     VehicleChecks {
         // The ground is wherever it is: only the outline counts there.
         inside_fence: position.map(|at| fences.landing(&at).is_ok()),
@@ -123,13 +127,13 @@ fn checks(board: &Board, cell: &VehicleCell, entry: &PeerEntry, now: NodeTime) -
                 running: running(payload.life.health.lock().status),
             })
             .collect(),
-        limits_known: Some(cell.state.lock().limits.is_some()),
+        limits_known: Some(limits_known),
         duplicate_system_id: board
             .unadopted
             .lock()
             .iter()
             .any(|other| other.system_id == cell.system_id),
-        alarms: Some(cell.watch.lock().would_act(&board.config.safety.ladder)),
+        alarms: Some(alarms),
         ..VehicleChecks::observed(cell.id, &entry.telemetry, &entry.link, now)
     }
 }
