@@ -10,6 +10,7 @@ use mavlink::dialects::common::*;
 use mavlink::types::CharArray;
 use nalgebra::UnitQuaternion;
 use skein_domain::Geodetic;
+use std::f64::consts::FRAC_PI_6;
 
 const DO_SET_ROI_LOCATION: u16 = 195;
 const DO_SET_ROI_NONE: u16 = 197;
@@ -23,7 +24,7 @@ const SERVO_CAPABILITIES: u32 = 2 | 16 | 32 | 128 | 256 | 1024 | 131_072;
 /// The id of a device that the autopilot turns by servos.
 const SERVO_DEVICE: u8 = 1;
 /// MNT_RATE_PITCH and MNT_RATE_YAW, 30 degrees per second.
-const MANUAL_RATE_RAD_S: f64 = 0.523_598_775_598_298_8;
+const MANUAL_RATE_RAD_S: f64 = FRAC_PI_6;
 /// `GIMBAL_DEVICE_ERROR_FLAGS`: at the end stop of pitch, of yaw.
 const AT_PITCH_LIMIT: u32 = 2;
 const AT_YAW_LIMIT: u32 = 4;
