@@ -256,6 +256,31 @@ fn one_that_starts_anew_is_sent_nothing_of_before() {
 }
 
 #[test]
+fn one_whose_agents_clock_was_set_flies_on() {
+    let mut rig = Rig::new(Autopilot {
+        synchronised: true,
+        ..Autopilot::default()
+    });
+    rig.fly();
+    rig.events.clear();
+    for seconds in [0.3, -5.0, 40.0] {
+        // PX4 drops what it knew of the clock, says so, and knows another one.
+        rig.autopilot.synchronised = false;
+        rig.run(0.3, Rig::offer);
+        rig.autopilot.synchronised = true;
+        rig.autopilot.agent_s += seconds;
+        rig.run(1.0, Rig::offer);
+    }
+    assert!(!rig.events.contains(&LinkEvent::Rebooted), "{:?}", rig.events);
+    assert_eq!(rig.session.stream_state(), StreamState::Fresh);
+    // Three seconds after it was started anew, with its agent's clock as before.
+    rig.autopilot.ahead_s = 3.0 - rig.now.as_seconds();
+    rig.run(1.0, |_| {});
+    let told = rig.events.iter().filter(|event| **event == LinkEvent::Rebooted).count();
+    assert_eq!(told, 1, "{:?}", rig.events);
+}
+
+#[test]
 fn with_everything_refused_nothing_leaves() {
     let mut rig = Rig::new(Autopilot::default());
     rig.fly();
