@@ -130,6 +130,12 @@ impl NodeConfig {
         self.adopt.iter().any(|rule| rule.links.contains(&LinkKind::Dds))
     }
 
+    /// Whether there is no way over which a vehicle could be heard.
+    #[must_use]
+    pub fn hears_nobody(&self) -> bool {
+        self.endpoints.is_empty() && !self.flies_over_dds()
+    }
+
     pub(crate) fn dds_problems(&self, problems: &mut Vec<Problem>) {
         let mut wrong = |key: String, message: &str| {
             problems.push(Problem {

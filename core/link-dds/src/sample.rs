@@ -263,7 +263,7 @@ pub struct Timesync {
     pub stamp_us: u64,
     /// 2 if it is about the clock of the agent.
     pub source: u8,
-    /// What PX4 adds to its clock, in microseconds.
+    /// PX4's clock minus that of its agent, in microseconds; 0 while it has none.
     pub offset_us: i64,
     /// Round trip between PX4 and its agent in microseconds.
     pub round_trip_us: u32,

@@ -181,7 +181,11 @@ impl VehicleSession {
     }
 
     fn on_sync(&mut self, now: NodeTime, sync: Timesync) {
-        if sync.source == SYNC_WITH_AGENT && self.clock.on_sync(sync.offset_us, sync.round_trip_us) {
+        if sync.source != SYNC_WITH_AGENT {
+            return;
+        }
+        let clock = &mut self.clock;
+        if clock.on_sync(now, sync.stamp_us, sync.offset_us, sync.round_trip_us) {
             self.on_reboot(now);
         }
     }

@@ -330,7 +330,15 @@ impl VehicleLink for PairedLink {
         let mut inner = self.inner.lock();
         inner.look(now);
         let read = inner.active().map(|link| link.read(now));
-        let (telemetry, mut health) = read.unwrap_or_default();
+        let (mut telemetry, mut health) = read.unwrap_or_default();
+        // Over MAVLink it is told again and again, over DDS only when it changes.
+        if let Some(mavlink) = inner.of(LinkKind::Mavlink)
+            && inner.active != LinkKind::Mavlink
+        {
+            let (standing_by, heard) = mavlink.read(now);
+            let told = standing_by.home.filter(|_| heard.connected);
+            telemetry.home = told.or(telemetry.home);
+        }
         health.connected = inner.connected;
         (telemetry, health)
     }

@@ -24,7 +24,7 @@ pub enum Published {
     Battery(BatteryReport),
     /// Its satellite receiver: five times a second.
     Gnss(GnssReport),
-    /// Where it was launched: every two seconds, and at once when that changes.
+    /// Where it was launched: once, when that changes. Whoever comes later does not hear of it.
     Home(HomeReport),
     /// Its clock and that of the world: once a second.
     Timesync(TimesyncReport),

@@ -111,7 +111,7 @@ fn configuration(arguments: &DoctorArguments, findings: &mut Vec<Finding>) -> No
     match NodeConfig::load(path) {
         Ok(config) => {
             findings.push(Finding::Good(format!("configuration: {} is right", path.display())));
-            if config.endpoints.is_empty() {
+            if config.hears_nobody() {
                 findings.push(Finding::Poor {
                     what: "configuration: no [[endpoints]], so that no vehicle will be heard".into(),
                     mend: "add one, for example: address = \"udp-listen://127.0.0.1:14540\"".into(),

@@ -12,7 +12,7 @@ use skein_config::NodeConfig;
 pub async fn run(arguments: RunArguments) -> anyhow::Result<()> {
     let config = NodeConfig::load(&arguments.config)?;
     let alone = config.swarm.id.is_none();
-    if config.endpoints.is_empty() && alone {
+    if config.hears_nobody() && alone {
         println!(
             "No [[endpoints]] in {}: no vehicle will be heard.",
             arguments.config.display()

@@ -30,9 +30,9 @@ fn a_vehicle_is_flown_over_mavlink_unless_its_rule_says_otherwise() {
         plain.adopt.first().map(|rule| rule.links.clone()),
         Some(vec![LinkKind::Mavlink])
     );
-    assert!(!plain.flies_over_dds());
+    assert!(!plain.flies_over_dds() && plain.hears_nobody());
     let both = of("[[adopt]]\nlinks = [\"dds\", \"mavlink\"]");
-    assert!(both.flies_over_dds());
+    assert!(both.flies_over_dds() && !both.hears_nobody());
     assert!(problems("[[adopt]]\nlinks = [\"dds\", \"mavlink\"]").is_empty());
 }
 

@@ -46,6 +46,8 @@ pub struct Estimate {
     /// By its detector of landings, and by its status, which is coarser.
     on_ground: Option<bool>,
     not_taken_off: Option<bool>,
+    /// PX4 has told its launch place.
+    home_told: bool,
 }
 
 impl Estimate {
@@ -175,6 +177,7 @@ impl Estimate {
         }
         self.telemetry.heard.global = now;
         self.telemetry.global = Some(global.place);
+        self.stands_at_home();
         origin.on_global(milliseconds(global.measured_us), &global.place)
     }
 
@@ -230,10 +233,20 @@ impl Estimate {
         self.telemetry.gnss_place = gnss.has_fix().then_some(gnss.place);
     }
 
-    /// `home_position`.
+    /// `home_position`. PX4 tells it when it changes and never again, so that whoever comes later hears nothing of it until the vehicle is armed.
     pub fn on_home(&mut self, home: &Place) {
         if home.valid {
             self.telemetry.home = Some(home.place);
+            self.home_told = true;
+        }
+    }
+
+    /// Until PX4 has told, a vehicle that stands disarmed on the ground would be launched where it is: there PX4 sets its launch place, when it is armed.
+    fn stands_at_home(&mut self) {
+        let stands = self.telemetry.landed == LandedState::OnGround && !self.telemetry.armed;
+        let told_of_arming = self.telemetry.heard.system_status != NodeTime::default();
+        if !self.home_told && stands && told_of_arming {
+            self.telemetry.home = self.telemetry.global;
         }
     }
 }

@@ -4,6 +4,7 @@ mod autopilot;
 mod properties;
 
 use super::*;
+use crate::sample::Place;
 use autopilot::{Autopilot, Rig};
 use skein_domain::{Geodetic, LocalPositionNed, VelocityNed};
 
@@ -253,6 +254,68 @@ fn one_that_starts_anew_is_sent_nothing_of_before() {
     rig.run(1.0, |_| {});
     assert!(rig.events.contains(&LinkEvent::Rebooted), "{:?}", rig.events);
     assert_eq!(rig.session.stream_state(), StreamState::Stopped);
+}
+
+#[test]
+fn one_whose_agents_clock_was_set_flies_on() {
+    let mut rig = Rig::new(Autopilot {
+        synchronised: true,
+        ..Autopilot::default()
+    });
+    rig.fly();
+    rig.events.clear();
+    for seconds in [0.3, -5.0, 40.0] {
+        // PX4 drops what it knew of the clock, says so, and knows another one.
+        rig.autopilot.synchronised = false;
+        rig.run(0.3, Rig::offer);
+        rig.autopilot.synchronised = true;
+        rig.autopilot.agent_s += seconds;
+        rig.run(1.0, Rig::offer);
+    }
+    assert!(!rig.events.contains(&LinkEvent::Rebooted), "{:?}", rig.events);
+    assert_eq!(rig.session.stream_state(), StreamState::Fresh);
+    // Three seconds after it was started anew, with its agent's clock as before.
+    rig.autopilot.ahead_s = 3.0 - rig.now.as_seconds();
+    rig.run(1.0, |_| {});
+    let told = rig.events.iter().filter(|event| **event == LinkEvent::Rebooted).count();
+    assert_eq!(told, 1, "{:?}", rig.events);
+}
+
+#[test]
+fn one_that_has_told_no_launch_place_is_launched_where_it_stands() {
+    let mut rig = Rig::new(Autopilot::default());
+    let home = |rig: &mut Rig| rig.session.read(rig.now).0.home;
+    rig.run(1.0, |_| {});
+    let stands_at = rig.session.read(rig.now).0.global;
+    assert!(stands_at.is_some());
+    assert_eq!(home(&mut rig), stands_at);
+    rig.fly();
+    rig.autopilot.place_m[0] += 50.0;
+    rig.run(1.0, Rig::offer);
+    assert_eq!(home(&mut rig), stands_at, "it has left it");
+    // What PX4 says itself is what counts.
+    let home_sample = |place| {
+        Sample::Home(Place {
+            stamp_us: 0,
+            measured_us: 0,
+            valid: true,
+            place,
+        })
+    };
+    rig.session.on_sample(rig.now, &home_sample(ORIGIN));
+    rig.autopilot.armed = false;
+    rig.autopilot.flying = false;
+    rig.run(1.0, |_| {});
+    assert_eq!(home(&mut rig), Some(ORIGIN));
+
+    // Of one that is first heard in the air it is not known.
+    let mut rig = Rig::new(Autopilot {
+        armed: true,
+        flying: true,
+        ..Autopilot::default()
+    });
+    rig.run(1.0, |_| {});
+    assert_eq!(home(&mut rig), None);
 }
 
 #[test]

@@ -5,6 +5,9 @@
 //! PX4 stamps with the time since it started, and, once it is synchronised with its agent, with the agent's time since 1970. Either way what
 //! comes back to it is stamped on the same clock, so that only the difference to the node's clock matters: the largest that was seen lately,
 //! which is that of the sample that took the shortest time.
+//!
+//! What PX4 adds to its clock says nothing of a restart: when the agent's clock was set, or its own goes at another pace, PX4 drops what it knew,
+//! stamps without it for a moment, and finds another one. Only the time since its start tells, which goes back when PX4 starts anew and never else.
 
 use skein_domain::NodeTime;
 
@@ -21,8 +24,8 @@ const SETTLED_SAMPLES: u32 = 5;
 const SINCE_1970_US: i64 = 1_000_000_000_000_000;
 /// A clock that counts from the start and goes back by more than this was started anew, in seconds.
 const RESTART_S: f64 = 2.0;
-/// What PX4 adds to its clock changes by more than this only when it started anew, in microseconds.
-const RESTART_US: i64 = 2_000_000;
+/// So did one that falls behind by this share of the time for which nothing was heard of it, and by the above; a simulation's falls behind by less.
+const BEHIND_SHARE: f64 = 0.25;
 
 /// What stamps tell.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,7 +57,8 @@ pub struct WireClock {
     window: NodeTime,
     candidate: Option<Candidate>,
     doubted: bool,
-    sync_us: Option<i64>,
+    /// The time since its start in microseconds, and when that was heard.
+    up: Option<(NodeTime, i64)>,
     round_trip_s: Option<f64>,
 }
 
@@ -96,24 +100,41 @@ impl WireClock {
         match (counted_from_1970, counts_from_1970) {
             // It was synchronised with its agent.
             (false, true) => Tick::Steady,
+            // It is not any more, which alone is no restart.
+            (true, false) if self.up.is_some() && !self.is_up(now, stamp_us as i64) => Tick::Steady,
             (true, false) => Tick::Restarted,
             (false, false) if by_s < -RESTART_S => Tick::Restarted,
             _ => Tick::Jumped { by_s },
         }
     }
 
-    /// What PX4 says of its clock and its agent's. True if it must have started anew.
-    pub fn on_sync(&mut self, offset_us: i64, round_trip_us: u32) -> bool {
+    /// What PX4 says of its clock and its agent's, with the stamp of that. True if it must have started anew.
+    pub fn on_sync(&mut self, now: NodeTime, stamp_us: u64, offset_us: i64, round_trip_us: u32) -> bool {
         self.round_trip_s = Some(f64::from(round_trip_us) * 1e-6);
-        let before = self.sync_us.replace(offset_us);
-        before.is_some_and(|before| before.abs_diff(offset_us) > RESTART_US.unsigned_abs())
+        let stamp_us = i64::try_from(stamp_us).unwrap_or(i64::MAX);
+        // The offset is PX4's clock minus its agent's.
+        let up_us = match stamp_us {
+            SINCE_1970_US.. => stamp_us.saturating_add(offset_us),
+            _ => stamp_us,
+        };
+        // One of them may be older than the other.
+        (0..SINCE_1970_US).contains(&up_us) && self.is_up(now, up_us)
+    }
+
+    /// It is up for so long. True if it was up for longer before, or for so long that it cannot be the same start.
+    fn is_up(&mut self, now: NodeTime, up_us: i64) -> bool {
+        let Some((heard, before_us)) = self.up.replace((now, up_us)) else {
+            return false;
+        };
+        let (passed_s, by_s) = (now.seconds_since(heard), (up_us - before_us) as f64 * 1e-6);
+        by_s < -RESTART_S || passed_s - by_s > RESTART_S + BEHIND_SHARE * passed_s
     }
 
     fn begin(&mut self, now: NodeTime, ahead_us: i64) {
         *self = Self {
             now_us: Some(ahead_us),
             window: now,
-            sync_us: self.sync_us,
+            up: self.up,
             round_trip_s: self.round_trip_s,
             ..Self::default()
         };
@@ -249,8 +270,52 @@ mod tests {
         assert_eq!(hear(&mut clock, 16.0, 18.0, 1.7e9), [], "synchronised with its agent");
         assert!((clock.offset_s().unwrap() - 1.7e9).abs() < 0.1);
         assert_eq!(hear(&mut clock, 18.0, 20.0, -17.0), [Tick::Restarted]);
-        assert!(!clock.on_sync(5_000_000, 900));
-        assert!(!clock.on_sync(5_400_000, 900));
-        assert!(clock.on_sync(90_000_000, 900));
+    }
+
+    /// The agent's clock minus the node's, in seconds.
+    const AGENT_S: f64 = 1.7e9;
+
+    /// What PX4 says once a second of its clock, which is up for `up_s` at first and goes at a pace of its own; true if it is taken for a restart.
+    fn sync(clock: &mut WireClock, from_s: f64, for_s: u32, up_s: f64, pace: f64) -> bool {
+        (0..for_s).any(|i| {
+            let (now, up) = (from_s + f64::from(i), at(up_s + f64::from(i) * pace).0);
+            let stamp = at(now + AGENT_S).0;
+            clock.on_sync(at(now), stamp, up as i64 - stamp as i64, 900)
+        })
+    }
+
+    #[test]
+    fn a_restart_is_told_by_the_time_since_the_start_alone() {
+        let mut clock = WireClock::default();
+        assert!(!sync(&mut clock, 10.0, 20, 100.0, 1.0));
+        // Of a simulation that cannot keep up.
+        assert!(!sync(&mut clock, 30.0, 60, 120.0, 0.8));
+        // PX4 has dropped its estimate: for a moment the offset is nothing and the stamp without it; then there is another one.
+        assert!(!clock.on_sync(at(90.0), at(168.0).0, 0, 900));
+        assert!(!sync(&mut clock, 91.0, 10, 169.0, 1.0));
+        // Once more, and the stamp was not yet without it.
+        assert!(!clock.on_sync(at(101.0), at(101.0 + AGENT_S).0, 0, 900));
+        assert!(!sync(&mut clock, 102.0, 10, 180.0, 1.0));
+        // Not heard for half a minute.
+        assert!(!sync(&mut clock, 141.0, 10, 219.0, 1.0));
+        assert!(sync(&mut clock, 151.0, 1, 3.0, 1.0));
+        assert!(!sync(&mut clock, 152.0, 10, 4.0, 1.0));
+        // Not heard for a minute, up for longer than before and yet not since then.
+        assert!(sync(&mut clock, 221.0, 1, 30.0, 1.0));
+    }
+
+    #[test]
+    fn one_that_has_lost_its_agents_clock_has_not_started_anew() {
+        let mut clock = WireClock::default();
+        assert_eq!(hear(&mut clock, 10.0, 20.0, AGENT_S), []);
+        assert!(!sync(&mut clock, 20.0, 1, 100.0, 1.0));
+        assert_eq!(
+            hear(&mut clock, 20.0, 25.0, 80.0),
+            [],
+            "it stamps with the time since its start"
+        );
+        assert_eq!(hear(&mut clock, 25.0, 30.0, AGENT_S + 0.1), []);
+        assert!(!sync(&mut clock, 30.0, 1, 110.0, 1.0));
+        assert_eq!(hear(&mut clock, 30.0, 35.0, -29.0), [Tick::Restarted]);
     }
 }

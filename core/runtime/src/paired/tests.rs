@@ -8,8 +8,8 @@ use skein_domain::link::{LinkEvent, MessageTap, RoutePoint, VehicleLink};
 use skein_domain::payload::MavlinkMessage;
 use skein_domain::setpoint::LocalSetpoint;
 use skein_domain::{
-    AutopilotCommand, CommandId, FlightMode, LinkHealth, NodeTime, ParameterEvent, ParameterList, ParameterValue,
-    ReadingAction, Refusal, RequestId, SystemId, Telemetry,
+    AutopilotCommand, CommandId, FlightMode, Geodetic, LinkHealth, NodeTime, ParameterEvent, ParameterList,
+    ParameterValue, ReadingAction, Refusal, RequestId, SystemId, Telemetry,
 };
 use std::sync::{Arc, Weak};
 
@@ -21,6 +21,7 @@ struct Scene {
     rate_hz: f32,
     mode: FlightMode,
     armed: bool,
+    home: Option<Geodetic>,
     events: Vec<LinkEvent>,
     requests: Vec<(RequestId, AutopilotCommand)>,
     streamed: Vec<NodeTime>,
@@ -67,6 +68,7 @@ impl VehicleLink for Scripted {
         let telemetry = Telemetry {
             mode: scene.mode,
             armed: scene.armed,
+            home: scene.home,
             ..Telemetry::default()
         };
         (telemetry, health)
@@ -174,6 +176,22 @@ impl Flight {
         all.sort_unstable();
         all
     }
+}
+
+#[test]
+fn the_launch_place_is_the_one_that_mavlink_tells_while_it_is_heard() {
+    let place = |altitude_amsl_m| Geodetic {
+        altitude_amsl_m,
+        ..Geodetic::default()
+    };
+    let mut flight = Flight::begin();
+    let home = |flight: &Flight| flight.pair.read(flight.now).0.home;
+    flight.mavlink.0.lock().home = Some(place(7.0));
+    assert_eq!(home(&flight), Some(place(7.0)), "over DDS nothing was heard of it");
+    flight.dds.0.lock().home = Some(place(8.0));
+    assert_eq!(home(&flight), Some(place(7.0)));
+    flight.pass(3.0, true, false);
+    assert_eq!(home(&flight), Some(place(8.0)));
 }
 
 fn changed(from: FlightMode, to: FlightMode, commanded: bool) -> LinkEvent {

@@ -34,7 +34,7 @@ enum Topic {
 }
 
 /// Topic and how often it is published by itself, in hertz.
-const RATES: [(Topic, f64); 9] = [
+const RATES: [(Topic, f64); 8] = [
     (Topic::Status, 2.0),
     (Topic::Local, 50.0),
     (Topic::Attitude, 50.0),
@@ -42,7 +42,6 @@ const RATES: [(Topic, f64); 9] = [
     (Topic::Landed, 1.0),
     (Topic::Battery, 1.0),
     (Topic::Gnss, 5.0),
-    (Topic::Home, 0.5),
     (Topic::Timesync, 1.0),
 ];
 
@@ -121,6 +120,9 @@ impl Vehicle {
             if due || topics.has_changed(topic, self) {
                 out.published.extend(self.report_of(topic, &mut topics));
             }
+        }
+        if topics.has_changed(Topic::Home, self) {
+            out.published.extend(self.report_of(Topic::Home, &mut topics));
         }
         self.topics = Some(topics);
     }

@@ -2,7 +2,7 @@
 
 use super::{ORIGIN, hold};
 use crate::messages::incoming::{OffboardControlMode, TrajectorySetpoint, VehicleCommand};
-use crate::sample::{Ack, Attitude, Landed, LocalPosition, Place, Sample, Status, Validity};
+use crate::sample::{Ack, Attitude, Landed, LocalPosition, Place, Sample, Status, Timesync, Validity};
 use crate::session::setpoint::Outgoing;
 use crate::session::{VehicleSession, estimate};
 use skein_domain::link::LinkEvent;
@@ -18,6 +18,11 @@ pub struct Autopilot {
     pub nav_state: u8,
     /// Its clock is this much ahead of the node's.
     pub ahead_s: f64,
+    /// It stamps with its agent's clock, which is this much ahead of the node's, and tells of that.
+    pub synchronised: bool,
+    pub agent_s: f64,
+    /// Where it is.
+    pub place_m: [f32; 3],
     /// So many commands are lost on the way.
     pub deaf_to: u32,
     pub refuses: bool,
@@ -38,6 +43,9 @@ impl Default for Autopilot {
             armed: false,
             nav_state: 4,
             ahead_s: 100.0,
+            synchronised: false,
+            agent_s: 1.7e9,
+            place_m: POSITION_M,
             deaf_to: 0,
             refuses: false,
             silent: false,
@@ -85,11 +93,25 @@ impl Autopilot {
         }
     }
 
+    /// How far it is ahead of the node by its stamps.
+    fn stamps_ahead_s(&self) -> f64 {
+        if self.synchronised { self.agent_s } else { self.ahead_s }
+    }
+
+    fn timesync(&self, stamp_us: u64) -> Sample {
+        Sample::Timesync(Timesync {
+            stamp_us,
+            source: 2,
+            offset_us: ((self.ahead_s - self.stamps_ahead_s()) * 1e6) as i64,
+            round_trip_us: 900,
+        })
+    }
+
     fn samples(&mut self, now: NodeTime, tick: u32) -> Vec<Sample> {
         if self.silent {
             return Vec::new();
         }
-        let stamp_us = now.plus_seconds(self.ahead_s - 0.001).0;
+        let stamp_us = now.plus_seconds(self.stamps_ahead_s() - 0.001).0;
         let measured_us = stamp_us - 5_000;
         let mut samples = vec![Sample::Local(LocalPosition {
             stamp_us,
@@ -100,7 +122,7 @@ impl Autopilot {
                 velocity_horizontal: true,
                 velocity_vertical: true,
             },
-            position_m: POSITION_M,
+            position_m: self.place_m,
             velocity_m_s: [0.0; 3],
             origin_deg: Some([ORIGIN.latitude_deg, ORIGIN.longitude_deg]),
             origin_altitude_m: Some(ORIGIN.altitude_amsl_m as f32),
@@ -108,7 +130,7 @@ impl Autopilot {
             dead_reckoning: false,
         })];
         if tick.is_multiple_of(10) {
-            let [north, east, down] = POSITION_M.map(f64::from);
+            let [north, east, down] = self.place_m.map(f64::from);
             let place = LocalFrame { origin: ORIGIN }.geodetic(&LocalPositionNed::new(north, east, down));
             let half = 0.5_f32;
             samples.extend([
@@ -139,6 +161,7 @@ impl Autopilot {
                 }));
             }
         }
+        samples.extend(tick.is_multiple_of(5).then(|| self.timesync(stamp_us)));
         samples.extend(self.answers.drain(..).map(Sample::Ack));
         samples
     }
