@@ -271,8 +271,8 @@ pub struct Route {
     pub corner_radius_m: f64,
 }
 
-/// The anchor of a formation as its leader publishes it, once per control period: measured state with the leader's own
-/// feed-forward. Followers add their rotated slot to it.
+/// The anchor of a formation as its leader publishes it, once per control period: its reference while it is near
+/// that, else its measured state, with its own feed-forward. Followers add their rotated slot to it.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, Encode, Decode)]
 pub struct AnchorReference {
     /// Position in the swarm frame at `time`.

@@ -1,4 +1,4 @@
-//! Kinds of vehicles: the same autopilot with other parameters, so that swarms can be mixed.
+//! Kinds of vehicles: the same autopilot with other parameters, and how each answers to it, so that swarms can be mixed.
 
 use crate::vehicle::ParameterValue;
 
@@ -10,15 +10,46 @@ pub enum Airframe {
     Quadrotor,
     /// A heavy carrier of a camera: 5 m/s, slow to climb, to speed up and to turn, and it flies level for the picture's sake.
     CameraCarrier,
+    /// The quadrotor of PX4's own simulation in hardware (SIH), as six of them were recorded: through air that slows it down four times as
+    /// strongly as a real one, and slow to tilt.
+    Sih,
+}
+
+/// How an airframe answers to what is asked of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Response {
+    /// Linear drag per mass in 1/s: the speed lost per second, per speed through the air.
+    pub drag_per_s: f64,
+    /// How fast the tilt follows: an attitude loop, in 1/s,
+    pub attitude_gain_per_s: f64,
+    /// round a body-rate loop with this lag in seconds.
+    pub rate_lag_s: f64,
 }
 
 impl Airframe {
+    /// How it answers.
+    #[must_use]
+    pub fn response(self) -> Response {
+        match self {
+            Self::Quadrotor | Self::CameraCarrier => Response {
+                drag_per_s: 0.25,
+                attitude_gain_per_s: 6.5,
+                rate_lag_s: 0.045,
+            },
+            Self::Sih => Response {
+                drag_per_s: 1.0,
+                attitude_gain_per_s: 3.45,
+                rate_lag_s: 0.058,
+            },
+        }
+    }
+
     /// The parameters in which it differs from PX4's defaults.
     #[must_use]
     pub fn parameters(self) -> Vec<(&'static str, ParameterValue)> {
         use ParameterValue::Real;
         match self {
-            Self::Quadrotor => Vec::new(),
+            Self::Quadrotor | Self::Sih => Vec::new(),
             Self::CameraCarrier => vec![
                 ("MPC_XY_VEL_MAX", Real(5.0)),
                 ("MPC_XY_CRUISE", Real(4.0)),

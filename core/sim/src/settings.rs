@@ -42,8 +42,8 @@ pub struct SimSettings {
     pub parameters: Vec<(String, ParameterValue)>,
     /// Seconds after its start at which a vehicle is ready to be armed (about; each differs a little).
     pub ready_after_s: f64,
-    /// Linear drag per mass in 1/s: the speed lost per second, per speed through the air.
-    pub drag_per_s: f64,
+    /// What kind of vehicles stand on the grid.
+    pub airframe: Airframe,
     /// What each vehicle carries.
     pub payloads: PayloadPlan,
     /// Whether each vehicle has a second satellite receiver, which it tells of by GPS2_RAW.
@@ -73,7 +73,7 @@ impl Default for SimSettings {
             battery: BatterySettings::default(),
             parameters: Vec::new(),
             ready_after_s: 3.9,
-            drag_per_s: 0.08,
+            airframe: Airframe::default(),
             payloads: PayloadPlan::default(),
             second_gnss: false,
             movers: Vec::new(),
@@ -97,6 +97,7 @@ impl SimSettings {
                 let relief = rng.random_range(-1.0..=1.0) * self.ground_relief_m;
                 VehicleStart {
                     position: PositionNed::new(row as f64 * self.spacing_m, column as f64 * self.spacing_m, relief),
+                    airframe: self.airframe,
                     ..VehicleStart::default()
                 }
             })

@@ -153,7 +153,7 @@ impl Vehicle {
         let start = LocalFrame {
             origin: swarm.geodetic(&identity.position),
         };
-        let body = Body::new(identity.yaw_rad);
+        let body = Body::new(identity.airframe.response(), identity.yaw_rad);
         let estimator = Estimator::new(&settings.noise, settings.second_gnss, &body, &mut rng);
         let gust = 0.3 * settings.wind.gust_m_s;
         let gusts = Wander::new(
@@ -300,7 +300,7 @@ impl Vehicle {
         self.steer(dt_s);
         let wind = wind_m_s + self.gusts.step(dt_s, &mut self.rng);
         let drive = self.drive();
-        self.body.step(&drive, &wind, self.settings.drag_per_s, dt_s);
+        self.body.step(&drive, &wind, dt_s);
         self.estimator.step(&self.body, dt_s, &mut self.rng);
         self.see_wind(&wind, dt_s);
         self.watch_battery(dt_s);

@@ -101,6 +101,9 @@ pub struct DemoArguments {
     /// Seed of wind and sensor noise.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// What kind of vehicles fly; the scenario `mixed` has its own.
+    #[arg(long, value_enum, default_value_t = SimulatedKind::Quadrotor, value_name = "KIND")]
+    pub airframe: SimulatedKind,
     /// Every vehicle is flown by this UAV model, and carries a radio only [default: a mixed swarm].
     #[arg(long, value_name = "PLUGIN")]
     pub model: Option<String>,
@@ -166,6 +169,24 @@ pub enum DemoLink {
     Both,
 }
 
+/// A kind of simulated vehicle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SimulatedKind {
+    /// A usual quadrotor.
+    Quadrotor,
+    /// The one of PX4's own simulation in hardware: the air slows it down four times as strongly, and it is slow to tilt.
+    Sih,
+}
+
+impl From<SimulatedKind> for skein_sim::Airframe {
+    fn from(kind: SimulatedKind) -> Self {
+        match kind {
+            SimulatedKind::Quadrotor => Self::Quadrotor,
+            SimulatedKind::Sih => Self::Sih,
+        }
+    }
+}
+
 /// `skein run`
 #[derive(Debug, Clone, Args)]
 pub struct RunArguments {
@@ -189,6 +210,9 @@ pub struct SimArguments {
     /// Seed of wind and sensor noise.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// What kind of vehicles they are.
+    #[arg(long, value_enum, default_value_t = SimulatedKind::Quadrotor, value_name = "KIND")]
+    pub airframe: SimulatedKind,
     /// Distance between the vehicles on the ground in metres.
     #[arg(long, default_value_t = 5.0)]
     pub spacing_m: f64,

@@ -163,6 +163,7 @@ fn simulation(arguments: &DemoArguments) -> SimSettings {
         vehicles: usize::from(arguments.count()),
         seed: arguments.seed,
         spacing_m: layout::SPACING_M,
+        airframe: arguments.airframe.into(),
         payloads: PayloadPlan::all(),
         parameters: fleet::parameters(),
         faces: match arguments.link {

@@ -23,6 +23,7 @@ pub async fn simulate(arguments: SimArguments) -> anyhow::Result<()> {
         first_system_id: arguments.first_system_id,
         seed: arguments.seed,
         spacing_m: arguments.spacing_m,
+        airframe: arguments.airframe.into(),
         ports,
         ..SimSettings::default()
     };

@@ -78,6 +78,10 @@ pub(crate) struct Flight {
     #[n(19)]
     #[cbor(default)]
     pub drag: DragEstimator,
+    /// How much of what followers are told of a leader is its reference, 0..=1; the rest is what is measured.
+    #[n(20)]
+    #[cbor(default)]
+    pub told_reference: f64,
 }
 
 /// The state last told to the host.

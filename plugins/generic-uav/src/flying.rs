@@ -54,7 +54,7 @@ impl GenericUav {
         let motion = flying.blend.map_or(sample.motion, |blend| blend.apply(&sample.motion));
         let (yaw_rad, yaw_rate_rad_s) = flying.yaw(sample.yaw);
         self.stream(&motion, yaw_rad, yaw_rate_rad_s, out);
-        self.publish(&flying, &sample, &motion, turning_rad_s2, out);
+        self.publish(&flying, &sample, &motion, turning_rad_s2, dt_s, out);
         self.flight.phase = Phase::Flying(flying.clone());
         if !self.flight.link_lost {
             self.see_whether_done(flying, &sample, out);

@@ -13,6 +13,11 @@ use skein_plugin_sdk::Effects;
 /// second squared.
 const TURNING_CHANGE_MAX_RAD_S2: f64 = 1.0;
 
+/// A leader is where its reference is if it is no farther from it than this, in metres.
+const REFERENCE_WITHIN_M: f64 = 2.0;
+/// From what is measured to the reference it takes so long, in seconds, and back.
+const FADE_S: f64 = 2.0;
+
 impl GenericUav {
     /// What others want to know of this flight.
     pub(crate) fn publish(
@@ -21,9 +26,13 @@ impl GenericUav {
         sample: &Sample,
         reference: &Motion,
         turning_rad_s2: f64,
+        dt_s: f64,
         out: &mut Effects,
     ) {
         let Some(here) = self.measured() else { return };
+        if !matches!(flying.purpose, Purpose::Lead(_)) {
+            self.flight.told_reference = 0.0;
+        }
         let goal = flying.purpose.goal().unwrap_or(sample.motion.position);
         let distance_m = match (&flying.purpose, &flying.plan) {
             (_, Plan::Kept(kept)) => kept.error_m,
@@ -36,9 +45,10 @@ impl GenericUav {
             && !self.flight.link_lost
         {
             let held_back = self.flight.gate_refusal.is_some();
+            let told = self.told_of_leader(&here, reference, held_back, dt_s);
             out.anchor(AnchorReference {
-                position: here.position,
-                velocity: here.velocity,
+                position: told.position,
+                velocity: told.velocity,
                 acceleration: if held_back {
                     Default::default()
                 } else {
@@ -50,6 +60,29 @@ impl GenericUav {
                 // Not the present, if it is not heard any more: its followers then carry it on as it was, instead of seeing it stop.
                 time: self.now.plus_seconds(-self.not_heard_s()),
             });
+        }
+    }
+
+    /// Where followers are told that their leader is: where its reference is, as long as it is there, so that they do not repeat how it lags
+    /// and sways; else where it is measured. From one to the other it fades.
+    fn told_of_leader(&mut self, here: &Motion, reference: &Motion, held_back: bool, dt_s: f64) -> Motion {
+        // What is not heard any more is told as of when it was heard last: the reference, too.
+        let late_s = self.not_heard_s();
+        let then = reference.position.after(&reference.velocity, -late_s);
+        let ahead = then.vector() - here.position.vector();
+        let is_there = !held_back && late_s <= 0.0 && ahead.norm() < REFERENCE_WITHIN_M;
+        let before = self.flight.told_reference;
+        let step = if is_there { dt_s / FADE_S } else { -dt_s / FADE_S };
+        let share = (before + step).clamp(0.0, 1.0);
+        // Also what was saved by something that is no number.
+        let share = if share.is_finite() { share } else { 0.0 };
+        self.flight.told_reference = share;
+        let faster = reference.velocity.vector() - here.velocity.vector();
+        let fading = if dt_s > 0.0 { (share - before) / dt_s } else { 0.0 };
+        Motion {
+            position: here.position.moved(ahead * share),
+            velocity: (here.velocity.vector() + faster * share + ahead * fading).into(),
+            acceleration: reference.acceleration,
         }
     }
 

@@ -9,7 +9,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use skein_domain::{FormationRequest, VehicleId};
-use skein_sim::{NoiseSettings, WindSettings};
+use skein_sim::{Airframe, NoiseSettings, WindSettings};
 
 /// What is asked for.
 #[derive(Debug, Clone, PartialEq)]
@@ -167,6 +167,8 @@ pub struct Case {
     pub moving: Moving,
     /// What is asked for, one after the other.
     pub steps: Vec<Step>,
+    /// What kind of vehicles they are.
+    pub airframe: Airframe,
 }
 
 /// Vehicles that hover at the start are at least so far apart, in metres: nearer than the radius, they could not be kept apart.
@@ -215,6 +217,12 @@ impl Case {
         let abilities = abilities(count, rng);
         let moving = moving(height_m, rng);
         let steps = asks::draw(count, height_m, rng);
+        let airframe = if rng.random_bool(0.2) {
+            Airframe::Sih
+        } else {
+            Airframe::Quadrotor
+        };
+        let wind = pulling_alike(wind, airframe);
         Self {
             seed,
             starts,
@@ -231,7 +239,19 @@ impl Case {
             foreign,
             moving,
             steps,
+            airframe,
         }
+    }
+}
+
+/// Wind that pulls at a vehicle of this kind as it would at the usual one: more, where the drag is four times as strong, no tilt could hold.
+fn pulling_alike(wind: WindSettings, airframe: Airframe) -> WindSettings {
+    let share = Airframe::Quadrotor.response().drag_per_s / airframe.response().drag_per_s;
+    WindSettings {
+        mean_north_m_s: share * wind.mean_north_m_s,
+        mean_east_m_s: share * wind.mean_east_m_s,
+        gust_m_s: share * wind.gust_m_s,
+        ..wind
     }
 }
 

@@ -101,7 +101,8 @@ impl Craft {
     pub fn new(case: &Case, index: usize, now: NodeTime) -> Self {
         let id = id_of(index);
         let seed = case.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(index as u64);
-        let plant = Plant::hovering(
+        let plant = Plant::of(
+            case.airframe,
             case.starts[index],
             case.yaws_rad[index],
             &case.noise,

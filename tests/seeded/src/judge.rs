@@ -3,7 +3,7 @@
 use crate::case::Case;
 use crate::craft::Craft;
 use crate::ground::Ground;
-use crate::outcome::{Arrival, Closest, Crossing, Failure, Lowest, Outcome};
+use crate::outcome::{Arrival, Closest, Crossing, Failure, Lowest, OnRoute, Outcome};
 use nalgebra::Vector3;
 use skein_domain::{Keeping, KeepingLaw, NeighbourPlace, OffsetFrd, VehicleId};
 use skein_runtime::PeerSnapshot;
@@ -18,12 +18,19 @@ const FENCE_UNCERTAIN_M: f64 = 0.6;
 /// Who was held back within this time is held back, in seconds: one that is led round something is free now and then.
 const HELD_BACK_S: f64 = 8.0;
 
+/// How the slots are kept is looked at so often, in seconds, and while the leader is faster than this, in metres per second.
+const LOOK_EVERY_S: f64 = 0.1;
+const MOVES_M_S: f64 = 1.0;
+
 /// Watches a flight.
 pub struct Judge {
     pub outcome: Outcome,
     approach: Approach,
     least_m: f64,
     order: Vec<usize>,
+    /// How far followers were from their slots on a route, in metres; and when that was looked at last, in seconds.
+    on_route_m: Vec<f64>,
+    looked_s: f64,
 }
 
 impl Judge {
@@ -43,12 +50,22 @@ impl Judge {
             },
             least_m: settings.min_separation_m,
             order: (0..case.starts.len()).collect(),
+            on_route_m: Vec::new(),
+            looked_s: 0.0,
         }
     }
 
     /// Looks at one moment.
-    pub fn watch(&mut self, now_s: f64, crafts: &[Craft], ground: &Ground, foreign: &[Vector3<f64>]) {
+    pub fn watch(
+        &mut self,
+        now_s: f64,
+        crafts: &[Craft],
+        ground: &Ground,
+        peers: &PeerSnapshot,
+        foreign: &[Vector3<f64>],
+    ) {
         self.watch_pairs(now_s, crafts);
+        self.watch_slots(now_s, crafts, ground, peers);
         for craft in crafts.iter().filter(|c| c.answers()) {
             let place = craft.plant.position();
             if !place.iter().all(|x| x.is_finite()) {
@@ -82,6 +99,25 @@ impl Judge {
                     at_s: now_s,
                 };
             }
+        }
+    }
+
+    /// How the slots are kept while a vehicle leads along a route, looked at now and then.
+    fn watch_slots(&mut self, now_s: f64, crafts: &[Craft], ground: &Ground, peers: &PeerSnapshot) {
+        let Some(leader) = ground.coordination.formation.as_ref().and_then(|f| f.leader) else {
+            return;
+        };
+        let on_route = ground.coordination.route.as_ref().is_some_and(|r| !r.finished);
+        let moves = |c: &Craft| c.id == leader && c.answers() && c.plant.velocity().norm() > MOVES_M_S;
+        if now_s < self.looked_s + LOOK_EVERY_S || !on_route || !crafts.iter().any(moves) {
+            return;
+        }
+        self.looked_s = now_s;
+        let follows = |c: &&Craft| c.id != leader && c.answers() && !ground.withdrawn.contains(&c.id);
+        for craft in crafts.iter().filter(follows) {
+            let place = slot_place(craft, crafts, ground, peers);
+            let off_m = place.map(|place| (place - craft.plant.position()).norm());
+            self.on_route_m.extend(off_m.filter(|m| m.is_finite()));
         }
     }
 
@@ -136,6 +172,7 @@ impl Judge {
     ) -> Outcome {
         let outcome = &mut self.outcome;
         outcome.end_s = end_s;
+        outcome.on_route = OnRoute::of(std::mem::take(&mut self.on_route_m));
         outcome.refusals.clone_from(&ground.refusals);
         for craft in crafts {
             outcome.filter.calls += craft.calls;

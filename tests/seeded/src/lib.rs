@@ -15,7 +15,7 @@ mod outcome;
 mod world;
 
 pub use case::{Ability, Ask, Case, Closed, Fate, Foreign, Leave, Moving, Step, When};
-pub use outcome::{Arrival, Closest, Crossing, Failure, FilterFigures, Lowest, Outcome};
+pub use outcome::{Arrival, Closest, Crossing, Failure, FilterFigures, Lowest, OnRoute, Outcome};
 pub use world::fly;
 
 /// Draws the case of a seed and flies it.

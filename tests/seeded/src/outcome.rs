@@ -88,6 +88,51 @@ pub struct FilterFigures {
     pub infeasible: u64,
 }
 
+/// How far followers were from their slots while their leader flew a route, in metres, in the truth.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct OnRoute {
+    /// Half of the time no more than this.
+    pub median_m: f64,
+    /// But for a twentieth of the time no more than this.
+    pub p95_m: f64,
+    /// The most.
+    pub worst_m: f64,
+}
+
+impl OnRoute {
+    /// Of all that was seen, in metres.
+    #[must_use]
+    pub fn of(mut seen_m: Vec<f64>) -> Self {
+        seen_m.sort_by(f64::total_cmp);
+        let share = |share: f64| {
+            let at = (share * seen_m.len() as f64) as usize;
+            seen_m.get(at).or(seen_m.last()).copied().unwrap_or(0.0)
+        };
+        Self {
+            median_m: share(0.5),
+            p95_m: share(0.95),
+            worst_m: share(1.0),
+        }
+    }
+}
+
+impl fmt::Display for OnRoute {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            median_m,
+            p95_m,
+            worst_m,
+        } = self;
+        if *worst_m > 0.0 {
+            writeln!(
+                f,
+                "off the slots on a route: median {median_m:.2} m, p95 {p95_m:.2} m, worst {worst_m:.2} m"
+            )?;
+        }
+        Ok(())
+    }
+}
+
 /// A criterion that was not met.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Failure {
@@ -141,6 +186,8 @@ pub struct Outcome {
     pub refusals: Vec<String>,
     /// What the filter did.
     pub filter: FilterFigures,
+    /// How the slots were kept on a route, if one was flown.
+    pub on_route: OnRoute,
     /// It took longer than is simulated; its distances count, arrivals that were still to come do not.
     pub cut_short: bool,
     /// What was not met.
@@ -221,6 +268,7 @@ impl fmt::Display for Outcome {
             f,
             "filter: {calls} setpoints, {changed} changed, {infeasible} of them not to all demands"
         )?;
+        write!(f, "{}", self.on_route)?;
         let there = |a: &&(VehicleId, Arrival)| matches!(a.1, Arrival::There(_));
         let count = self.arrivals.iter().filter(there).count();
         writeln!(

@@ -170,7 +170,8 @@ impl<'a> World<'a> {
             }
         }
         let foreign = self.foreign();
-        self.judge.watch(self.now_s, &self.crafts, &self.ground, &foreign);
+        self.judge
+            .watch(self.now_s, &self.crafts, &self.ground, &self.peers, &foreign);
         self.happen();
         let (now_s, now) = (self.now_s, self.now());
         for craft in &mut self.crafts {

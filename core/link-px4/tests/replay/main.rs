@@ -7,4 +7,5 @@ mod drag;
 mod flights;
 mod log;
 mod replay;
+mod simulated;
 mod sockets;

@@ -2,15 +2,14 @@
 //!
 //! Axes are north, east, down about the place where the vehicle stood at its start; the ground there is at zero.
 
+use crate::airframe::Response;
 use nalgebra::Vector3;
 use skein_domain::frames::wrap_angle_rad;
 
 /// Standard gravity in metres per second squared.
 pub(crate) const GRAVITY_M_S2: f64 = 9.806_65;
 
-/// How fast the tilt follows: an attitude loop (1/s) round a body-rate loop (s), the rate bounded (rad/s).
-const ATTITUDE_GAIN_PER_S: f64 = 6.5;
-const RATE_LAG_S: f64 = 0.045;
+/// The rate of tilting is bounded, in radians per second.
 const TILT_RATE_MAX_RAD_S: f64 = 3.84;
 /// Lag of the motors in seconds.
 const MOTOR_LAG_S: f64 = 0.04;
@@ -45,6 +44,7 @@ impl Drive {
 /// State of the airframe.
 #[derive(Debug, Clone)]
 pub(crate) struct Body {
+    response: Response,
     /// Metres north, east, down of the start.
     pub position: Vector3<f64>,
     /// Metres per second.
@@ -69,8 +69,9 @@ pub(crate) struct Body {
 
 impl Body {
     /// At rest on the ground.
-    pub(crate) fn new(yaw_rad: f64) -> Self {
+    pub(crate) fn new(response: Response, yaw_rad: f64) -> Self {
         Self {
+            response,
             position: Vector3::zeros(),
             velocity: Vector3::zeros(),
             acceleration: Vector3::zeros(),
@@ -85,11 +86,11 @@ impl Body {
     }
 
     /// Lets `dt_s` pass.
-    pub(crate) fn step(&mut self, drive: &Drive, wind: &Vector3<f64>, drag_per_s: f64, dt_s: f64) {
+    pub(crate) fn step(&mut self, drive: &Drive, wind: &Vector3<f64>, dt_s: f64) {
         self.turn(drive, dt_s);
         self.thrust_m_s2 += (drive.force.norm() - self.thrust_m_s2) * (dt_s / (MOTOR_LAG_S + dt_s));
         let gravity = Vector3::new(0.0, 0.0, GRAVITY_M_S2);
-        let drag = (wind - self.velocity) * drag_per_s;
+        let drag = (wind - self.velocity) * self.response.drag_per_s;
         let total = self.up * self.thrust_m_s2 + gravity + drag;
         if self.on_ground && total.z >= 0.0 {
             // Friction holds it where it stands.
@@ -123,13 +124,13 @@ impl Body {
         let axis = self.up.cross(&wanted);
         let sine = axis.norm();
         let angle = sine.atan2(self.up.dot(&wanted));
-        let rate = (ATTITUDE_GAIN_PER_S * angle).min(TILT_RATE_MAX_RAD_S);
+        let rate = (self.response.attitude_gain_per_s * angle).min(TILT_RATE_MAX_RAD_S);
         let wanted_spin = if sine > 1e-9 {
             axis * (rate / sine)
         } else {
             Vector3::zeros()
         };
-        self.spin += (wanted_spin - self.spin) * (dt_s / (RATE_LAG_S + dt_s));
+        self.spin += (wanted_spin - self.spin) * (dt_s / (self.response.rate_lag_s + dt_s));
         self.up = (self.up + self.spin.cross(&self.up) * dt_s).normalize();
         if !self.on_ground {
             let error = wrap_angle_rad(drive.yaw_rad - self.yaw_rad);

@@ -28,26 +28,37 @@ pub struct Plant {
     limits: ControlLimits,
     gusts: Wander,
     target: Target,
-    drag_per_s: f64,
     rng: ChaCha8Rng,
 }
 
 impl Plant {
-    /// Hovering at a place. `gust_m_s` are gusts of its own.
+    /// The usual quadrotor, hovering at a place. `gust_m_s` are gusts of its own.
     #[must_use]
     pub fn hovering(place: Vector3<f64>, yaw_rad: f64, noise: &NoiseSettings, gust_m_s: f64, seed: u64) -> Self {
+        Self::of(Airframe::default(), place, yaw_rad, noise, gust_m_s, seed)
+    }
+
+    /// The same of a kind.
+    #[must_use]
+    pub fn of(
+        airframe: Airframe,
+        place: Vector3<f64>,
+        yaw_rad: f64,
+        noise: &NoiseSettings,
+        gust_m_s: f64,
+        seed: u64,
+    ) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let mut body = Body::new(yaw_rad);
+        let mut body = Body::new(airframe.response(), yaw_rad);
         body.position = place;
         body.on_ground = false;
         body.thrust_m_s2 = GRAVITY_M_S2;
         let estimator = Estimator::new(noise, false, &body, &mut rng);
         let mut plant = Self {
             gusts: Wander::new(Vector3::new(1.0, 1.0, 0.2) * gust_m_s, 1.5, &mut rng),
-            limits: limits_from(&Parameters::new(1, Airframe::default(), &[])).control,
+            limits: limits_from(&Parameters::new(1, airframe, &[])).control,
             control: PositionControl::new(),
             target: Target::NONE,
-            drag_per_s: 0.08,
             body,
             estimator,
             rng,
@@ -80,7 +91,7 @@ impl Plant {
             yaw_rate_max_rad_s: YAW_RATE_MAX_RAD_S,
         };
         let wind = wind_m_s + self.gusts.step(dt_s, &mut self.rng);
-        self.body.step(&drive, &wind, self.drag_per_s, dt_s);
+        self.body.step(&drive, &wind, dt_s);
         self.estimator.step(&self.body, dt_s, &mut self.rng);
     }
 

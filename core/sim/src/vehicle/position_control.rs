@@ -6,11 +6,11 @@ use super::estimator::Estimate;
 use nalgebra::{Vector2, Vector3};
 
 const POSITION_GAIN: Vector3<f64> = Vector3::new(0.95, 0.95, 1.0);
-/// PX4's default is 1.8. Its own simulation adds the damping of a drag far beyond a real airframe's; with the small drag of
-/// ours this gain gives the measured flight: ten metres in 4.5 s with an overshoot of 0.3 m.
-const VELOCITY_P: Vector3<f64> = Vector3::new(2.2, 2.2, 4.0);
+const VELOCITY_P: Vector3<f64> = Vector3::new(1.8, 1.8, 4.0);
 const VELOCITY_I: Vector3<f64> = Vector3::new(0.4, 0.4, 2.0);
 const VELOCITY_D: Vector3<f64> = Vector3::new(0.2, 0.2, 0.0);
+/// The acceleration that the D part sees is low-passed with this time in seconds: PX4's MPC_VELD_LP of 5 Hz.
+const ACCELERATION_LAG_S: f64 = 0.032;
 /// Thrust per mass the motors can give, and the least they give in flight, in multiples of gravity.
 const THRUST_MAX_G: f64 = 1.9;
 const THRUST_MIN_G: f64 = 0.24;
@@ -60,6 +60,8 @@ pub(crate) struct ControlLimits {
 #[derive(Debug, Clone)]
 pub(crate) struct PositionControl {
     integral: Vector3<f64>,
+    /// Acceleration as the D part sees it, in metres per second squared; not known before the first step.
+    acceleration_seen: Option<Vector3<f64>>,
     /// Velocity it steers for in metres per second; NaN parts are not controlled.
     pub velocity_target: Vector3<f64>,
     /// Acceleration it asks for in metres per second squared.
@@ -70,6 +72,7 @@ impl PositionControl {
     pub(crate) fn new() -> Self {
         Self {
             integral: Vector3::zeros(),
+            acceleration_seen: None,
             velocity_target: Vector3::zeros(),
             acceleration_target: Vector3::zeros(),
         }
@@ -84,7 +87,10 @@ impl PositionControl {
     pub(crate) fn step(&mut self, now: &Estimate, target: &Target, limits: &ControlLimits, dt_s: f64) -> Vector3<f64> {
         let velocity_target = velocity_target(now, target, limits);
         let error = or_zero(velocity_target - now.velocity);
-        let feedback = VELOCITY_P.component_mul(&error) + self.integral - VELOCITY_D.component_mul(&now.acceleration);
+        let seen = self.acceleration_seen.unwrap_or(now.acceleration);
+        let seen = seen + (now.acceleration - seen) * (dt_s / (ACCELERATION_LAG_S + dt_s));
+        self.acceleration_seen = Some(seen);
+        let feedback = VELOCITY_P.component_mul(&error) + self.integral - VELOCITY_D.component_mul(&seen);
         let acceleration = Vector3::from_fn(|i, _| {
             let forward = or(target.acceleration[i], 0.0);
             if velocity_target[i].is_finite() {
@@ -173,9 +179,8 @@ fn thrust(acceleration: &Vector3<f64>, tilt_max_rad: f64) -> Vector3<f64> {
     let min = THRUST_MIN_G * GRAVITY_M_S2;
     let lift = (GRAVITY_M_S2 - acceleration.z).clamp(min, max);
     let level = acceleration.xy();
-    // The direction follows from the wanted acceleration as if the vertical were in balance, as in PX4.
-    let up = (GRAVITY_M_S2 - acceleration.z).max(min);
-    let mut side = level * (lift / up);
+    // The direction follows from the level acceleration as if the vertical were in balance: PX4's MPC_ACC_DECOUPLE.
+    let mut side = level * (lift / GRAVITY_M_S2);
     let tilt_limit = lift * tilt_max_rad.tan();
     let length = side.norm();
     if length > tilt_limit {

@@ -535,3 +535,39 @@ fn numbers_that_are_not_finite_reach_no_setpoint() {
     // The reference functions are the ones flown elsewhere.
     assert!(follow::setpoint(&leader.anchor, &slot(0.0), rig.now).is_well_formed());
 }
+
+#[test]
+fn followers_are_told_the_reference_of_a_leader_that_is_near_it_and_else_where_it_is() {
+    let mut rig = Rig::holding(10.0);
+    rig.task(lead(Some(route(&rig, &[[60.0, 0.0, 0.0], [60.0, 60.0, 0.0]]))));
+    rig.run(4.0);
+    let told = |rig: &mut Rig| {
+        let anchor = *anchors(&rig.tick()).last().expect("an anchor");
+        let (_, setpoint) = *rig.setpoints().last().expect("a setpoint");
+        let at = setpoint.position.expect("has one");
+        (
+            anchor,
+            anchor.position.distance_m(&at),
+            anchor.position.distance_m(&rig.here()),
+        )
+    };
+    let (before, off_reference_m, _) = told(&mut rig);
+    assert!(off_reference_m < 1e-9, "{off_reference_m}");
+    // Pushed off by more than it can be said to be at its reference: it fades, without a jump.
+    rig.autopilot.position.y += 3.0;
+    let mut last = before;
+    for _ in 0..20 {
+        let (anchor, ..) = told(&mut rig);
+        let expected = last.position.after(&last.velocity, PERIOD_S);
+        assert!(anchor.position.distance_m(&expected) < 0.2, "{anchor:?} after {last:?}");
+        last = anchor;
+    }
+    // Held back by the gate it is told where it is.
+    rig.gate = Some(Refusal::TooFast {
+        speed_m_s: 9.0,
+        limit_m_s: 8.0,
+    });
+    rig.run(2.5);
+    let (_, _, off_measured_m) = told(&mut rig);
+    assert!(off_measured_m < 0.05, "{off_measured_m}");
+}

@@ -214,7 +214,7 @@ fn the_motors_stop_in_flight_and_it_falls() {
     assert_eq!(t.landed, LandedState::OnGround, "disarmed counts as landed to PX4");
     let fell_s = rig.run_until(3.0, |t| t.touches_ground).expect("the ground") + 1.0;
     assert!((1.9..2.4).contains(&fell_s), "{fell_s}");
-    assert!(rig.truth().touch_down_max_m_s > 17.0);
+    assert!(rig.truth().touch_down_max_m_s > 16.0);
 }
 
 #[test]

@@ -51,7 +51,7 @@ pub fn identity() -> VehicleIdentity {
 
 impl Rig {
     pub fn new(settings: &SimSettings) -> Self {
-        Self::of(crate::Airframe::default(), settings)
+        Self::of(settings.airframe, settings)
     }
 
     /// A vehicle of a kind.
