@@ -40,6 +40,10 @@ pub struct SimSettings {
     pub battery: BatterySettings,
     /// Parameters that differ from the defaults, for every vehicle.
     pub parameters: Vec<(String, ParameterValue)>,
+    /// Seconds of the simulation per second of this computer: PX4's own goes at some 0.98, and slower where the computer is busy.
+    pub pace: f64,
+    /// The autopilots say over MAVLink that they are a simulation, as PX4's software in the loop does; else they pass for hardware.
+    pub says_simulated: bool,
     /// Seconds after its start at which a vehicle is ready to be armed (about; each differs a little).
     pub ready_after_s: f64,
     /// What kind of vehicles stand on the grid.
@@ -72,6 +76,8 @@ impl Default for SimSettings {
             noise: NoiseSettings::default(),
             battery: BatterySettings::default(),
             parameters: Vec::new(),
+            pace: 1.0,
+            says_simulated: false,
             ready_after_s: 3.9,
             airframe: Airframe::default(),
             payloads: PayloadPlan::default(),
@@ -82,6 +88,24 @@ impl Default for SimSettings {
 }
 
 impl SimSettings {
+    /// As PX4's software in the loop has it with SIH and stock parameters: its pace, its airframe, and a battery that is half empty
+    /// after 30 s of being armed and stays so.
+    #[must_use]
+    pub fn as_software_in_the_loop(self) -> Self {
+        Self {
+            pace: 0.98,
+            says_simulated: true,
+            airframe: Airframe::Sih,
+            battery: BatterySettings {
+                endurance_s: 60.0,
+                floor: 0.5,
+                full_when_disarmed: true,
+                ..BatterySettings::default()
+            },
+            ..self
+        }
+    }
+
     /// The places the vehicles start from: the given ones, or a grid as near to a square as the number allows. For a mixed swarm,
     /// change what this gives and put it in [`Self::starts`].
     #[must_use]
@@ -244,6 +268,8 @@ pub struct BatterySettings {
     pub initial: f64,
     /// It never goes below this charge, 0..=1 (PX4's own simulation stops at a half).
     pub floor: f64,
+    /// Whoever is disarmed has a full one, as in PX4's own simulation.
+    pub full_when_disarmed: bool,
 }
 
 impl Default for BatterySettings {
@@ -252,6 +278,7 @@ impl Default for BatterySettings {
             endurance_s: 1500.0,
             initial: 1.0,
             floor: 0.05,
+            full_when_disarmed: false,
         }
     }
 }

@@ -7,5 +7,6 @@ mod drag;
 mod flights;
 mod log;
 mod replay;
+mod rest;
 mod simulated;
 mod sockets;

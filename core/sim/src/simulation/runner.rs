@@ -177,6 +177,16 @@ impl Runner {
         self.stalls.until(at).as_secs_f64() - self.let_go_s
     }
 
+    /// Real time goes on by more or less than the step, where the simulation has a pace of its own.
+    fn keep_pace(&mut self, dt_s: f64) {
+        let more_s = dt_s * (1.0 / self.settings.pace - 1.0);
+        if more_s > 0.0 {
+            self.zero += Duration::from_secs_f64(more_s);
+        } else {
+            self.zero -= Duration::from_secs_f64(-more_s);
+        }
+    }
+
     fn catch_up(&mut self, behind_s: f64) {
         let step_s = self.step_s();
         for _ in 0..(behind_s / step_s) as usize {
@@ -188,6 +198,7 @@ impl Runner {
     fn step(&mut self, dt_s: f64) {
         let wind = self.wind.step(dt_s, &mut self.rng);
         self.time_s += dt_s;
+        self.keep_pace(dt_s);
         self.stalled_s = self.stalled_until_now_s();
         let mut around = Around {
             carrier: self.carrier.as_deref(),

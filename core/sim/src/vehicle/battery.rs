@@ -39,6 +39,9 @@ impl Battery {
     /// Lets `dt_s` pass; gives the warning level that was just reached, if one was.
     pub(crate) fn step(&mut self, armed: bool, dt_s: f64) -> Option<BatteryLevel> {
         if !armed {
+            if self.settings.full_when_disarmed {
+                self.charge = 1.0;
+            }
             return None;
         }
         let before = self.level();

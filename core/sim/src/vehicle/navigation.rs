@@ -12,10 +12,12 @@ use skein_domain::Geodetic;
 
 // Flags of ESTIMATOR_STATUS.
 const ATTITUDE: u16 = 1;
-const VERTICAL: u16 = 4 | 32;
+const VERTICAL: u16 = 4 | 32 | 64;
 const HORIZONTAL: u16 = 2 | 8 | 16;
 const HORIZONTAL_PREDICTED: u16 = 256 | 512;
 const GLITCH: u16 = 1024;
+/// `CONST_POS_MODE`: since 1.16 PX4 sets it of every vehicle that stands still, whatever holds its position.
+const AT_REST: u16 = 128;
 
 /// Satellites that a receiver in the open uses, and its accuracy in millimetres.
 pub(super) const SATELLITES: u8 = 16;
@@ -35,9 +37,11 @@ impl Vehicle {
 
     pub(super) fn estimator_status(&self) -> ESTIMATOR_STATUS_DATA {
         let satellites = &self.estimator.satellites;
-        let mut flags = ATTITUDE;
+        let mut flags = ATTITUDE | VERTICAL;
+        if self.lift.is_landed() {
+            flags |= AT_REST;
+        }
         if self.commander.is_estimator_ready() {
-            flags |= VERTICAL;
             if satellites.is_valid() {
                 flags |= HORIZONTAL | HORIZONTAL_PREDICTED;
             }

@@ -207,7 +207,12 @@ impl Vehicle {
         uid2[0] = self.identity.system_id;
         AUTOPILOT_VERSION_DATA {
             capabilities: MavProtocolCapability::from_bits_retain(CAPABILITIES),
-            uid: 0x534B_4549_4E00_0000 | u64::from(self.identity.system_id),
+            uid: if self.settings.says_simulated {
+                // PX4's `SIMULATIONID`, of which MAVLink tells these eight letters; each instance adds its system id less one.
+                u64::from_le_bytes(*b"ONIDLATI") + u64::from(self.identity.system_id) - 1
+            } else {
+                0x534B_4549_4E00_0000 | u64::from(self.identity.system_id)
+            },
             flight_sw_version: SOFTWARE_VERSION,
             middleware_sw_version: SOFTWARE_VERSION,
             os_sw_version: 0x0612_2CFF,

@@ -12,6 +12,7 @@ mod overrides;
 mod parameters;
 mod payloads;
 mod pilot;
+mod software_in_the_loop;
 mod trajectories;
 mod twice;
 mod versions;
