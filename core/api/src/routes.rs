@@ -131,11 +131,14 @@ pub(crate) async fn set_formation(
     Body(request): Body<FormationRequest>,
 ) -> Result<Json<FormationReceipt>, ApiError> {
     may_move(&app, &console, request.members.as_deref())?;
-    Ok(Json(app.node.set_formation(request).await?))
+    let receipt = app.node.set_formation(request).await?;
+    app.node.next_snapshot().await;
+    Ok(Json(receipt))
 }
 
 pub(crate) async fn dissolve_formation(State(app): State<App>) -> Result<StatusCode, ApiError> {
     app.node.dissolve_formation().await?;
+    app.node.next_snapshot().await;
     Ok(StatusCode::NO_CONTENT)
 }
 
@@ -152,6 +155,7 @@ pub(crate) async fn set_route(
         .map(|formation| formation.members.clone());
     may_move(&app, &console, Some(&members.unwrap_or_default()))?;
     let flown = app.node.set_route(body.route).await?;
+    app.node.next_snapshot().await;
     Ok((StatusCode::ACCEPTED, Json(flown)).into_response())
 }
 

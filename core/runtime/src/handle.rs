@@ -157,6 +157,20 @@ impl NodeHandle {
         self.board.picture.load_full()
     }
 
+    /// Waits for a picture that was begun from now on: who has changed something, and then looks, is not to see what was before.
+    /// Does not wait longer than a few pictures take: where none are made, the old one tells by its time how old it is.
+    pub async fn next_snapshot(&self) -> Arc<FleetSnapshot> {
+        let (from, period) = (self.now(), 1.0 / self.board.config.node.snapshot_rate_hz);
+        for _ in 0..20 {
+            let picture = self.snapshot();
+            if picture.time > from {
+                return picture;
+            }
+            tokio::time::sleep(Duration::from_secs_f64(period / 5.0)).await;
+        }
+        self.snapshot()
+    }
+
     /// New events from now on.
     #[must_use]
     pub fn subscribe(&self) -> broadcast::Receiver<Arc<EventRecord>> {

@@ -25,6 +25,9 @@ impl GenericUav {
         if known {
             return; // The same command once more.
         }
+        if matches!(command, VehicleCommand::Arm | VehicleCommand::TakeOff { .. }) {
+            self.end_landing_on_the_ground(out);
+        }
         if let Err(refusal) = self.check_values(&command).and_then(|()| self.check_state(&command)) {
             out.refused(id, refusal);
             return;

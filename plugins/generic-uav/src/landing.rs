@@ -133,6 +133,15 @@ impl GenericUav {
         }
     }
 
+    /// A landing is over for whoever wants to take off again, though OFFBOARD is still being left: that is asked anew before arming.
+    pub(crate) fn end_landing_on_the_ground(&mut self, out: &mut Effects) {
+        let down = self.own.is_some_and(|own| !own.armed && own.landed == LandedState::OnGround);
+        if down && matches!(&self.flight.phase, Phase::Landing(landing) if landing.stop.is_none()) {
+            self.enter(Phase::Idle, "landed");
+            self.command_done(out);
+        }
+    }
+
     /// After a landing out of OFFBOARD PX4 shows OFFBOARD again, and would not arm. Whether that mode is still being left; an autopilot
     /// that does not do it keeps nobody waiting: it is asked anew before arming.
     fn leaves_offboard(&mut self, landing: &mut Landing, own: &OwnState, out: &mut Effects) -> bool {

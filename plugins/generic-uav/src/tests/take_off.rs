@@ -176,6 +176,20 @@ fn it_flies_again_after_a_landing_out_of_offboard() {
 }
 
 #[test]
+fn who_stands_disarmed_takes_off_though_offboard_is_still_being_left() {
+    let mut rig = Rig::holding(3.0);
+    rig.autopilot.hold = Answer::Silent;
+    let land = rig.command(VehicleCommand::Land);
+    rig.run_until("disarmed", 30.0, |rig| !rig.autopilot.armed);
+    rig.run(0.1);
+    assert_eq!((rig.state, rig.is_done(land)), (FlightState::Landing, false));
+    rig.autopilot.hold = Answer::Obeys;
+    let again = rig.command(TAKE_OFF);
+    rig.run_until("taken off again", 30.0, |rig| rig.is_done(again));
+    assert!(rig.is_done(land), "{:?}", rig.refusal(land));
+}
+
+#[test]
 fn an_autopilot_that_stays_in_offboard_after_a_landing_has_landed_all_the_same() {
     let denied = Refusal::Autopilot {
         result: "denied".to_owned(),
