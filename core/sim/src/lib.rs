@@ -30,7 +30,7 @@ pub mod payloads;
 pub mod scene;
 pub mod settings;
 pub mod simulation;
-mod stalls;
+pub mod stalls;
 pub mod topics;
 pub mod truth;
 pub mod truth_lines;

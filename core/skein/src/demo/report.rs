@@ -11,7 +11,7 @@ use super::referee::{self, Figures, Referee};
 use crate::args::{DemoArguments, FaultPlan, Scenario};
 use serde::Serialize;
 use skein_config::Isolation;
-use skein_runtime::{EventKind, NodeHandle};
+use skein_runtime::NodeHandle;
 use skein_sim::{TruthFrame, VehicleTruth};
 use std::fmt::Write;
 
@@ -76,6 +76,8 @@ pub struct Outcome<'a> {
     pub flight_s: Option<f64>,
     /// Faults that were injected.
     pub faults: u64,
+    /// How many times a link had no fresh setpoint to send, of vehicles that no simulator of ours moves.
+    pub setpoints_missing: Option<u64>,
     /// Why it broke off, if it did.
     pub broke_off: Option<&'a anyhow::Error>,
 }
@@ -135,17 +137,12 @@ fn common(figures: &Figures, truth: &TruthFrame, unplanned: usize, gap: Criterio
 }
 
 /// Whether setpoints came without a gap: by what the simulated vehicles saw, or by how often a link had none to send.
-fn gap(arguments: &DemoArguments, node: &NodeHandle, figures: &Figures, truth: &TruthFrame) -> Criterion {
-    if arguments.listen.is_empty() {
+fn gap(missing: Option<u64>, figures: &Figures, truth: &TruthFrame) -> Criterion {
+    let Some(missing) = missing else {
         // A machine that stands still stops the node with everything else: only what is left of a gap without that is the sender's.
         let gap_s = farthest(&mut judged(figures, truth).map(|v| v.offboard_gap_sender_max_s));
         return at_most("longest setpoint gap", gap_s, 0.2, "s");
-    }
-    let missing = node
-        .events_after(0)
-        .iter()
-        .filter(|e| e.kind == EventKind::Stream)
-        .count();
+    };
     at_most(
         "times a link had no fresh setpoint to send",
         Some(missing as f64),
@@ -167,7 +164,7 @@ pub fn make(arguments: &DemoArguments, node: &NodeHandle, referee: &Referee, out
         &figures,
         &truth,
         unplanned.len(),
-        gap(arguments, node, &figures, &truth),
+        gap(outcome.setpoints_missing, &figures, &truth),
     ));
     if arguments.faults == Some(FaultPlan::Plugins) {
         criteria.extend(restarts::restart_criteria(&restarts, outcome.faults));

@@ -30,7 +30,13 @@ async fn it_is_flown_as_any_other() {
             for vehicle in &fleet.vehicles {
                 let ladder = vehicle.ladder.as_ref();
                 let calm = ladder.is_none_or(|ladder| ladder.order.is_none());
-                assert!(calm, "{} after {:.1} s: {ladder:?}, {:?}", vehicle.name, flown_s(), vehicle.battery);
+                assert!(
+                    calm,
+                    "{} after {:.1} s: {ladder:?}, {:?}",
+                    vehicle.name,
+                    flown_s(),
+                    vehicle.battery
+                );
                 let flies = matches!(
                     vehicle.flight_state,
                     FlightState::Holding | FlightState::Leading | FlightState::Following | FlightState::GoingTo
@@ -42,7 +48,11 @@ async fn it_is_flown_as_any_other() {
         .await;
     for vehicle in &fleet.vehicles {
         let left = vehicle.battery.remaining.expect("is told");
-        assert!((left - 0.5).abs() < 0.02, "{}: the battery stops at a half, {left}", vehicle.name);
+        assert!(
+            (left - 0.5).abs() < 0.02,
+            "{}: the battery stops at a half, {left}",
+            vehicle.name
+        );
     }
     swarm.stop().await;
 }
@@ -55,14 +65,18 @@ async fn hardware_with_such_a_clock_does_not_take_off() {
     })
     .await;
     let node = swarm.node();
-    let value = eventually(patience() + Duration::from_secs(15), "the clock's alarm before arming", async || {
-        let report = node.preflight();
-        let items = report.vehicles.iter().flat_map(|vehicle| vehicle.blocking());
-        items
-            .filter(|item| item.id == "alarms")
-            .map(|item| item.value.clone())
-            .find(|value| value.contains("clock"))
-    })
+    let value = eventually(
+        patience() + Duration::from_secs(15),
+        "the clock's alarm before arming",
+        async || {
+            let report = node.preflight();
+            let items = report.vehicles.iter().flat_map(|vehicle| vehicle.blocking());
+            items
+                .filter(|item| item.id == "alarms")
+                .map(|item| item.value.clone())
+                .find(|value| value.contains("clock"))
+        },
+    )
     .await;
     assert!(value.contains("clock"), "{value}");
     swarm.stop().await;
