@@ -412,8 +412,8 @@ fn nothing_known_is_nothing_good() {
     assert!(swarm_report(&SwarmChecks::default(), &PreflightSettings::default(), now()).worst() == ItemStatus::Red);
 }
 
-#[test]
-fn telemetry_of_a_vehicle_that_is_ready_is_green() {
+/// What a vehicle that is ready to fly tells of itself, and its link.
+fn telemetry_of_one_that_is_ready() -> (Telemetry, LinkHealth) {
     let place = Geodetic {
         latitude_deg: 47.4,
         longitude_deg: 8.5,
@@ -441,16 +441,32 @@ fn telemetry_of_a_vehicle_that_is_ready_is_green() {
         clock_offset_s: Some(-40.0),
         ..LinkHealth::default()
     };
-    let mut checks = VehicleChecks {
+    (telemetry, link)
+}
+
+/// The checks of such a one.
+fn checks_of(telemetry: &Telemetry, link: &LinkHealth) -> VehicleChecks {
+    VehicleChecks {
         model: good_vehicle().model,
         limits_known: Some(true),
         alarms: Some(Vec::new()),
-        ..VehicleChecks::observed(VehicleId(1), &telemetry, &link, now())
-    };
+        ..VehicleChecks::observed(VehicleId(1), telemetry, link, now())
+    }
+}
+
+#[test]
+fn telemetry_of_a_vehicle_that_is_ready_is_green() {
+    let (telemetry, link) = telemetry_of_one_that_is_ready();
+    let checks = checks_of(&telemetry, &link);
     assert!((checks.clock_error_s.expect("known") - 0.01).abs() < 1e-6);
     let report = vehicle_report(&checks, &PreflightSettings::default(), now());
     assert_eq!(report.worst(), ItemStatus::Green, "{report:#?}");
-    // What PX4 says of itself at rest, with and without satellites; in the air the first of them is a vehicle that has lost its way.
+}
+
+/// What PX4 says of itself at rest, with and without satellites; in the air the first of them is a vehicle that has lost its way.
+#[test]
+fn a_position_is_judged_by_the_flags_that_matter_on_the_ground_and_in_the_air() {
+    let (mut telemetry, link) = telemetry_of_one_that_is_ready();
     let at_rest = 1023;
     let without = at_rest & !(EstimatorHealth::POSITION_ABSOLUTE | EstimatorHealth::POSITION_ABSOLUTE_PREDICTED);
     let mut blocking = |flags: u16, in_air: bool| {
@@ -464,9 +480,7 @@ fn telemetry_of_a_vehicle_that_is_ready_is_green() {
         } else {
             LandedState::OnGround
         };
-        let observed = VehicleChecks::observed(VehicleId(1), &telemetry, &link, now());
-        (checks.estimator_good, checks.airborne) = (observed.estimator_good, observed.airborne);
-        let report = vehicle_report(&checks, &PreflightSettings::default(), now());
+        let report = vehicle_report(&checks_of(&telemetry, &link), &PreflightSettings::default(), now());
         report.blocking().any(|i| i.id == "position")
     };
     assert!(
