@@ -12,7 +12,8 @@ use skein_bus::arrivals::Arrivals;
 use skein_bus::transport::{CLASSES, Class, Datagram, SendError, To, Transport, Wake};
 use skein_domain::{NodeId, NodeTime};
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, mpsc};
+use std::time::Duration;
 use thiserror::Error;
 use zenoh::Wait;
 use zenoh::pubsub::Publisher;
@@ -34,6 +35,8 @@ pub const RUNTIMES: (&str, &str) = (
 );
 /// Who has not been heard of for so long, in milliseconds, is gone: its session ends, with what is queued for it.
 const LEASE_MS: u64 = 3000;
+/// How long a session that ends may tell the others so.
+const CLOSES_WITHIN: Duration = Duration::from_secs(1);
 
 /// How to reach the others.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -92,6 +95,19 @@ pub struct Zenoh {
     publishers: BTreeMap<(Option<NodeId>, Class), Publisher<'static>>,
     hearing: Hearing,
     arrivals: Arc<Arrivals>,
+}
+
+impl Drop for Zenoh {
+    /// Zenoh's own end waits without end to tell it to who does not read, as one does that has just gone out of reach. It waits in a thread that is
+    /// left behind.
+    fn drop(&mut self) {
+        let session = self.session.clone();
+        let (ended, end) = mpsc::channel();
+        std::thread::spawn(move || {
+            let _told = ended.send(session.close().wait());
+        });
+        let _closed = end.recv_timeout(CLOSES_WITHIN);
+    }
 }
 
 impl Zenoh {

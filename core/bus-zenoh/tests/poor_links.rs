@@ -8,8 +8,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
 use std::process::Command;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU16, Ordering};
+use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 
 /// How long anything may take: far longer than it does.
@@ -202,4 +202,11 @@ fn who_stands_still_holds_nobody_up() {
         longest.as_micros()
     );
     assert!(got * 100 >= sent * 98, "{got} of {sent}");
+    // It ends while one is out of reach and not yet taken for gone.
+    let (ended, end) = mpsc::channel();
+    std::thread::spawn(move || {
+        drop(a);
+        ended.send(()).unwrap();
+    });
+    assert!(end.recv_timeout(PATIENCE).is_ok(), "it does not end");
 }

@@ -59,6 +59,8 @@ pub struct WireClock {
     doubted: bool,
     /// The time since its start in microseconds, and when that was heard.
     up: Option<(NodeTime, i64)>,
+    /// The time since its start minus the stamp, in microseconds, while it stamps with the time since 1970.
+    since_start_us: Option<i64>,
     round_trip_s: Option<f64>,
 }
 
@@ -118,7 +120,11 @@ impl WireClock {
             _ => stamp_us,
         };
         // One of them may be older than the other.
-        (0..SINCE_1970_US).contains(&up_us) && self.is_up(now, up_us)
+        let true_to_each_other = (0..SINCE_1970_US).contains(&up_us);
+        if true_to_each_other && stamp_us >= SINCE_1970_US {
+            self.since_start_us = Some(offset_us);
+        }
+        true_to_each_other && self.is_up(now, up_us)
     }
 
     /// It is up for so long. True if it was up for longer before, or for so long that it cannot be the same start.
@@ -144,10 +150,18 @@ impl WireClock {
         self.now_us.max(self.before_us)
     }
 
-    /// The vehicle's clock minus the node's in seconds.
+    /// The time since its start minus the node's in seconds, as over MAVLink: what it stamps with changes when it finds its agent or loses it,
+    /// and is no other clock for that.
     #[must_use]
     pub fn offset_s(&self) -> Option<f64> {
-        self.ahead_us().map(|ahead| ahead as f64 * 1e-6)
+        let ahead_us = self.ahead_us()?;
+        // Its stamps are ahead of the node's time, which is years less than theirs.
+        let since_start_us = if ahead_us < SINCE_1970_US / 2 {
+            Some(0)
+        } else {
+            self.since_start_us
+        };
+        since_start_us.map(|us| ahead_us.saturating_add(us) as f64 * 1e-6)
     }
 
     /// Round trip between PX4 and its agent in seconds.
@@ -268,7 +282,7 @@ mod tests {
         );
         assert_eq!(hear(&mut clock, 14.0, 16.0, -10.0), [Tick::Restarted]);
         assert_eq!(hear(&mut clock, 16.0, 18.0, 1.7e9), [], "synchronised with its agent");
-        assert!((clock.offset_s().unwrap() - 1.7e9).abs() < 0.1);
+        assert!((clock.stamp_us(at(18.0)) as f64 * 1e-6 - 1.7e9 - 18.0).abs() < 0.1);
         assert_eq!(hear(&mut clock, 18.0, 20.0, -17.0), [Tick::Restarted]);
     }
 
@@ -302,6 +316,36 @@ mod tests {
         assert!(!sync(&mut clock, 152.0, 10, 4.0, 1.0));
         // Not heard for a minute, up for longer than before and yet not since then.
         assert!(sync(&mut clock, 221.0, 1, 30.0, 1.0));
+    }
+
+    #[test]
+    fn the_offset_is_that_of_the_time_since_its_start_whatever_it_stamps_with() {
+        let near = |clock: &WireClock, offset_s: f64| {
+            let found_s = clock.offset_s().unwrap();
+            assert!((found_s - offset_s).abs() < 0.01, "{found_s} s, not {offset_s}");
+        };
+        let mut clock = WireClock::default();
+        assert_eq!(hear(&mut clock, 10.0, 12.0, 90.0), []);
+        near(&clock, 90.0);
+        // It finds its agent: not known until it has told what it adds.
+        assert_eq!(hear(&mut clock, 12.0, 14.0, AGENT_S), []);
+        assert_eq!(clock.offset_s(), None);
+        assert!(!sync(&mut clock, 14.0, 1, 104.0, 1.0));
+        near(&clock, 90.0);
+        // It loses it for a moment.
+        assert_eq!(hear(&mut clock, 15.0, 17.0, 90.0), []);
+        near(&clock, 90.0);
+        assert_eq!(hear(&mut clock, 17.0, 19.0, AGENT_S), []);
+        assert!(!sync(&mut clock, 19.0, 1, 109.0, 1.0));
+        near(&clock, 90.0);
+        // Set by hand: what it adds changes by as much.
+        assert!(matches!(
+            hear(&mut clock, 20.0, 22.0, AGENT_S + 7.0)[..],
+            [Tick::Jumped { .. }]
+        ));
+        let stamp = at(22.0 + AGENT_S + 7.0).0;
+        assert!(!clock.on_sync(at(22.0), stamp, at(112.0).0 as i64 - stamp as i64, 900));
+        near(&clock, 90.0);
     }
 
     #[test]

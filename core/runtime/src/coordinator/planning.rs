@@ -159,12 +159,17 @@ impl CoordinatorState {
         let behind = formation
             .leader
             .map_or_else(|| "about its anchor".to_owned(), |id| format!("behind vehicle {id}"));
+        let apart_m = receipt.planned_min_distance_m;
+        let apart = if apart_m.is_finite() {
+            format!(", {apart_m:.1} m apart at least")
+        } else {
+            String::new()
+        };
         let text = format!(
-            "formation {:?} of {} {behind}: {:.1} s, {:.1} m apart at least",
+            "formation {:?} of {} {behind}: {:.1} s{apart}",
             formation.request.shape,
             formation.members.len(),
             receipt.duration_s,
-            receipt.planned_min_distance_m
         );
         self.fly(formation, Severity::Info, text);
         receipt
