@@ -376,7 +376,7 @@ impl VehicleSession {
             // Best effort: what was lost on the way is not told.
             loss: 0.0,
             round_trip_s: self.clock.round_trip_s().map(|seconds| seconds as f32),
-            clock_offset_s: self.clock.offset_s(),
+            clock_offset_s: self.clock.offset_s(now),
             receive_rate_hz: self.received.rate_hz(now),
             setpoint_rate_hz: self.stream.rate_hz(now),
         };

@@ -3,16 +3,16 @@
 //! Must never do: take samples that were held up on the way for a clock that was set back.
 //!
 //! PX4 stamps with the time since it started, and, once it is synchronised with its agent, with the agent's time since 1970. Either way what
-//! comes back to it is stamped on the same clock, so that only the difference to the node's clock matters: the largest that was seen lately,
-//! which is that of the sample that took the shortest time.
+//! comes back to it is stamped on the same clock, so that only the difference to the node's clock matters.
 //!
 //! What PX4 adds to its clock says nothing of a restart: when the agent's clock was set, or its own goes at another pace, PX4 drops what it knew,
 //! stamps without it for a moment, and finds another one. Only the time since its start tells, which goes back when PX4 starts anew and never else.
 
-use skein_domain::NodeTime;
+mod trend;
 
-/// The largest difference is that of one or two windows of this length, in seconds: clocks drift.
-const WINDOW_S: f64 = 5.0;
+use skein_domain::NodeTime;
+use trend::Trend;
+
 /// A sample this far off the difference is late, or of a clock that was set, in microseconds.
 const OFF_US: i64 = 250_000;
 /// Samples of a clock that was set agree this well, in microseconds; those that were held up do not, for they come all at once.
@@ -51,16 +51,14 @@ struct Candidate {
 /// One vehicle's clock.
 #[derive(Debug, Default)]
 pub struct WireClock {
-    /// Largest difference in the present window and the one before.
-    now_us: Option<i64>,
-    before_us: Option<i64>,
-    window: NodeTime,
+    /// Of what it stamps with.
+    stamps: Trend,
+    /// Of the time since its start, which it stamps with as well while it has no agent.
+    since_start: Trend,
     candidate: Option<Candidate>,
     doubted: bool,
     /// The time since its start in microseconds, and when that was heard.
     up: Option<(NodeTime, i64)>,
-    /// The time since its start minus the stamp, in microseconds, while it stamps with the time since 1970.
-    since_start_us: Option<i64>,
     round_trip_s: Option<f64>,
 }
 
@@ -68,17 +66,14 @@ impl WireClock {
     /// The stamp of a sample that was just heard.
     pub fn on_stamp(&mut self, now: NodeTime, stamp_us: u64) -> Tick {
         let ahead_us = difference_us(stamp_us, now);
-        let Some(known) = self.ahead_us() else {
+        let Some(known) = self.stamps.ahead_us(now) else {
             self.begin(now, ahead_us);
             return Tick::Steady;
         };
         if (ahead_us - known).abs() <= OFF_US {
             (self.candidate, self.doubted) = (None, false);
-            if now.seconds_since(self.window) >= WINDOW_S {
-                (self.before_us, self.now_us, self.window) = (self.now_us, Some(ahead_us), now);
-            } else {
-                self.now_us = self.now_us.max(Some(ahead_us));
-            }
+            self.stamps.take(now, ahead_us);
+            self.note_since_start(now, ahead_us);
             return Tick::Steady;
         }
         let candidate = match &mut self.candidate {
@@ -90,7 +85,8 @@ impl WireClock {
             }),
         };
         candidate.samples += 1;
-        candidate.ahead_us = candidate.ahead_us.max(ahead_us);
+        // A simulation's clock falls behind while it is waited for.
+        candidate.ahead_us = ahead_us;
         if candidate.samples < SETTLED_SAMPLES || now.seconds_since(candidate.since) < SETTLED_S {
             return Tick::Steady;
         }
@@ -121,10 +117,17 @@ impl WireClock {
         };
         // One of them may be older than the other.
         let true_to_each_other = (0..SINCE_1970_US).contains(&up_us);
-        if true_to_each_other && stamp_us >= SINCE_1970_US {
-            self.since_start_us = Some(offset_us);
+        if true_to_each_other {
+            self.note_since_start(now, up_us.saturating_sub_unsigned(now.0));
         }
         true_to_each_other && self.is_up(now, up_us)
+    }
+
+    /// Unless it is that since 1970.
+    fn note_since_start(&mut self, now: NodeTime, ahead_us: i64) {
+        if ahead_us < SINCE_1970_US / 2 {
+            self.since_start.take_any(now, ahead_us, OFF_US);
+        }
     }
 
     /// It is up for so long. True if it was up for longer before, or for so long that it cannot be the same start.
@@ -137,31 +140,16 @@ impl WireClock {
     }
 
     fn begin(&mut self, now: NodeTime, ahead_us: i64) {
-        *self = Self {
-            now_us: Some(ahead_us),
-            window: now,
-            up: self.up,
-            round_trip_s: self.round_trip_s,
-            ..Self::default()
-        };
-    }
-
-    fn ahead_us(&self) -> Option<i64> {
-        self.now_us.max(self.before_us)
+        (self.candidate, self.doubted) = (None, false);
+        self.stamps = Trend::new(now, ahead_us);
+        self.note_since_start(now, ahead_us);
     }
 
     /// The time since its start minus the node's in seconds, as over MAVLink: what it stamps with changes when it finds its agent or loses it,
     /// and is no other clock for that.
     #[must_use]
-    pub fn offset_s(&self) -> Option<f64> {
-        let ahead_us = self.ahead_us()?;
-        // Its stamps are ahead of the node's time, which is years less than theirs.
-        let since_start_us = if ahead_us < SINCE_1970_US / 2 {
-            Some(0)
-        } else {
-            self.since_start_us
-        };
-        since_start_us.map(|us| ahead_us.saturating_add(us) as f64 * 1e-6)
+    pub fn offset_s(&self, now: NodeTime) -> Option<f64> {
+        self.since_start.ahead_us(now).map(|us| us as f64 * 1e-6)
     }
 
     /// Round trip between PX4 and its agent in seconds.
@@ -173,7 +161,9 @@ impl WireClock {
     /// When something was measured that has this stamp and was heard at `heard`; never later than that.
     #[must_use]
     pub fn measured(&self, heard: NodeTime, stamp_us: u64) -> NodeTime {
-        let Some(ahead) = self.ahead_us() else { return heard };
+        let Some(ahead) = self.stamps.ahead_us(heard) else {
+            return heard;
+        };
         let at = i64::try_from(stamp_us).unwrap_or(i64::MAX).saturating_sub(ahead);
         let at = NodeTime(u64::try_from(at).unwrap_or(0));
         // By more than that it is another clock's stamp, not one of long ago.
@@ -193,7 +183,7 @@ impl WireClock {
     #[must_use]
     pub fn stamp_us(&self, now: NodeTime) -> u64 {
         let sure = !self.doubted && self.candidate.is_none();
-        let Some(ahead) = self.ahead_us().filter(|_| sure) else {
+        let Some(ahead) = self.stamps.ahead_us(now).filter(|_| sure) else {
             return 0;
         };
         now.0.saturating_add_signed(ahead)
@@ -235,9 +225,9 @@ mod tests {
         assert_eq!(clock.stamp_us(at(10.0)), 0, "not known yet");
         assert_eq!(hear(&mut clock, 10.0, 30.0, 3.0), []);
         assert!(
-            (clock.offset_s().unwrap() - 2.999).abs() < 1e-3,
+            (clock.offset_s(at(30.0)).unwrap() - 2.999).abs() < 1e-3,
             "{:?}",
-            clock.offset_s()
+            clock.offset_s(at(30.0))
         );
         let measured = clock.measured(at(30.0), at(32.9).0);
         assert!((measured.as_seconds() - 29.901).abs() < 2e-3, "{measured:?}");
@@ -253,7 +243,21 @@ mod tests {
             assert_eq!(clock.on_stamp(at(14.0), at(15.0 + f64::from(i) * 0.02).0), Tick::Steady);
         }
         assert_eq!(hear(&mut clock, 14.0, 16.0, 3.0), []);
-        assert!((clock.offset_s().unwrap() - 2.999).abs() < 1e-3);
+        assert!((clock.offset_s(at(16.0)).unwrap() - 2.999).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_simulations_pace_is_no_step_and_makes_no_position_old() {
+        for pace in [0.5, 0.98, 1.5] {
+            let mut clock = WireClock::default();
+            for i in 0..1000 {
+                let now_s = 10.0 + f64::from(i) * 0.02;
+                let stamp = at(3.0 + f64::from(i) * 0.02 * pace).0;
+                assert_eq!(clock.on_stamp(at(now_s + 0.002), stamp), Tick::Steady, "{i} at {pace}");
+                let age_s = now_s - clock.measured(at(now_s + 0.002), stamp).as_seconds();
+                assert!(age_s < if i < 50 { 0.25 } else { 0.02 }, "{age_s} s at {pace}");
+            }
+        }
     }
 
     #[test]
@@ -320,24 +324,23 @@ mod tests {
 
     #[test]
     fn the_offset_is_that_of_the_time_since_its_start_whatever_it_stamps_with() {
-        let near = |clock: &WireClock, offset_s: f64| {
-            let found_s = clock.offset_s().unwrap();
+        let near = |clock: &WireClock, now_s: f64, offset_s: f64| {
+            let found_s = clock.offset_s(at(now_s)).unwrap();
             assert!((found_s - offset_s).abs() < 0.01, "{found_s} s, not {offset_s}");
         };
         let mut clock = WireClock::default();
         assert_eq!(hear(&mut clock, 10.0, 12.0, 90.0), []);
-        near(&clock, 90.0);
-        // It finds its agent: not known until it has told what it adds.
+        near(&clock, 12.0, 90.0);
+        // It finds its agent.
         assert_eq!(hear(&mut clock, 12.0, 14.0, AGENT_S), []);
-        assert_eq!(clock.offset_s(), None);
         assert!(!sync(&mut clock, 14.0, 1, 104.0, 1.0));
-        near(&clock, 90.0);
+        near(&clock, 14.0, 90.0);
         // It loses it for a moment.
         assert_eq!(hear(&mut clock, 15.0, 17.0, 90.0), []);
-        near(&clock, 90.0);
+        near(&clock, 17.0, 90.0);
         assert_eq!(hear(&mut clock, 17.0, 19.0, AGENT_S), []);
         assert!(!sync(&mut clock, 19.0, 1, 109.0, 1.0));
-        near(&clock, 90.0);
+        near(&clock, 19.0, 90.0);
         // Set by hand: what it adds changes by as much.
         assert!(matches!(
             hear(&mut clock, 20.0, 22.0, AGENT_S + 7.0)[..],
@@ -345,7 +348,7 @@ mod tests {
         ));
         let stamp = at(22.0 + AGENT_S + 7.0).0;
         assert!(!clock.on_sync(at(22.0), stamp, at(112.0).0 as i64 - stamp as i64, 900));
-        near(&clock, 90.0);
+        near(&clock, 22.0, 90.0);
     }
 
     #[test]
