@@ -236,7 +236,7 @@ fn timesync(report: &TimesyncReport) -> Record {
     let offset = report.offset_us as f64;
     stamped(report.stamp_us).and([
         ("source_protocol", WITH_AGENT),
-        ("remote_timestamp", report.stamp_us as f64 + offset),
+        ("remote_timestamp", report.stamp_us as f64 - offset),
         ("observed_offset", offset),
         ("estimated_offset", offset),
         ("round_trip_time", ROUND_TRIP_US),

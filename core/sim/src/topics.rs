@@ -177,7 +177,7 @@ pub struct HomeReport {
 pub struct TimesyncReport {
     /// When.
     pub stamp_us: u64,
-    /// Universal time since 1970 minus the autopilot's clock, in microseconds.
+    /// The autopilot's clock minus universal time since 1970, in microseconds.
     pub offset_us: i64,
 }
 

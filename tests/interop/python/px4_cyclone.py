@@ -182,7 +182,7 @@ class Px4:
             "home_position": lambda: dict(
                 lat=latitude, lon=longitude, alt=altitude, valid_alt=True, valid_hpos=True, valid_lpos=True),
             "timesync_status": lambda: dict(
-                source_protocol=2, estimated_offset=us - int((time.monotonic() - self.begun) * 1e6), round_trip_time=700),
+                source_protocol=2, estimated_offset=int((time.monotonic() - self.begun) * 1e6) - us, round_trip_time=700),
         }[topic]()
 
     def write(self, topic, values):

@@ -48,7 +48,7 @@ fn condition() -> Vec<Published> {
         }),
         Published::Timesync(TimesyncReport {
             stamp_us,
-            offset_us: 1_699_999_987_654_322,
+            offset_us: -1_699_999_987_654_322,
         }),
         Published::Answer(Answer {
             stamp_us,
@@ -144,7 +144,7 @@ fn says(read: &Sample) -> bool {
         }
         Sample::Gnss(s) => s.has_fix() && s.satellites == 16 && s.horizontal_accuracy_m == 0.5 && there(s.place),
         Sample::Home(s) => s.valid && there(s.place),
-        Sample::Timesync(s) => s.source == 2 && s.offset_us == 1_699_999_987_654_322,
+        Sample::Timesync(s) => s.source == 2 && s.offset_us == -1_699_999_987_654_322,
         Sample::Ack(s) => (s.command, s.result, s.target_system, s.target_component) == (400, 0, 245, 300),
     }
 }

@@ -150,7 +150,7 @@ impl Vehicle {
             Topic::Home => Published::Home(self.home_report(topics)?),
             Topic::Timesync => Published::Timesync(TimesyncReport {
                 stamp_us: self.up_us(),
-                offset_us: self.utc_us().saturating_sub_unsigned(self.up_us()),
+                offset_us: self.utc_us().saturating_sub_unsigned(self.up_us()).saturating_neg(),
             }),
         })
     }
