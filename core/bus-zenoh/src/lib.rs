@@ -35,7 +35,7 @@ pub const RUNTIMES: (&str, &str) = (
 );
 /// Who has not been heard of for so long, in milliseconds, is gone: its session ends, with what is queued for it.
 const LEASE_MS: u64 = 3000;
-/// How long a session that ends may tell the others so.
+/// How long is waited for a session that is closed.
 const CLOSES_WITHIN: Duration = Duration::from_secs(1);
 
 /// How to reach the others.
@@ -98,14 +98,16 @@ pub struct Zenoh {
 }
 
 impl Drop for Zenoh {
-    /// Zenoh's own end waits without end to tell it to who does not read, as one does that has just gone out of reach. It waits in a thread that is
-    /// left behind.
+    /// `Session::close` blocks for ever while a TCP peer does not read, as one that has just gone out of reach. So it gets a thread of its own,
+    /// which is left behind if it takes too long.
     fn drop(&mut self) {
         let session = self.session.clone();
         let (ended, end) = mpsc::channel();
-        std::thread::spawn(move || {
+        let close = move || {
             let _told = ended.send(session.close().wait());
-        });
+        };
+        // Without a thread there is nothing to wait for, and no farewell.
+        let _thread = std::thread::Builder::new().name("zenoh-close".to_owned()).spawn(close);
         let _closed = end.recv_timeout(CLOSES_WITHIN);
     }
 }

@@ -51,9 +51,9 @@ struct Candidate {
 /// One vehicle's clock.
 #[derive(Debug, Default)]
 pub struct WireClock {
-    /// Of what it stamps with.
+    /// How far its stamps are ahead of the node's time.
     stamps: Trend,
-    /// Of the time since its start, which it stamps with as well while it has no agent.
+    /// How far the time since its start is ahead of the node's time. While PX4 has no agent it stamps with this.
     since_start: Trend,
     candidate: Option<Candidate>,
     doubted: bool,
@@ -116,14 +116,14 @@ impl WireClock {
             _ => stamp_us,
         };
         // One of them may be older than the other.
-        let true_to_each_other = (0..SINCE_1970_US).contains(&up_us);
-        if true_to_each_other {
+        let is_plausible = (0..SINCE_1970_US).contains(&up_us);
+        if is_plausible {
             self.note_since_start(now, up_us.saturating_sub_unsigned(now.0));
         }
-        true_to_each_other && self.is_up(now, up_us)
+        is_plausible && self.is_up(now, up_us)
     }
 
-    /// Unless it is that since 1970.
+    /// Takes in a difference that is of the time since its start; one of the time since 1970 is passed over.
     fn note_since_start(&mut self, now: NodeTime, ahead_us: i64) {
         if ahead_us < SINCE_1970_US / 2 {
             self.since_start.take_any(now, ahead_us, OFF_US);
@@ -145,8 +145,8 @@ impl WireClock {
         self.note_since_start(now, ahead_us);
     }
 
-    /// The time since its start minus the node's in seconds, as over MAVLink: what it stamps with changes when it finds its agent or loses it,
-    /// and is no other clock for that.
+    /// The vehicle's time since its start minus the node's time, in seconds, as over MAVLink. It stays the same when PX4 finds or loses its agent
+    /// and stamps with another time from then on.
     #[must_use]
     pub fn offset_s(&self, now: NodeTime) -> Option<f64> {
         self.since_start.ahead_us(now).map(|us| us as f64 * 1e-6)

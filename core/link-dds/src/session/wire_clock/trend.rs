@@ -7,10 +7,10 @@
 
 use skein_domain::NodeTime;
 
-/// How long a window is, in seconds, once one is full; a pace is found with the first ones, which are shorter.
+/// How long a window is, in seconds. The first three are shorter, so that a pace is found soon.
 const WINDOW_S: f64 = 1.0;
 const FIRST_S: f64 = 0.2;
-/// A clock that gains or loses more than this on the node's, in seconds per second, is that of a simulation. One of quartz has a thousandth of it.
+/// A clock that gains or loses more than this on the node's, in seconds per second, is that of a simulation. A quartz gains or loses a hundredth of it.
 const PACE_OFF: f64 = 0.01;
 /// It may gain or lose so much: from one that stands to one twice as fast as ours.
 const PACE_MAX: f64 = 1.0;
