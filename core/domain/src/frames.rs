@@ -174,6 +174,10 @@ fn project(origin: &Geodetic, place: &Geodetic) -> Vector3<f64> {
     )
 }
 
+/// How often a vehicle's origin is corrected at most, and what it may be off by.
+const STEPS_TO_ORIGIN: usize = 12;
+const CLOSE_TO_ORIGIN_M: f64 = 1e-4;
+
 /// Inverse of [`project`].
 fn unproject(origin: &Geodetic, ned_m: Vector3<f64>) -> Geodetic {
     let (x, y) = (ned_m.x / EARTH_RADIUS_M, ned_m.y / EARTH_RADIUS_M);
@@ -242,11 +246,16 @@ impl LocalFrame {
     /// The origin that explains a place and a local position measured at the same moment.
     #[must_use]
     pub fn from_pair(place: &Geodetic, local: &LocalPositionNed) -> Self {
-        // Un-projecting about the place itself is exact to well under a millimetre over the kilometres a local position spans.
         let mut origin = unproject(place, -local.vector());
-        // One correction step takes out what is left of the difference between the two tangent planes.
-        let left = local.vector() - project(&origin, place);
-        origin = unproject(&origin, -left);
+        // The tangent planes of the place and of the origin are turned against each other, near the poles by much: each step takes out
+        // most of what is left, and two or three are enough outside the last degrees.
+        for _ in 0..STEPS_TO_ORIGIN {
+            let left = local.vector() - project(&origin, place);
+            if left.norm() < CLOSE_TO_ORIGIN_M {
+                break;
+            }
+            origin = unproject(&origin, -left);
+        }
         Self { origin }
     }
 
