@@ -49,7 +49,7 @@ test('a plugin that crashes while one looks is seen, heard and acknowledged', as
   await expect(sound).toHaveText('Sound off');
 });
 
-test('the supervision tree shows the crash, and starts a plugin anew', async ({ page }) => {
+test('the supervision tree shows the crash, and starts a plugin anew', { tag: '@long' }, async ({ page }) => {
   await page.getByRole('link', { name: 'Plugins' }).click();
   const radio = page.locator('[data-supervised="payload-2-radio"]');
   await expect(radio.getByTestId('supervised-status')).toHaveText('running');
@@ -76,7 +76,7 @@ test('the supervision tree shows the crash, and starts a plugin anew', async ({ 
   expect(await findings(page)).toEqual([]);
 });
 
-test('plugins are listed with what they may do, and looked for again', async ({ page }) => {
+test('plugins are listed with what they may do, and looked for again', { tag: '@long' }, async ({ page }) => {
   await page.getByRole('link', { name: 'Plugins' }).click();
   const gimbal = page.locator('[data-plugin="gimbal"]');
   await expect(gimbal).toContainText('payload-2-gimbal');

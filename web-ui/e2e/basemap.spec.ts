@@ -145,7 +145,7 @@ async function field(utm: number, place: { latitudeDeg: number; longitudeDeg: nu
   }));
 }
 
-test('an orthophoto in a UTM zone lies under the vehicles, where it belongs', async ({ page, watch }) => {
+test('an orthophoto in a UTM zone lies under the vehicles, where it belongs', { tag: '@long' }, async ({ page, watch }) => {
   watch.expected.push(/willReadFrequently/);
   await open(page, program.url, VEHICLES);
   const [vehicle] = await plotted(page);
@@ -172,7 +172,7 @@ test('an orthophoto in a UTM zone lies under the vehicles, where it belongs', as
   await expect.poll(() => page.evaluate(() => window.__skein!.baseTiles())).toBe(0);
 });
 
-test('a GeoTIFF that cannot be shown is refused in words', async ({ page }) => {
+test('a GeoTIFF that cannot be shown is refused in words', { tag: '@long' }, async ({ page }) => {
   await open(page, program.url, VEHICLES);
   await button(page, 'Layers').click();
   const one: MadePicture = { widthPx: 64, heightPx: 64, pixel: () => [1, 2, 3] };
@@ -195,7 +195,7 @@ test('a GeoTIFF that cannot be shown is refused in words', async ({ page }) => {
   await expect(page.getByRole('alert')).toHaveCount(0);
 });
 
-test('a file that is no base map is refused in words', async ({ page }) => {
+test('a file that is no base map is refused in words', { tag: '@long' }, async ({ page }) => {
   await open(page, program.url, VEHICLES);
   await button(page, 'Layers').click();
   await load(page, Buffer.from('no tiles at all'.repeat(20)), 'notes.pmtiles');

@@ -170,7 +170,7 @@ test('a vehicle flies while the dead-man is held, and stands when it is not', as
   });
 });
 
-test("another operator's vehicle is refused, and taking it ends a flight by hand", async ({ page: anna, browser }) => {
+test("another operator's vehicle is refused, and taking it ends a flight by hand", { tag: '@long' }, async ({ page: anna, browser }) => {
   await withPad(anna);
   await up(anna);
   const context = await browser.newContext();
@@ -193,7 +193,7 @@ test("another operator's vehicle is refused, and taking it ends a flight by hand
   await context.close();
 });
 
-test('from the narrowest phone to the widest screen it can be held', async ({ page }) => {
+test('from the narrowest phone to the widest screen it can be held', { tag: '@long' }, async ({ page }) => {
   await withPad(page);
   await open(page, program.url, VEHICLES);
   for (const [width, height] of [[360, 740], [768, 1024], [1024, 768], [1440, 900], [3840, 2160]] as const) {

@@ -15,7 +15,7 @@ test.beforeAll(async () => {
 });
 test.afterAll(() => program.stop());
 
-test('one of two hundred is stopped in an emergency while all stream', async ({ page }) => {
+test('one of two hundred is stopped in an emergency while all stream', { tag: '@long' }, async ({ page }) => {
   const listed = async () => ((await (await page.request.get(`${program.url}/api/v1/vehicles`)).json()) as Listed).vehicles;
   await page.goto(program.url);
   await expect(page.getByTestId('count-all')).toHaveText(`${VEHICLES}`, { timeout: START_MS });

@@ -42,7 +42,7 @@ test('where the node asks for signs of life, a page in use gives them', async ({
   expect(signs.length).toBeGreaterThan(silent);
 });
 
-test('where it does not, nothing is said and nothing is sent', async ({ page }) => {
+test('where it does not, nothing is said and nothing is sent', { tag: '@long' }, async ({ page }) => {
   program = await Program.node([]);
   let signs = 0;
   page.on('request', (request) => {

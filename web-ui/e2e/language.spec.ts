@@ -15,7 +15,7 @@ test.afterAll(() => program.stop());
 test.describe('where the browser wants German', () => {
   test.use({ locale: 'de-AT' });
 
-  test('every page is German and says so, and English is a choice that is remembered', async ({ page }) => {
+  test('every page is German and says so, and English is a choice that is remembered', { tag: '@long' }, async ({ page }) => {
     await page.goto(program.url);
     await expect(page.locator('html')).toHaveAttribute('lang', 'de');
     await expect(page.getByTestId('count-all')).toHaveText(`${VEHICLES}`, { timeout: 60_000 });

@@ -40,7 +40,7 @@ async function sit(page: Page, name: string): Promise<void> {
   await expect(page.getByRole('dialog')).toHaveCount(0);
 }
 
-test('two operators share the fleet', async ({ page: anna, browser }) => {
+test('two operators share the fleet', { tag: '@long' }, async ({ page: anna, browser }) => {
   const context = await browser.newContext();
   const ben = await context.newPage();
   const faults: string[] = [];

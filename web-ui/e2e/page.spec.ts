@@ -25,7 +25,7 @@ test('nothing but its own files may be loaded', async ({ page }) => {
 });
 
 for (const theme of ['Dark', 'Light', 'Sunlight']) {
-  test(`no serious accessibility faults, ${theme.toLowerCase()}`, async ({ page }) => {
+  test(`no serious accessibility faults, ${theme.toLowerCase()}`, { tag: theme === 'Dark' ? [] : '@long' }, async ({ page }) => {
     await button(page, 'Settings').click();
     await page.getByRole('radio', { name: new RegExp(`^${theme}`) }).check();
     await expect(page.locator('html')).toHaveAttribute('data-theme', theme.toLowerCase());
@@ -47,7 +47,7 @@ for (const theme of ['Dark', 'Light', 'Sunlight']) {
 }
 
 for (const [width, height] of [[1024, 768], [768, 1024], [390, 844]] as const) {
-  test(`on a screen of ${width} by ${height} nothing is out of reach`, async ({ page }) => {
+  test(`on a screen of ${width} by ${height} nothing is out of reach`, { tag: '@long' }, async ({ page }) => {
     await page.setViewportSize({ width, height });
     await expect(page.getByRole('tab', { name: 'Fleet' })).toBeVisible();
     expect(await findings(page)).toEqual([]);
@@ -87,7 +87,7 @@ test('payloads: the camera\'s picture, the gimbal obeys, a restart is seen', asy
   await expect(gimbal).toContainText('-45°', { timeout: 20_000 });
 });
 
-test('targets: by number, by click on the map, by box, and said in words', async ({ page }) => {
+test('targets: by number, by click on the map, by box, and said in words', { tag: '@long' }, async ({ page }) => {
   const targets = page.getByTestId('targets');
   await expect(targets).toContainText(`All ${VEHICLES}`);
   await page.keyboard.press('/');
@@ -131,7 +131,7 @@ test('the keyboard alone arms a vehicle and disarms it', async ({ page }) => {
   }
 });
 
-test('the map pans, zooms and fits', async ({ page }) => {
+test('the map pans, zooms and fits', { tag: '@long' }, async ({ page }) => {
   const before = (await plotted(page))[0]!;
   await page.getByRole('application').focus();
   await page.keyboard.press('ArrowRight');
@@ -152,7 +152,7 @@ test('the map pans, zooms and fits', async ({ page }) => {
   }
 });
 
-test('a sheet over a page is over all of it, also over the head of a table', async ({ page }) => {
+test('a sheet over a page is over all of it, also over the head of a table', { tag: '@long' }, async ({ page }) => {
   for (const name of ['Map', 'Fleet', 'Preflight', 'Alerts', 'Plugins']) {
     await page.getByRole('navigation').getByRole('link', { name }).click();
     await button(page, 'Settings').click();
@@ -169,7 +169,7 @@ test('a sheet over a page is over all of it, also over the head of a table', asy
   }
 });
 
-test('what a command says, however long, widens nothing: the map stays beside the panel', async ({ page }) => {
+test('what a command says, however long, widens nothing: the map stays beside the panel', { tag: '@long' }, async ({ page }) => {
   const edges = () =>
     page.evaluate(() => {
       const box = (of: string): DOMRect => document.querySelector(of)!.getBoundingClientRect();

@@ -71,7 +71,7 @@ test('parameters are read, found, changed by a hold, and marked as changed here'
   await expect(page.getByRole('log')).toContainText('parameter MPC_XY_CRUISE set to 6.5, was 5');
 });
 
-test('a whole number takes no other, and a refusal is said in words', async ({ page, watch, browser }) => {
+test('a whole number takes no other, and a refusal is said in words', { tag: '@long' }, async ({ page, watch, browser }) => {
   watch.expected.push(/409/);
   await read(page, 2);
   const search = page.getByRole('searchbox', { name: 'Find parameters by name' });
@@ -96,7 +96,7 @@ test('a whole number takes no other, and a refusal is said in words', async ({ p
   await context.close();
 });
 
-test('nothing is written to an armed vehicle', async ({ page }) => {
+test('nothing is written to an armed vehicle', { tag: '@long' }, async ({ page }) => {
   await read(page, 1);
   await button(page, 'Change BAT_CRIT_THR').click();
   await page.getByRole('textbox', { name: /^BAT_CRIT_THR/ }).fill('0.08');
@@ -112,7 +112,7 @@ test('nothing is written to an armed vehicle', async ({ page }) => {
   expect(await findings(page)).toEqual([]);
 });
 
-test('the page fits a phone, and speaks German', async ({ page }) => {
+test('the page fits a phone, and speaks German', { tag: '@long' }, async ({ page }) => {
   await read(page, 1);
   await page.setViewportSize({ width: 360, height: 740 });
   expect(await page.evaluate(() => document.documentElement.scrollWidth - innerWidth)).toBeLessThanOrEqual(0);

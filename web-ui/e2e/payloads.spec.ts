@@ -41,7 +41,7 @@ test('a panel made from the schema: fields with units, what is wrong is said, wh
   expect(await findings(page)).toEqual([]);
 });
 
-test('the gimbal follows a finger on its pad, the arrow keys, and the picture that is taken hold of', async ({ page }) => {
+test('the gimbal follows a finger on its pad, the arrow keys, and the picture that is taken hold of', { tag: '@long' }, async ({ page }) => {
   const gimbal = page.locator('[data-instance="payload-2-gimbal"]');
   await gimbal.getByRole('button', { name: 'Take control' }).first().click();
   const pad = gimbal.getByRole('application');

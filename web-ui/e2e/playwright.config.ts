@@ -1,4 +1,7 @@
 // The page in a real Chromium against the real program. Nothing here stands in for either.
+//
+// Journeys that a user cannot do without are flown in every run. What is tagged `@long` (further widths, themes, languages and units, long
+// flights, two hundred vehicles) runs with `cargo xtask test ui`, and with `--all`.
 import { defineConfig } from '@playwright/test';
 
 const SLOW_MACHINE_MS = 15_000;

@@ -68,7 +68,7 @@ async function crash(page: Page): Promise<void> {
   await expect.poll(over, { timeout: RESTART_MS, intervals: [50] }).toBe(true);
 }
 
-test('what fails again and again is given up in its open panel, refuses with the reason, and is started anew there', async ({ page, watch }) => {
+test('what fails again and again is given up in its open panel, refuses with the reason, and is started anew there', { tag: '@long' }, async ({ page, watch }) => {
   watch.expected.push(/status of 503/);
   await mixed(page);
   await page.goto(`${program.url}/#vehicle/2`);
@@ -111,7 +111,7 @@ test('what fails again and again is given up in its open panel, refuses with the
   await expect(page.getByText('gimbal ahead: taken up')).toBeVisible();
 });
 
-test('what is stopped is gone from the tree, is not forgotten while a rule names it, and is back when it is attached', async ({ page, watch }) => {
+test('what is stopped is gone from the tree, is not forgotten while a rule names it, and is back when it is attached', { tag: '@long' }, async ({ page, watch }) => {
   watch.expected.push(/status of 409/);
   await mixed(page);
   await page.getByRole('link', { name: 'Plugins' }).click();
@@ -153,7 +153,7 @@ test('a new plugin is found, a file that is none is named with its fault, and wh
   await expect(listed(page, 'frame-counter')).toHaveCount(0);
 });
 
-test('a model is upgraded in flight, stays if the next does not come up, is rolled back and started anew', async ({ page }) => {
+test('a model is upgraded in flight, stays if the next does not come up, is rolled back and started anew', { tag: '@long' }, async ({ page }) => {
   await alike(page);
   await hold(page, `Take off ${ALIKE}`);
   await expect(summary(page)).toContainText(`${ALIKE} of ${ALIKE} done`, { timeout: FLIGHT_MS });

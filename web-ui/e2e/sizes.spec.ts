@@ -27,7 +27,7 @@ async function cutOff(place: Locator): Promise<string[]> {
   );
 }
 
-test('the counters are whole from 360 px to 4K', async ({ page }) => {
+test('the counters are whole from 360 px to 4K', { tag: '@long' }, async ({ page }) => {
   const port = await freePort();
   const sendTo = `127.0.0.1:${port}`;
   program = await Program.node([

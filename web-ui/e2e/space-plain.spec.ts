@@ -16,7 +16,7 @@ test.beforeAll(async () => {
 });
 test.afterAll(() => program.stop());
 
-test('without WebGL the view in space is drawn all the same', async ({ page }) => {
+test('without WebGL the view in space is drawn all the same', { tag: '@long' }, async ({ page }) => {
   const scripts: string[] = [];
   page.on('request', (request) => scripts.push(request.url()));
   await open(page, program.url, VEHICLES);

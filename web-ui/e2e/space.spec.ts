@@ -29,7 +29,7 @@ async function enter(page: Page): Promise<void> {
 const positions = (page: Page) => page.evaluate(() => window.__skeinSpace!.positions());
 const camera = (page: Page) => page.evaluate(() => ({ bearingDeg: window.__skeinSpace!.bearingDeg(), distanceM: window.__skeinSpace!.distanceM() }));
 
-test('drawn with WebGL, loaded when it is looked at, turned, moved and left again', async ({ page }) => {
+test('drawn with WebGL, loaded when it is looked at, turned, moved and left again', { tag: '@long' }, async ({ page }) => {
   const scripts: string[] = [];
   page.on('request', (request) => request.url().endsWith('.js') && scripts.push(request.url()));
   await enter(page);
@@ -81,7 +81,7 @@ test('drawn with WebGL, loaded when it is looked at, turned, moved and left agai
   await expect.poll(() => page.evaluate(() => window.__skein!.framesDrawn())).toBeGreaterThan(drawn + 3);
 });
 
-test('height is seen: a climb goes up in the picture, a fence is as high as it is', async ({ page }) => {
+test('height is seen: a climb goes up in the picture, a fence is as high as it is', { tag: '@long' }, async ({ page }) => {
   const at = (await plotted(page))[0]!;
   const corners = [[-1, -1], [-1, 1], [1, 1], [1, -1], [-1, -1]].map(([n, e]) => [at.longitudeDeg + e! * 0.001, at.latitudeDeg + n! * 0.001]);
   const field = {

@@ -27,7 +27,7 @@ async function choose(page: Page, units: RegExp): Promise<void> {
   await expect(page.getByRole('dialog')).toHaveCount(0);
 }
 
-test('in feet and knots a fleet is flown', async ({ page }) => {
+test('in feet and knots a fleet is flown', { tag: '@long' }, async ({ page }) => {
   const told = page.getByTestId('forecast');
   await open(page, program.url, VEHICLES);
 
@@ -135,7 +135,7 @@ test('in feet and knots a fleet is flown', async ({ page }) => {
 test.describe('where the browser wants German', () => {
   test.use({ locale: 'de-AT' });
 
-  test('the units are a choice of their own', async ({ page }) => {
+  test('the units are a choice of their own', { tag: '@long' }, async ({ page }) => {
     await page.goto(program.url);
     await expect(page.getByTestId('count-all')).toHaveText(`${VEHICLES}`, { timeout: 60_000 });
     await button(page, 'Einstellungen').click();
