@@ -90,6 +90,28 @@ pub fn unit_targets(workspace: &Workspace) -> Vec<String> {
     arguments
 }
 
+/// The arguments that build what the tests run and load. The examples that measure or draw something are left out unless the run is a
+/// whole one: nothing loads them.
+pub fn all_targets(workspace: &Workspace, whole: bool) -> Vec<String> {
+    let selected = if whole {
+        &["--workspace", "--all-targets"][..]
+    } else {
+        &["--workspace", "--lib", "--bins", "--tests"]
+    };
+    let mut arguments: Vec<String> = selected.iter().map(|&argument| argument.to_owned()).collect();
+    if !whole {
+        let loaded = workspace.packages.iter().filter(|package| has_loaded_examples(package));
+        let targets = loaded.flat_map(|package| &package.targets);
+        let examples = targets.filter(|target| target.kind.iter().any(|kind| kind == "example"));
+        examples.for_each(|target| arguments.extend(["--example".to_owned(), target.name.clone()]));
+    }
+    arguments
+}
+
+fn has_loaded_examples(package: &Package) -> bool {
+    package.folder.contains("/fixtures/") || package.folder == "core/plugin-host"
+}
+
 /// The arguments that select the tests of one tier's crate.
 pub fn tier_targets(package: &Package) -> Vec<String> {
     let mut arguments = vec!["--workspace".to_owned()];

@@ -1,4 +1,5 @@
-//! Which tests failed, as `cargo test` lists them, and whether the list is whole; which failed and then passed, as Playwright lists them.
+//! Which tests failed, as `cargo test` lists them, and whether the list is whole; which never ended; which failed and then passed, as
+//! Playwright lists them.
 //!
 //! Must never do: give the names of some when others ended without a word.
 
@@ -10,6 +11,8 @@ mod tests;
 pub struct Failures {
     names: Vec<String>,
     unsteady: Vec<String>,
+    /// Those that the runner has told to be taking long, and that have not ended since.
+    unended: Vec<String>,
     begun: u64,
     ended: u64,
     listing: Listing,
@@ -35,11 +38,29 @@ impl Failures {
             (Listing::Unsteady, Some(name)) => self.unsteady.push(name.trim_end_matches(['─', ' ']).to_owned()),
             _ => self.listing = Listing::under(line),
         }
+        self.read_slow(line);
         if line.starts_with("running ") && (line.ends_with(" tests") || line.ends_with(" test")) {
             self.begun += 1;
         } else if line.starts_with("test result: ") {
             self.ended += 1;
         }
+    }
+
+    /// `cargo test` names who has been running for a minute, and later how it ended.
+    fn read_slow(&mut self, line: &str) {
+        let Some(test) = line.strip_prefix("test ") else {
+            return;
+        };
+        if let Some((name, _)) = test.split_once(" has been running for over ") {
+            self.unended.push(name.to_owned());
+        } else if let Some((name, _)) = test.split_once(" ... ") {
+            self.unended.retain(|slow| slow != name);
+        }
+    }
+
+    /// The tests that had run for more than a minute and had not ended when the output did.
+    pub fn unended(&self) -> Vec<String> {
+        self.unended.clone()
     }
 
     /// The tests that failed; none if a program ended before it could say.

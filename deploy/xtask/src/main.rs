@@ -13,6 +13,7 @@ mod fast;
 mod long_runs;
 mod namespaces;
 mod plugins;
+mod processes;
 mod px4;
 mod report;
 mod screenshot;
@@ -21,6 +22,7 @@ mod tally;
 mod tidy;
 mod tiers;
 mod ui;
+mod unsteady;
 mod workspace;
 
 use anyhow::Result;
@@ -104,6 +106,9 @@ fn main() -> ExitCode {
 }
 
 fn run(task: Task) -> Result<ExitCode> {
+    if matches!(task, Task::Fast { .. } | Task::Test { .. }) {
+        processes::end_all_when_interrupted(namespaces::clear);
+    }
     let workspace = Workspace::load()?;
     match task {
         Task::Fast { since } => fast::run(&workspace, since.as_deref()),

@@ -9,6 +9,9 @@ use std::process::{Command, Stdio};
 
 /// A namespace that is made and removed again to see whether it can be.
 const PROBE: &str = "skein-probe";
+/// Names of the tests' namespaces begin like this, and whoever holds this file's lock has them.
+const PREFIX: &str = "skein-mh-";
+const LOCK: &str = "/tmp/skein-multihost.lock";
 /// Steps the clock of one node; the flights look for it here.
 const FAKETIME: &str = "/usr/lib/x86_64-linux-gnu/faketime/libfaketimeMT.so.1";
 
@@ -30,6 +33,20 @@ pub fn can_be_made() -> Result<()> {
         "network namespaces cannot be made: that needs root, and a kernel that has them"
     );
     Ok(())
+}
+
+/// Removes the hosts that an interrupted run has left, unless another run has them. The tests make them (`tests/multihost/src/net.rs`), and
+/// remove them where they come to their end.
+pub fn clear() {
+    let lock = std::fs::File::open(LOCK);
+    if !lock.is_ok_and(|lock| lock.try_lock().is_ok()) {
+        return;
+    }
+    for name in std::fs::read_dir("/run/netns").into_iter().flatten().flatten() {
+        if let Some(name) = name.file_name().to_str().filter(|name| name.starts_with(PREFIX)) {
+            runs("ip", &["netns", "del", name]);
+        }
+    }
 }
 
 fn runs(program: &str, arguments: &[&str]) -> bool {

@@ -129,6 +129,15 @@ impl Report {
         ok
     }
 
+    /// Those that failed and passed when tried again: step and test.
+    pub fn unsteady_tests(&self) -> Vec<(&str, &str)> {
+        let all = self.done.iter().flat_map(|done| {
+            let tests = done.unsteady.iter();
+            tests.map(|test| (done.name.as_str(), test.as_str()))
+        });
+        all.collect()
+    }
+
     fn total(&self) -> Tally {
         let mut total = Tally::default();
         self.done.iter().for_each(|done| total += done.tally);
@@ -151,7 +160,7 @@ impl Report {
         }
         let seconds = self.started.elapsed().as_secs_f64();
         println!("{summary}  {:<49} {seconds:>7.1} s", "all");
-        print!("{}", self.unsteady());
+        print!("{}", self.told_unsteady());
         println!("{total}");
         if self.done.iter().all(|done| done.failure.is_none()) {
             ExitCode::SUCCESS
@@ -161,7 +170,7 @@ impl Report {
     }
 
     /// What the reader is told of unsteady tests, a line for each; nothing where there are none.
-    fn unsteady(&self) -> String {
+    fn told_unsteady(&self) -> String {
         let count = self.total().unsteady;
         if count == 0 {
             return String::new();
@@ -169,11 +178,9 @@ impl Report {
         let mut text = format!(
             "{count} unsteady: failed above, passed when tried again. Such a test has a fault, or the program: to be looked into.\n"
         );
-        for done in &self.done {
-            for test in &done.unsteady {
-                // writing to a String cannot fail
-                let _ = writeln!(text, "  unsteady: {}: {test}", done.name);
-            }
+        for (step, test) in self.unsteady_tests() {
+            // writing to a String cannot fail
+            let _ = writeln!(text, "  unsteady: {step}: {test}");
         }
         text
     }

@@ -6,9 +6,11 @@
 mod tests;
 
 use crate::failures::Failures;
+use crate::processes;
 use crate::tally::{Runner, Tally};
 use anyhow::{Context, Result, bail};
 use std::io::{BufRead, BufReader, IsTerminal, Read};
+use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -88,6 +90,8 @@ impl Step {
             .command
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
+            // so that everything it starts is found, also when those in between are gone
+            .process_group(0)
             .spawn()
             .with_context(|| format!("cannot start {name}"))?;
         let output = child.stdout.take().context("the child's output is piped")?;
@@ -98,12 +102,23 @@ impl Step {
         let reader = std::thread::spawn(move || count(output, runner, &of_output));
         let passer = std::thread::spawn(move || pass_on(complaints, &of_complaints));
         let status = wait(&mut child, &heard, self.quiet, self.total);
+        // who still holds an end of the outputs would keep the readers for ever
+        let left = processes::below(child.id());
+        if !left.is_empty() && status.is_ok() {
+            println!("-- {name} has left behind, now ended: {}", list(&left));
+        }
+        processes::end(child.id());
         let (counted, failed) = reader.join().unwrap_or_default();
         // it has nothing to tell but what it has shown
         let _ = passer.join();
         *tally += counted;
+        let unended = failed.unended();
         *failures = failed;
-        let status = status?;
+        let status = match status {
+            Ok(status) => status,
+            Err(error) if unended.is_empty() => return Err(error),
+            Err(error) => return Err(error.context(format!("did not end: {}", unended.join(", ")))),
+        };
         match status.code() {
             Some(0) if self.must_run_some && tally.ran() == 0 => {
                 bail!("no test ran: a tier without tests proves nothing")
@@ -181,30 +196,18 @@ fn wait(child: &mut Child, heard: &Heard, quiet: Duration, total: Duration) -> R
             std::thread::sleep(LOOK_EVERY);
             continue;
         };
-        end_tree(child.id());
+        let running = list(&processes::below(child.id()));
+        processes::end(child.id());
         child.wait()?;
-        bail!("hung: {hung}, and was ended");
+        bail!("hung: {hung}, and was ended with {running}");
     }
 }
 
-/// Kills the process and everything it started: a test binary would outlive the cargo that ran it.
-fn end_tree(root: u32) {
-    let mut pids = vec![root];
-    let mut next = 0;
-    while let Some(&parent) = pids.get(next) {
-        next += 1;
-        let tasks = std::fs::read_dir(format!("/proc/{parent}/task"))
-            .into_iter()
-            .flatten()
-            .flatten();
-        for task in tasks {
-            let children = std::fs::read_to_string(task.path().join("children")).unwrap_or_default();
-            pids.extend(children.split_whitespace().filter_map(|pid| pid.parse::<u32>().ok()));
-        }
+fn list(processes: &[processes::Process]) -> String {
+    let names: Vec<String> = processes.iter().map(ToString::to_string).collect();
+    if names.is_empty() {
+        "nothing below it".to_owned()
+    } else {
+        names.join(", ")
     }
-    // nothing is left to do if kill itself is missing
-    let _ = Command::new("kill")
-        .arg("-KILL")
-        .args(pids.iter().map(u32::to_string))
-        .status();
 }

@@ -6,9 +6,10 @@ use crate::plugins::{self, Profile};
 use crate::report::Report;
 use crate::step::Step;
 use crate::tally::Runner;
+use crate::unsteady::History;
 use crate::workspace::Workspace;
 use crate::{artifacts, browser, long_runs, namespaces, tidy, ui};
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 use std::time::Duration;
@@ -82,18 +83,19 @@ impl Tier {
     /// starved by others.
     fn at_a_time(self) -> &'static str {
         match self {
-            Self::Integration => "3",
-            Self::Faults => "2",
-            Self::E2e => "2",
+            Self::Unit | Self::Faults => "4",
+            Self::Integration => "5",
+            Self::E2e | Self::Interop => "2",
             _ => "1",
         }
     }
 
     /// What its tests are told besides: those that are ignored for their length run where the tier is named, and with `--all`.
     fn only_when_whole(self, whole: bool) -> &'static [&'static str] {
-        match self {
-            Self::Interop if whole => &["--include-ignored"],
-            _ => &[],
+        if whole && self != Self::Unit {
+            &["--include-ignored"]
+        } else {
+            &[]
         }
     }
 
@@ -112,7 +114,7 @@ impl Tier {
 
     /// Whether it runs only where it is named, and with `--all`.
     fn is_long(self) -> bool {
-        self == Self::UiSoak
+        matches!(self, Self::Multihost | Self::UiSoak)
     }
 
     /// The crate that holds the tier, if it is one.
@@ -151,15 +153,15 @@ pub fn run(workspace: &Workspace, tiers: &[Tier], long_ones_too: bool) -> Result
     if needs_page {
         report.check("dashboard built", "run `cargo xtask build-ui`", || ui::build(workspace));
     }
-    let built = build_all(workspace, &mut report);
+    let built = build_all(workspace, &mut report, whole);
     for tier in &tiers {
         match (tier, &built) {
             (Tier::Static, _) => {}
             (_, None) => report.left_out(tier.name(), "the workspace does not compile"),
             (Tier::Unit, Some(built)) => unit(workspace, &mut report, built),
-            (Tier::Ui, Some(built)) => browser_tests(workspace, &mut report, built),
+            (Tier::Ui, Some(built)) => browser_tests(workspace, &mut report, built, whole),
             (Tier::UiSoak, Some(built)) => browser_soak(workspace, &mut report, built),
-            (Tier::Multihost, Some(built)) => multihost(workspace, &mut report, built, everything, whole),
+            (Tier::Multihost, Some(built)) => multihost(workspace, &mut report, built, everything),
             (_, Some(built)) => crate_tier(workspace, &mut report, *tier, built, whole),
         }
     }
@@ -168,7 +170,31 @@ pub fn run(workspace: &Workspace, tiers: &[Tier], long_ones_too: bool) -> Result
             built.tell(command);
         });
     }
+    remember_unsteady(workspace, &mut report, long_ones_too);
     Ok(report.close())
+}
+
+/// Notes what was unsteady. With `--all`, what has been so before fails the run: that is no noise.
+fn remember_unsteady(workspace: &Workspace, report: &mut Report, long_ones_too: bool) {
+    let Some(history) = History::of_this_user() else {
+        report.left_out("unsteady tests", "there is no home to keep a history of them in");
+        return;
+    };
+    let tests = report.unsteady_tests();
+    if !tests.is_empty() {
+        history.add(&workspace.commit(), &tests);
+        println!("-- unsteady tests are noted in {}", history.file().display());
+    }
+    if long_ones_too {
+        let file = history.file().display();
+        let advice = format!("mend the test, or the program; then take its lines out of {file}");
+        report.check("unsteady tests", &advice, || {
+            let told = |(test, times): (String, usize)| format!("{test} ({times} times)");
+            let repeated: Vec<String> = history.repeated().into_iter().map(told).collect();
+            ensure!(repeated.is_empty(), "in more than one run: {}", repeated.join(", "));
+            Ok(())
+        });
+    }
 }
 
 /// The lints only where the tier is named, and with `--all`: they compile every dependency once more, for a quarter of an hour of a
@@ -217,11 +243,11 @@ impl Built {
 }
 
 /// Program, plugins, tests: everything in one go.
-fn build_all(workspace: &Workspace, report: &mut Report) -> Option<Built> {
+fn build_all(workspace: &Workspace, report: &mut Report, whole: bool) -> Option<Built> {
     let mut plugins = None;
     report.check("everything built", "mend the compile error above", || {
         let mut build = workspace.cargo();
-        build.args(["build", "--workspace", "--all-targets"]);
+        build.arg("build").args(artifacts::all_targets(workspace, whole));
         let made = artifacts::build(workspace, build)?;
         plugins = Some(plugins::collect(workspace, Profile::Dev, &made)?);
         Ok(())
@@ -232,7 +258,8 @@ fn build_all(workspace: &Workspace, report: &mut Report) -> Option<Built> {
 
 fn unit(workspace: &Workspace, report: &mut Report, built: &Built) {
     let advice = format!("{SEE_TESTS} `cargo xtask test unit`");
-    let crates = cargo_tests(workspace, built, &artifacts::unit_targets(workspace), &[]);
+    let at_a_time = ["--test-threads", Tier::Unit.at_a_time()].map(str::to_owned);
+    let crates = cargo_tests(workspace, built, &artifacts::unit_targets(workspace), &at_a_time);
     report.step("unit: crates", &advice, crates);
     let mut examples = workspace.cargo();
     examples.args(["test", "--workspace", "--doc", "--no-fail-fast"]);
@@ -247,10 +274,7 @@ fn unit(workspace: &Workspace, report: &mut Report, built: &Built) {
     report.step("unit: dashboard", "run `npm test` in web-ui", tests);
 }
 
-/// Every flight takes a minute, and there is one for each fault: the whole test flies one short flight with one of them.
-const SHORT_OF_MULTIHOST: [&str; 2] = ["namespaces", "short"];
-
-fn multihost(workspace: &Workspace, report: &mut Report, built: &Built, may_be_left_out: bool, whole: bool) {
+fn multihost(workspace: &Workspace, report: &mut Report, built: &Built, may_be_left_out: bool) {
     let advice =
         "run it as root, on a Linux kernel with namespaces, veth and TUN devices; it needs ip and tc of iproute2";
     match namespaces::can_be_made() {
@@ -258,12 +282,7 @@ fn multihost(workspace: &Workspace, report: &mut Report, built: &Built, may_be_l
         Err(error) => {
             report.check("multihost: hosts", advice, || Err(error));
         }
-        Ok(()) if whole => crate_tier(workspace, report, Tier::Multihost, built, whole),
-        Ok(()) => {
-            let targets = SHORT_OF_MULTIHOST.iter().flat_map(|name| ["--test", name]);
-            let targets = std::iter::once("--workspace").chain(targets).map(str::to_owned);
-            run_tier(workspace, report, Tier::Multihost, built, targets.collect(), &[]);
-        }
+        Ok(()) => crate_tier(workspace, report, Tier::Multihost, built, true),
     }
 }
 
@@ -296,10 +315,15 @@ fn run_tier(
     }
 }
 
+/// What property tests draw their inputs from. Every run draws the same, so that it comes out the same; `--all` draws others, and more.
+const DRAWN_FROM: &str = "PROPTEST_RNG_SEED";
+const SEED_OF_EVERY_RUN: &str = "1";
+
 /// `cargo test` of these targets; the arguments are those of the test programs.
 fn cargo_tests(workspace: &Workspace, built: &Built, targets: &[String], arguments: &[String]) -> Step {
     let mut tests = workspace.cargo();
     tests.arg("test").args(targets).args(["--no-fail-fast", "--"]);
+    tests.env(DRAWN_FROM, SEED_OF_EVERY_RUN);
     built.tell(tests.args(arguments));
     Step::tests(tests, Runner::CargoTest)
 }
@@ -310,10 +334,16 @@ fn alone(names: &[String]) -> Vec<String> {
     [&options[..], names].concat()
 }
 
-fn browser_tests(workspace: &Workspace, report: &mut Report, built: &Built) {
-    let Some(tests) = in_browser(workspace, report, built, Tier::Ui, "e2e") else {
+/// Those whose name has this tag run only where the tier is named, and with `--all`.
+const LONG_IN_BROWSER: &str = "@long";
+
+fn browser_tests(workspace: &Workspace, report: &mut Report, built: &Built, whole: bool) {
+    let Some(mut tests) = in_browser(workspace, report, built, Tier::Ui, "e2e") else {
         return;
     };
+    if !whole {
+        tests.args(["--", "--grep-invert", LONG_IN_BROWSER]);
+    }
     let advice = format!("{SEE_TESTS} `cargo xtask test ui`; traces are in test-results/");
     report.step("ui", &advice, Step::tests(tests, Runner::Playwright));
 }

@@ -64,7 +64,8 @@ pub fn build(workspace: &Workspace) -> Result<()> {
     let web_ui = workspace.web_ui();
     let wanted = hash_files(&web_ui, &sources(&web_ui)?)?;
     let stamp = Stamp {
-        file: workspace.target.join("xtask/web-ui.stamp"),
+        // beside what it speaks of: several checkouts may share a build directory
+        file: web_ui.join("node_modules/.skein-dist-stamp"),
         wanted,
     };
     if stamp.is_fresh() && web_ui.join("dist/index.html").is_file() {

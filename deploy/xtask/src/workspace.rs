@@ -55,6 +55,8 @@ pub struct Target {
     pub kind: Vec<String>,
     /// Its root source file.
     pub src_path: PathBuf,
+    /// Whether `cargo test` looks for tests in it.
+    pub test: bool,
 }
 
 #[derive(Deserialize)]
@@ -112,6 +114,15 @@ impl Workspace {
     /// The member of that name.
     pub fn package(&self, name: &str) -> Option<&Package> {
         self.packages.iter().find(|package| package.name == name)
+    }
+
+    /// The commit that is checked out, shortened; `unknown` outside of git.
+    pub fn commit(&self) -> String {
+        let mut git = Command::new("git");
+        git.args(["rev-parse", "--short", "HEAD"]).current_dir(&self.root);
+        let output = git.output().ok().filter(|output| output.status.success());
+        let commit = output.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned());
+        commit.unwrap_or_else(|| "unknown".to_owned())
     }
 
     /// The dashboard's folder.

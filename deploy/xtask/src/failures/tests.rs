@@ -72,3 +72,10 @@ fn those_that_the_browsers_runner_tried_again_are_named() {
     );
     assert!(read(&lines).names().is_empty(), "cargo tries those again that it names");
 }
+
+#[test]
+fn who_takes_long_has_not_ended_until_it_has() {
+    let long = "test a::slow has been running for over 60 seconds\ntest b::slow has been running for over 60 seconds\n";
+    assert_eq!(read(&[long]).unended(), ["a::slow", "b::slow"]);
+    assert_eq!(read(&[long, "test a::slow ... ok\n"]).unended(), ["b::slow"]);
+}

@@ -92,13 +92,13 @@ fn their_number_over_a_run_fails_nothing_and_all_are_told() {
         assert!(report.tests(step, "", failing(&["a", "b"]), |_| passing(2)));
     }
     assert_eq!(report.total().unsteady, 6);
-    let told = report.unsteady();
+    let told = report.told_unsteady();
     assert!(told.starts_with("6 unsteady"), "{told}");
     for test in ["air: a", "air: b", "browser: a", "hosts: b"] {
         assert!(told.contains(&format!("unsteady: {test}\n")), "{told}");
     }
     assert_eq!(code(report), format!("{:?}", ExitCode::SUCCESS));
-    assert_eq!(Report::new().unsteady(), "");
+    assert_eq!(Report::new().told_unsteady(), "");
 }
 
 #[test]
@@ -107,7 +107,7 @@ fn a_test_that_fails_twice_has_failed() {
     assert!(!report.tests("flights", "", failing(&["one"]), |_| failing(&["one"])));
     assert!(!report.tests("flights", "", failing(&["one", "two"]), |_| passing(1)));
     assert_eq!(report.total().failed, 3);
-    assert_eq!(report.unsteady(), "");
+    assert_eq!(report.told_unsteady(), "");
     assert_eq!(code(report), format!("{:?}", ExitCode::FAILURE));
 }
 
@@ -163,7 +163,7 @@ fn second_tries_of_a_runner_itself_have_the_same_limits() {
     assert!(report.step("three", "", in_the_browser(3, 9)));
     assert!(
         report
-            .unsteady()
+            .told_unsteady()
             .contains("unsteady: three: flight.spec.ts:2:1 › lands\n")
     );
     assert!(!report.step("seven", "", in_the_browser(7, 90)));

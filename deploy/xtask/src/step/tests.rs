@@ -60,6 +60,7 @@ fn a_failing_command_is_a_failure_and_its_counts_hold() {
 #[test]
 fn a_hung_command_is_ended_with_what_it_started() {
     let mut child = shell("sleep 600 & echo $!; wait")
+        .process_group(0)
         .stdout(Stdio::piped())
         .spawn()
         .expect("sh starts");
@@ -79,6 +80,28 @@ fn a_hung_command_is_ended_with_what_it_started() {
         assert!(Instant::now() < deadline, "the grandchild outlived its parent");
         std::thread::sleep(LOOK_EVERY);
     }
+}
+
+#[test]
+fn what_a_command_leaves_behind_is_ended_and_holds_nothing_up() {
+    // it has the step's output open
+    let script = "sleep 600 & echo $!; echo 'test result: ok. 1 passed; 0 failed; 0 ignored'";
+    let began = Instant::now();
+    let (result, tally) = tests(script);
+    assert!(result.is_ok() && tally.passed == 1);
+    assert!(began.elapsed() < Duration::from_secs(300), "it was waited for");
+}
+
+#[test]
+fn who_hangs_is_named() {
+    let script = "echo 'test slow::one has been running for over 60 seconds'; exec sleep 600";
+    let step = Step {
+        quiet: Duration::from_secs(2),
+        ..Step::tests(shell(script), Runner::CargoTest)
+    };
+    let error = step.run(&mut Tally::default()).expect_err("it is ended");
+    let told = format!("{error:#}");
+    assert!(told.contains("did not end: slow::one"), "{told}");
 }
 
 /// How a step ends that may be quiet and take so long.

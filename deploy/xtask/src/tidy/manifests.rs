@@ -44,12 +44,28 @@ pub fn check(workspace: &Workspace, files: &[File]) -> Vec<Finding> {
         if let Some(what) = forbidden(workspace, package) {
             broken("dependencies", what);
         }
+        if let Some(file) = tests_that_never_run(package, files) {
+            broken("test", format!("says `test = false`, and {file} has tests"));
+        }
         let manifest = files.iter().find(|file| file.path == path);
         if !manifest.is_some_and(|file| file.text.contains("[lints]\nworkspace = true")) {
             broken("lints", "add `[lints]` with `workspace = true`".to_owned());
         }
     }
     findings
+}
+
+/// A file with tests of a library whose manifest says that it has none.
+fn tests_that_never_run<'f>(package: &Package, files: &'f [File]) -> Option<&'f str> {
+    let is_library = |kind: &String| kind.ends_with("lib");
+    let library = package
+        .targets
+        .iter()
+        .find(|target| target.kind.iter().any(is_library))?;
+    let beside = format!("{}/src/", package.folder);
+    let mut own = files.iter().filter(|file| file.path.starts_with(&beside));
+    let with_tests = own.find(|file| file.text.lines().any(|line| line.trim() == "#[cfg(test)]"));
+    with_tests.filter(|_| !library.test).map(|file| file.path.as_str())
 }
 
 /// Path = name = role.

@@ -170,6 +170,7 @@ fn a_crate_root_forbids_unsafe_code() {
         name: "x".to_owned(),
         kind: vec!["lib".to_owned()],
         src_path: "/core/x/src/lib.rs".into(),
+        test: true,
     };
     let package = Package {
         targets: vec![target],
@@ -218,4 +219,27 @@ fn an_exception_needs_a_reason_and_a_cause() {
     assert_eq!(left(&list("file-size", "one table, better read whole")), 0);
     assert_eq!(left(&list("file-size", "long")), 1);
     assert_eq!(left(&list("names", "one table, better read whole")), 2);
+}
+
+#[test]
+fn tests_of_a_library_that_says_it_has_none_are_found() {
+    let mut package = package("skein-x", "core/x");
+    package.targets.push(Target {
+        name: "skein_x".to_owned(),
+        kind: vec!["lib".to_owned()],
+        src_path: "core/x/src/lib.rs".into(),
+        test: false,
+    });
+    let manifest = file("core/x/Cargo.toml", "[lints]\nworkspace = true\n");
+    let mut workspace = Workspace {
+        root: "/".into(),
+        target: "/target".into(),
+        packages: vec![package],
+    };
+    let tested = file("core/x/src/a.rs", "//! Holds it.\n#[cfg(test)]\nmod tests;\n");
+    assert!(manifests::check(&workspace, std::slice::from_ref(&manifest)).is_empty());
+    let files = [manifest, tested];
+    assert_eq!(rules(&manifests::check(&workspace, &files)), ["test"]);
+    workspace.packages[0].targets[0].test = true;
+    assert!(manifests::check(&workspace, &files).is_empty());
 }
