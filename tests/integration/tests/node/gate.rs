@@ -114,6 +114,7 @@ fn north_m(fleet: &FleetSnapshot) -> (f64, f64) {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+#[ignore = "long: part of `cargo xtask test integration`"]
 async fn a_formation_waits_at_the_fence_for_the_reference_that_left_it() {
     let swarm = Swarm::start_with(3, |config, _| fenced(config)).await;
     swarm.ready().await;

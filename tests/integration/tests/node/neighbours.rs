@@ -52,6 +52,7 @@ fn planned(swarm: &Swarm) -> BTreeMap<u8, Vector3<f64>> {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+#[ignore = "long: part of `cargo xtask test integration`"]
 async fn a_shape_kept_by_directions_stays_as_it_is_behind_a_leader_that_moves() {
     let swarm = Swarm::start_with(usize::from(VEHICLES), |_, sim| sim.spacing_m = SPACING_M).await;
     swarm.take_off(10.0).await;

@@ -145,12 +145,13 @@ fn judge(phase: &str, report: &Value, before: &Value, swarm: &Swarm, vehicles: u
 }
 
 #[tokio::test(flavor = "multi_thread")]
+#[ignore = "long: part of `cargo xtask test interop`"]
 async fn rclpy_of_jazzy_sees_commands_and_steers_the_swarm() -> Result<()> {
     flown_by(Ros2::jazzy).await
 }
 
 #[tokio::test(flavor = "multi_thread")]
-#[ignore = "the same flight again; part of `cargo xtask test interop`"]
+#[ignore = "long: part of `cargo xtask test interop`"]
 async fn rclpy_of_kilted_sees_commands_and_steers_the_swarm() -> Result<()> {
     flown_by(Ros2::kilted).await
 }

@@ -163,7 +163,7 @@ async fn recorded(swarm: &Swarm, watched: &mut Watched) -> Result<BTreeMap<Strin
 }
 
 #[tokio::test(flavor = "multi_thread")]
-#[ignore = "more than a minute of flight; part of `cargo xtask test interop`"]
+#[ignore = "long: part of `cargo xtask test interop`"]
 async fn a_minute_of_ten_vehicles_is_recorded_without_a_gap() -> Result<()> {
     let domain_id = fresh_domain();
     let ros2 = tokio::task::spawn_blocking(Ros2::jazzy).await??;

@@ -122,7 +122,7 @@ fn judge(phase: &str, report: &Value, swarm: &Swarm) -> Result<()> {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-#[ignore = "a minute of flight; part of `cargo xtask test interop`"]
+#[ignore = "long: part of `cargo xtask test interop`"]
 async fn a_killed_program_leaves_a_holding_vehicle_and_its_successor_commands_it() -> Result<()> {
     let domain_id = fresh_domain();
     let ros2 = tokio::task::spawn_blocking(Ros2::jazzy).await??;

@@ -132,7 +132,7 @@ fn fingerprint() -> String {
 #[test]
 #[cfg(target_pointer_width = "64")]
 fn the_layout_is_the_one_its_version_was_given() {
-    let history = include_str!("../ABI.md");
+    let history = include_str!("../../ABI.md");
     let row = history
         .lines()
         .find(|line| line.starts_with(&format!("| {ABI_VERSION} | ")))
@@ -146,7 +146,7 @@ fn the_layout_is_the_one_its_version_was_given() {
 
 #[test]
 fn every_version_has_a_row_in_the_history() {
-    let history = include_str!("../ABI.md");
+    let history = include_str!("../../ABI.md");
     for version in 1..=ABI_VERSION {
         assert!(
             history.contains(&format!("\n| {version} | ")),

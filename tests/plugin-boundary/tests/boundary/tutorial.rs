@@ -4,6 +4,7 @@ use skein_tests_plugin_boundary::sh_blocks;
 use std::process::Command;
 
 #[test]
+#[ignore = "long: part of `cargo xtask test plugin-boundary`"]
 fn its_commands_work() {
     let text = std::fs::read_to_string(skein_testkit::repository().join("plugins/TUTORIAL.md")).expect("is there");
     let blocks = sh_blocks(&text);

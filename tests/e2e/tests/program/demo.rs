@@ -47,6 +47,7 @@ fn check(report: &serde_json::Value, vehicles: u64, criteria_expected: usize) {
 }
 
 #[tokio::test]
+#[ignore = "long: part of `cargo xtask test e2e`"]
 async fn six_vehicles_fly_the_demonstration() {
     check(&fly(&["--vehicles", "6"]).await, 6, 10);
 }
@@ -63,6 +64,7 @@ async fn with_faults_the_criteria_still_hold() {
 }
 
 #[tokio::test]
+#[ignore = "long: part of `cargo xtask test e2e`"]
 async fn with_a_random_plugin_ended_twice_a_second_the_criteria_still_hold() {
     let report = fly(&["--vehicles", "6", "--faults", "plugins", "--seed", "3"]).await;
     check(&report, 6, 12);
@@ -84,12 +86,14 @@ async fn with_a_random_plugin_ended_twice_a_second_the_criteria_still_hold() {
 }
 
 #[tokio::test]
+#[ignore = "long: part of `cargo xtask test e2e`"]
 async fn over_dds_the_same_is_flown() {
     // without gimbals, which speak MAVLink
     check(&fly(&["--vehicles", "6", "--link", "dds"]).await, 6, 9);
 }
 
 #[tokio::test]
+#[ignore = "long: part of `cargo xtask test e2e`"]
 async fn every_vehicle_flies_on_over_its_other_link_when_the_first_is_cut() {
     let report = fly(&["--vehicles", "6", "--link", "both", "--faults", "links"]).await;
     check(&report, 6, 13);

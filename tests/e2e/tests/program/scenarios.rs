@@ -1,6 +1,6 @@
 //! The scenarios of the demonstration as a user starts them: each meets its own criteria by the simulator's truth, and says so.
 //!
-//! Those that CI flies come first; the others are long runs (`cargo test -p skein-tests-e2e -- --ignored`, part of `--all`).
+//! Each takes one to three minutes: none is flown in the everyday run.
 
 use skein_testkit::Process;
 use std::time::Duration;
@@ -39,7 +39,7 @@ fn judged_by(criteria: &[serde_json::Value], own: &[&str]) {
 }
 
 #[tokio::test]
-#[ignore = "long: over a minute and a half; part of the long runs"]
+#[ignore = "long: part of `cargo xtask test e2e`"]
 async fn a_lost_leader_is_succeeded_without_a_jump() {
     let criteria = fly("leader-loss", 5).await;
     judged_by(
@@ -52,13 +52,14 @@ async fn a_lost_leader_is_succeeded_without_a_jump() {
 }
 
 #[tokio::test]
+#[ignore = "long: part of `cargo xtask test e2e`"]
 async fn a_formation_without_a_coordinator_keeps_its_shape() {
     let criteria = fly("no-coordinator", 5).await;
     judged_by(&criteria, &["distances to neighbours off, root mean square"]);
 }
 
 #[tokio::test]
-#[ignore = "long: two and a half minutes; part of the long runs"]
+#[ignore = "long: part of `cargo xtask test e2e`"]
 async fn every_shape_and_anchor_is_flown() {
     let criteria = fly("formations", 6).await;
     judged_by(
@@ -71,14 +72,14 @@ async fn every_shape_and_anchor_is_flown() {
 }
 
 #[tokio::test]
-#[ignore = "long: two minutes; part of the long runs"]
+#[ignore = "long: part of `cargo xtask test e2e`"]
 async fn vehicles_leave_and_join_in_flight() {
     let criteria = fly("join-leave", 6).await;
     judged_by(&criteria, &["from hovering until in a slot of the formation"]);
 }
 
 #[tokio::test]
-#[ignore = "long: two minutes; part of the long runs"]
+#[ignore = "long: part of `cargo xtask test e2e`"]
 async fn a_mixed_swarm_goes_with_its_slowest() {
     let criteria = fly("mixed", 5).await;
     judged_by(
@@ -88,7 +89,7 @@ async fn a_mixed_swarm_goes_with_its_slowest() {
 }
 
 #[tokio::test]
-#[ignore = "long: over two and a half minutes; part of the long runs"]
+#[ignore = "long: part of `cargo xtask test e2e`"]
 async fn nobody_flies_beyond_the_fence() {
     let criteria = fly("fence", 4).await;
     judged_by(&criteria, &["deepest where nobody may be"]);

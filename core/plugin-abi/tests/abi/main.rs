@@ -1,0 +1,4 @@
+//! The C header and the layout that other languages build against.
+
+mod header;
+mod layout;

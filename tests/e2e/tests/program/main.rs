@@ -1,0 +1,5 @@
+//! The program as it ships, started as a person starts it.
+
+mod bad_input;
+mod demo;
+mod scenarios;

@@ -1,0 +1,4 @@
+//! Other people's MAVLink software against a simulated vehicle.
+
+mod mavsdk;
+mod pymavlink;

@@ -1,0 +1,6 @@
+//! The program on several hosts, each a network namespace of this machine.
+
+mod failover;
+mod flights;
+mod namespaces;
+mod unicast;
