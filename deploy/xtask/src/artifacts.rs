@@ -20,8 +20,6 @@ pub struct Artifact {
     pub kind: Vec<String>,
     /// The files.
     pub files: Vec<PathBuf>,
-    /// The program, if it is one; for a test, the one that runs it.
-    pub executable: Option<PathBuf>,
     /// Whether it is a test program.
     pub is_test: bool,
 }
@@ -34,7 +32,6 @@ struct Message {
     profile: Option<MessageProfile>,
     #[serde(default)]
     filenames: Vec<PathBuf>,
-    executable: Option<PathBuf>,
 }
 
 #[derive(Deserialize)]
@@ -73,38 +70,32 @@ impl Message {
             folder: folder.to_string_lossy().replace('\\', "/"),
             kind: self.target?.kind,
             files: self.filenames,
-            executable: self.executable,
             is_test: self.profile?.test,
         })
     }
 }
 
-/// The arguments that select the unit tier: tests beside the code, and the own test files of crates that are no tier.
-pub fn unit_targets(workspace: &Workspace) -> Vec<String> {
-    let mut arguments = vec!["--workspace".to_owned(), "--lib".to_owned(), "--bins".to_owned()];
-    let crates = workspace
-        .packages
-        .iter()
-        .filter(|package| !is_tier_or_fixture(&package.folder));
-    crates.for_each(|package| arguments.extend(test_targets(package)));
-    arguments
-}
+/// The arguments that select the unit tier: tests beside the code, and the own test files of crates that are no tier. Those of the tiers say
+/// `test = false` in their manifests, and so are left out where they are not named.
+pub const UNIT_TARGETS: [&str; 2] = ["--workspace", "--tests"];
 
 /// The arguments that build what the tests run and load. The examples that measure or draw something are left out unless the run is a
 /// whole one: nothing loads them.
 pub fn all_targets(workspace: &Workspace, whole: bool) -> Vec<String> {
-    let selected = if whole {
-        &["--workspace", "--all-targets"][..]
-    } else {
-        &["--workspace", "--lib", "--bins", "--tests"]
-    };
-    let mut arguments: Vec<String> = selected.iter().map(|&argument| argument.to_owned()).collect();
-    if !whole {
-        let loaded = workspace.packages.iter().filter(|package| has_loaded_examples(package));
-        let targets = loaded.flat_map(|package| &package.targets);
-        let examples = targets.filter(|target| target.kind.iter().any(|kind| kind == "example"));
-        examples.for_each(|target| arguments.extend(["--example".to_owned(), target.name.clone()]));
-    }
+    let selected = [
+        "--workspace",
+        "--lib",
+        "--bins",
+        if whole { "--all-targets" } else { "--tests" },
+    ];
+    let mut arguments = selected.map(str::to_owned).to_vec();
+    let tiers = workspace
+        .packages
+        .iter()
+        .filter(|package| is_tier_or_fixture(&package.folder));
+    arguments.extend(tiers.flat_map(test_targets));
+    let loaded = workspace.packages.iter().filter(|package| has_loaded_examples(package));
+    arguments.extend(loaded.flat_map(|package| targets(package, "example")));
     arguments
 }
 
@@ -120,11 +111,16 @@ pub fn tier_targets(package: &Package) -> Vec<String> {
 }
 
 fn test_targets(package: &Package) -> impl Iterator<Item = String> {
-    let tests = package
+    targets(package, "test")
+}
+
+/// The arguments that name the package's targets of a kind: `test`, `example`.
+fn targets(package: &Package, kind: &'static str) -> impl Iterator<Item = String> {
+    let of_kind = package
         .targets
         .iter()
-        .filter(|target| target.kind.iter().any(|kind| kind == "test"));
-    tests.flat_map(|target| ["--test".to_owned(), target.name.clone()])
+        .filter(move |target| target.kind.iter().any(|of| of == kind));
+    of_kind.flat_map(move |target| [format!("--{kind}"), target.name.clone()])
 }
 
 /// Whether a package's folder is a tier of its own (or a fixture of one) and so no part of the unit tier.

@@ -1,16 +1,17 @@
-//! `fast`: the checks for the crates that changed, and those that use them; about a minute when warm.
+//! `fast`: lints of the workspace, tests of the crates that changed; about a minute when warm. Tests of the crates that use them are left to
+//! `test`: compiling these takes several minutes.
 //!
 //! Must never do: check something that `test` does not.
 
 #[cfg(test)]
 mod tests;
 
-use crate::artifacts::{self, is_tier_or_fixture};
+use crate::artifacts::is_tier_or_fixture;
 use crate::report::Report;
 use crate::step::Step;
 use crate::tally::Runner;
-use crate::tidy;
-use crate::workspace::{Dependency, Package, Workspace};
+use crate::workspace::Workspace;
+use crate::{tidy, ui};
 use anyhow::{Context, Result, ensure};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -24,9 +25,7 @@ pub fn run(workspace: &Workspace, since: Option<&str>) -> Result<ExitCode> {
     let base = base(workspace, since)?;
     let files = changed_files(workspace, &base)?;
     let changed = changed_packages(workspace, &files);
-    let concerned = with_dependants(workspace, &changed);
     println!("{} files changed since {base}: {}", files.len(), list(&changed));
-    println!("checked with those that use them: {}", list(&concerned));
 
     let mut report = Report::new();
     let mut format = workspace.cargo();
@@ -37,45 +36,42 @@ pub fn run(workspace: &Workspace, since: Option<&str>) -> Result<ExitCode> {
     let mut lints = workspace.cargo();
     lints.args(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]);
     report.step("clippy", "mend what clippy names above", Step::new(lints));
-    unit_tests(workspace, &mut report, &concerned);
+    unit_tests(workspace, &mut report, &changed);
+    if files.iter().any(|file| file.starts_with("web-ui/")) {
+        dashboard(workspace, &mut report);
+    }
     Ok(report.close())
 }
 
-/// Runs the test programs of the crates concerned, each in its crate's folder as cargo does.
-fn unit_tests(workspace: &Workspace, report: &mut Report, concerned: &BTreeSet<&str>) {
-    let tested = |folder: &str| {
-        let package = workspace.packages.iter().find(|package| package.folder == folder);
-        package.is_some_and(|package| concerned.contains(package.name.as_str()) && !is_tier_or_fixture(folder))
-    };
-    let mut programs = Vec::new();
-    report.check("tests built", "mend the compile error above", || {
-        let mut build = workspace.cargo();
-        build
-            .args(["test", "--no-run"])
-            .args(artifacts::unit_targets(workspace));
-        let made = artifacts::build(workspace, build)?;
-        let tests = made
-            .into_iter()
-            .filter(|artifact| artifact.is_test && tested(&artifact.folder));
-        programs = tests
-            .filter_map(|artifact| Some((artifact.folder, artifact.executable?)))
-            .collect();
-        Ok(())
+/// The tests of these crates alone. The first time that a crate is tested so, some of what it depends on is compiled with fewer features than
+/// in the workspace.
+fn unit_tests(workspace: &Workspace, report: &mut Report, changed: &BTreeSet<&str>) {
+    let packages = workspace.packages.iter().filter(|package| {
+        let is_tested = package.targets.iter().any(|target| target.test);
+        is_tested && changed.contains(package.name.as_str()) && !is_tier_or_fixture(&package.folder)
     });
-    if programs.is_empty() {
-        report.left_out("unit tests", "no crate with unit tests is concerned");
+    let selected: Vec<&str> = packages.flat_map(|package| ["--package", &package.name]).collect();
+    if selected.is_empty() {
+        report.left_out("unit tests", "no crate with unit tests has changed");
+        return;
     }
-    for (folder, program) in programs {
-        let mut tests = Command::new(program);
-        let home = workspace.root.join(&folder);
-        tests.current_dir(&home).env("CARGO_MANIFEST_DIR", &home);
-        let advice = "the failing tests are named above";
-        report.step(
-            &format!("unit: {folder}"),
-            advice,
-            Step::perhaps_tests(tests, Runner::CargoTest),
-        );
-    }
+    let mut tests = workspace.cargo();
+    tests
+        .arg("test")
+        .args(selected)
+        .args(["--tests", "--no-fail-fast", "--", "--test-threads", "4"]);
+    let tests = Step::perhaps_tests(tests, Runner::CargoTest);
+    report.step("unit tests", "the failing tests are named above", tests);
+}
+
+fn dashboard(workspace: &Workspace, report: &mut Report) {
+    report.check("dashboard: packages", "is Node there, and the network?", || {
+        ui::install(workspace)
+    });
+    let types = Step::new(ui::npm(workspace, &["run", "check"]));
+    report.step("dashboard: types", "run `npm run check` in web-ui", types);
+    let tests = Step::tests(ui::npm(workspace, &["run", "test"]), Runner::Vitest);
+    report.step("dashboard: tests", "run `npm test` in web-ui", tests);
 }
 
 /// Where this branch left main; on main itself, the last commit.
@@ -125,29 +121,6 @@ fn owner<'w>(workspace: &'w Workspace, file: &str) -> Option<&'w str> {
     holders
         .max_by_key(|package| package.folder.len())
         .map(|package| package.name.as_str())
-}
-
-/// What a crate is built from concerns whatever is built from the crate; what only its tests use concerns these alone.
-fn with_dependants<'w>(workspace: &'w Workspace, changed: &BTreeSet<&'w str>) -> BTreeSet<&'w str> {
-    let users = |of: &BTreeSet<&str>, tests_too: bool| -> Vec<&'w str> {
-        let uses = |package: &&'w Package| {
-            let on = |on: &Dependency| (tests_too || on.ships()) && of.contains(on.name.as_str());
-            !of.contains(package.name.as_str()) && package.dependencies.iter().any(on)
-        };
-        let packages = workspace.packages.iter().filter(uses);
-        packages.map(|package| package.name.as_str()).collect()
-    };
-    let mut concerned = changed.clone();
-    loop {
-        let more = users(&concerned, false);
-        if more.is_empty() {
-            break;
-        }
-        concerned.extend(more);
-    }
-    let tested = users(&concerned, true);
-    concerned.extend(tested);
-    concerned
 }
 
 fn list(names: &BTreeSet<&str>) -> String {

@@ -40,7 +40,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Task {
-    /// About a minute: formatting, lints and tests of the crates you changed and of those that use them, and tidy.
+    /// About a minute: formatting, lints, tidy, and the tests of the crates you changed, and of the dashboard if you changed that.
     Fast {
         /// Compare with this revision (default: where this branch left main).
         #[arg(long, value_name = "REVISION")]
@@ -83,9 +83,12 @@ enum Task {
     /// Flies the demo's vehicles and takes pictures of every panel of the dashboard, at three widths, light and dark.
     #[command(alias = "screenshot")]
     Screenshots {
-        /// The folder they go to.
-        #[arg(long, value_name = "FOLDER", default_value = "web-ui/screenshots")]
-        into: std::path::PathBuf,
+        /// The folder they go to [default: screenshots in the build directory].
+        #[arg(long, value_name = "FOLDER")]
+        into: Option<std::path::PathBuf>,
+        /// Also renews the twenty that are kept in web-ui/screenshots.
+        #[arg(long)]
+        keep: bool,
         /// How many vehicles to fly.
         #[arg(long, default_value_t = 8)]
         vehicles: u16,
@@ -125,8 +128,16 @@ fn run(task: Task) -> Result<ExitCode> {
         Task::Tidy => tidy::run(&workspace),
         Task::Screenshots {
             into,
+            keep,
             vehicles,
             after_s,
-        } => screenshot::run(&workspace, &into, vehicles, after_s),
+        } => {
+            let into = into.unwrap_or_else(|| workspace.target.join("screenshots"));
+            screenshot::run(&workspace, &into, vehicles, after_s)?;
+            if keep {
+                screenshot::keep(&workspace, &into)?;
+            }
+            Ok(ExitCode::SUCCESS)
+        }
     }
 }

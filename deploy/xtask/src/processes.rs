@@ -5,8 +5,10 @@
 #[cfg(test)]
 mod tests;
 
-use nix::sys::signal::{SigSet, Signal, kill, killpg};
+use nix::sys::signal::{Signal, kill, killpg};
 use nix::unistd::Pid;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
 use std::collections::BTreeSet;
 use std::time::Duration;
 
@@ -72,27 +74,25 @@ pub fn end_below(root: u32) {
 const MOST_ROUNDS: usize = 100;
 const ROUND: Duration = Duration::from_millis(20);
 
-/// From now on, SIGINT (Ctrl-C), SIGTERM and SIGHUP end what was started before they end this process. To be called before a thread is.
+/// From now on, SIGINT (Ctrl-C), SIGTERM and SIGHUP end what was started, before they end this process.
 pub fn end_all_when_interrupted(and_then: impl FnOnce() + Send + 'static) {
-    let mut signals = SigSet::empty();
-    for signal in [Signal::SIGINT, Signal::SIGTERM, Signal::SIGHUP] {
-        signals.add(signal);
-    }
-    if let Err(error) = signals.thread_block() {
-        eprintln!("xtask: when it is interrupted, what it has started goes on: {error}");
-        return;
-    }
-    // children start with no signal blocked: the standard library sees to that
+    let mut signals = match Signals::new([SIGINT, SIGTERM, SIGHUP]) {
+        Ok(signals) => signals,
+        Err(error) => {
+            eprintln!("xtask: when it is interrupted, what it has started goes on: {error}");
+            return;
+        }
+    };
     std::thread::spawn(move || {
-        let Ok(signal) = signals.wait() else { return };
-        eprintln!("\nxtask: {signal}: ending what was started");
+        let Some(signal) = signals.forever().next() else { return };
+        eprintln!("\nxtask: interrupted: ending what was started");
         end_below(std::process::id());
         and_then();
         #[expect(
             clippy::disallowed_methods,
             reason = "nothing is left to be dropped, and main waits for a child that is gone"
         )]
-        std::process::exit(128 + signal as i32);
+        std::process::exit(128 + signal);
     });
 }
 

@@ -7,7 +7,7 @@ use crate::{browser, demo, ui};
 use anyhow::{Context, Result, ensure};
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitCode, Stdio};
+use std::process::{Child, Command, Stdio};
 
 /// The script that drives the browser; it runs where the dashboard's packages are.
 const SCRIPT: &str = include_str!("screenshot.mjs");
@@ -16,8 +16,47 @@ const SCRIPT: &str = include_str!("screenshot.mjs");
 const BINARY: &str = "SKEIN_BINARY";
 const PLUGINS: &str = "SKEIN_PLUGINS";
 
+/// Those that are in the repository, in this folder, where they are found without flying. All others are made when somebody wants to see them.
+const KEPT_IN: &str = "web-ui/screenshots";
+const KEPT: [&str; 20] = [
+    "console.png",
+    "console-tablet.png",
+    "pages/1920-dark-map.webp",
+    "pages/1920-dark-formation.webp",
+    "pages/1920-dark-space.webp",
+    "pages/1920-dark-page-fleet.webp",
+    "pages/1920-dark-page-vehicle.webp",
+    "pages/1920-dark-page-plugins.webp",
+    "pages/1920-dark-page-links.webp",
+    "pages/1024-light-map.webp",
+    "pages/1024-light-commands.webp",
+    "pages/1024-light-by-hand.webp",
+    "pages/1024-light-fences.webp",
+    "pages/1024-light-emergency-stop.webp",
+    "pages/1024-light-page-preflight.webp",
+    "pages/1024-sunlight-map.webp",
+    "pages/1024-sunlight-german.webp",
+    "pages/390-dark-map.webp",
+    "pages/390-dark-fleet.webp",
+    "pages/390-dark-commands.webp",
+];
+
+/// Copies those that are kept to where they are.
+pub fn keep(workspace: &Workspace, from: &Path) -> Result<()> {
+    let kept = workspace.root.join(KEPT_IN);
+    if kept.exists() {
+        std::fs::remove_dir_all(&kept)?;
+    }
+    std::fs::create_dir_all(kept.join("pages"))?;
+    for name in KEPT {
+        std::fs::copy(from.join(name), kept.join(name)).with_context(|| format!("{name} was not taken"))?;
+    }
+    println!("{} of them are kept in {}", KEPT.len(), kept.display());
+    Ok(())
+}
+
 /// Starts the demo's vehicles and takes the pictures; the script flies them.
-pub fn run(workspace: &Workspace, into: &Path, vehicles: u16, after_s: u64) -> Result<ExitCode> {
+pub fn run(workspace: &Workspace, into: &Path, vehicles: u16, after_s: u64) -> Result<()> {
     let built = std::env::var_os(BINARY);
     if built.is_none() {
         demo::build(workspace)?;
@@ -43,7 +82,7 @@ pub fn run(workspace: &Workspace, into: &Path, vehicles: u16, after_s: u64) -> R
         "the browser took no pictures: see above"
     );
     println!("pictures are in {}", into.display());
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }
 
 /// The demo as a child; ended when this goes.

@@ -259,7 +259,12 @@ fn build_all(workspace: &Workspace, report: &mut Report, whole: bool) -> Option<
 fn unit(workspace: &Workspace, report: &mut Report, built: &Built) {
     let advice = format!("{SEE_TESTS} `cargo xtask test unit`");
     let at_a_time = ["--test-threads", Tier::Unit.at_a_time()].map(str::to_owned);
-    let crates = cargo_tests(workspace, built, &artifacts::unit_targets(workspace), &at_a_time);
+    let crates = cargo_tests(
+        workspace,
+        built,
+        &artifacts::UNIT_TARGETS.map(str::to_owned),
+        &at_a_time,
+    );
     report.step("unit: crates", &advice, crates);
     let mut examples = workspace.cargo();
     examples.args(["test", "--workspace", "--doc", "--no-fail-fast"]);
