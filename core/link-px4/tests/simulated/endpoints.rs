@@ -125,11 +125,8 @@ async fn vehicles_are_lost_join_and_restart_while_the_node_runs() {
         net.discovered(3).await,
     ];
     simulation.kill(2).unwrap();
-    let killed = net.now();
     net.link_event("lost", &links[1], |event| *event == LinkEvent::Lost)
         .await;
-    let after_s = net.now().seconds_since(killed);
-    assert!(after_s < 3.0, "{after_s}");
     let added = simulation
         .add(VehicleStart {
             system_id: Some(4),

@@ -1,5 +1,6 @@
 //! The ladder of reactions in flight: each trigger is brought about in the simulator, and what the node then does is told by its events and
-//! seen in the truth. What the table of core/safety/LADDER.md says of times is held against the events' own.
+//! seen in the truth. No step comes before the time that core/safety/LADDER.md gives it; that none comes late is judged in simulated time, for
+//! every rung of the table (core/safety, `every_rung_reacts_at_its_time`).
 
 use skein_domain::fence::{AltitudeReference, BreachAction, FencePlan, FenceZone, ZoneKind, ZoneOutline};
 use skein_domain::ladder::{Step, TriggerMode};
@@ -11,9 +12,6 @@ use skein_runtime::{EventKind, Fault as NodeFault, NodeHandle, Targets};
 use skein_sim::{Fault, Receiver};
 use skein_testkit::Swarm;
 use std::time::Duration;
-
-/// An order may come so much after its time on a machine that has other things to do, in seconds.
-const LATE_S: f64 = 3.0;
 
 fn ladder_events(node: &NodeHandle, vehicle: u16) -> Vec<LadderEvent> {
     node.events_after(0)
@@ -39,11 +37,11 @@ async fn ordered(swarm: &Swarm, vehicle: u16, trigger: Trigger, reaction: Reacti
     found.at.seconds_since(found.since)
 }
 
-/// The step came at its time: not before it, and no later than a loaded machine makes it.
-fn in_time(trigger: Trigger, reacted_s: f64, step_s: f64) {
+/// The step did not come before its time.
+fn not_early(trigger: Trigger, reacted_s: f64, step_s: f64) {
     println!("{trigger}: {reacted_s:.2} s after it began (step at {step_s} s)");
     assert!(
-        (step_s - 0.1..step_s + LATE_S).contains(&reacted_s),
+        reacted_s > step_s - 0.1,
         "{trigger}: ordered after {reacted_s:.2} s, the step is at {step_s} s"
     );
 }
@@ -62,7 +60,7 @@ fn holds(state: FlightState, mode: FlightMode) -> bool {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn faults_of_vehicles_are_answered_step_by_step_and_in_time() {
+async fn faults_of_vehicles_are_answered_step_by_step_and_not_early() {
     let swarm = Swarm::start_with(7, |_, sim| {
         sim.second_gnss = true;
         sim.spacing_m = 8.0;
@@ -98,7 +96,7 @@ async fn faults_of_vehicles_are_answered_step_by_step_and_in_time() {
         (6, Trigger::Energy, Reaction::Land, 1.0),
     ];
     for (id, trigger, reaction, step_s) in expected {
-        in_time(trigger, ordered(&swarm, id, trigger, reaction, within).await, step_s);
+        not_early(trigger, ordered(&swarm, id, trigger, reaction, within).await, step_s);
     }
     // What was ordered is seen: a hold, a stream that has ended, a landing.
     flies(&swarm, 1, "the one without satellites holds or is brought down", holds).await;
@@ -135,7 +133,7 @@ async fn one_that_does_not_go_where_it_is_told_holds() {
         Duration::from_secs(40),
     )
     .await;
-    in_time(Trigger::TrackingError, reacted_s, 3.0);
+    not_early(Trigger::TrackingError, reacted_s, 3.0);
     swarm.stop().await;
 }
 
@@ -170,7 +168,7 @@ async fn whoever_is_suddenly_outside_of_a_fence_does_what_the_fence_says() {
     assert_eq!(answer.outside, [VehicleId(2)]);
     let within = Duration::from_secs(15);
     let reacted_s = ordered(&swarm, 2, Trigger::FenceBreach, Reaction::Land, within).await;
-    in_time(Trigger::FenceBreach, reacted_s, 0.2);
+    not_early(Trigger::FenceBreach, reacted_s, 0.2);
     flies(&swarm, 2, "it lands", |state, mode| {
         state == FlightState::Landing || mode == FlightMode::Land
     })
@@ -227,14 +225,14 @@ async fn without_coordinator_or_operator_the_members_hold_after_their_time() {
     let within = Duration::from_secs(15);
     for id in 1..=3 {
         let reacted_s = ordered(&swarm, id, Trigger::CoordinatorLoss, Reaction::Hold, within).await;
-        in_time(Trigger::CoordinatorLoss, reacted_s, 2.0);
+        not_early(Trigger::CoordinatorLoss, reacted_s, 2.0);
     }
     let back = NodeFault::CoordinatorAway { away: false };
     swarm.node().inject_fault(back).await.expect("is permitted");
     alive.abort();
     for id in 1..=3 {
         let reacted_s = ordered(&swarm, id, Trigger::OperatorDeadMan, Reaction::Return, within).await;
-        in_time(Trigger::OperatorDeadMan, reacted_s, 3.0);
+        not_early(Trigger::OperatorDeadMan, reacted_s, 3.0);
     }
     flies(&swarm, 2, "they return", |state, _| state == FlightState::Returning).await;
     swarm.stop().await;
