@@ -11,7 +11,7 @@ use crate::report::Report;
 use crate::step::Step;
 use crate::tally::Runner;
 use crate::workspace::Workspace;
-use crate::{tidy, ui};
+use crate::{lints, tidy, ui};
 use anyhow::{Context, Result, ensure};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -33,9 +33,7 @@ pub fn run(workspace: &Workspace, since: Option<&str>) -> Result<ExitCode> {
     report.step("formatting", "run `cargo fmt --all`", Step::new(format));
     report.check("tidy", "each finding says what to do", || tidy::check(workspace));
     // cargo itself knows what is fresh: only what changed, and what uses it, is looked at again
-    let mut lints = workspace.cargo();
-    lints.args(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]);
-    report.step("clippy", "mend what clippy names above", Step::new(lints));
+    lints::check(workspace, &mut report);
     unit_tests(workspace, &mut report, &changed);
     if files.iter().any(|file| file.starts_with("web-ui/")) {
         dashboard(workspace, &mut report);
@@ -43,14 +41,17 @@ pub fn run(workspace: &Workspace, since: Option<&str>) -> Result<ExitCode> {
     Ok(report.close())
 }
 
-/// The tests of these crates alone. The first time that a crate is tested so, some of what it depends on is compiled with fewer features than
-/// in the workspace.
+/// The tests of these crates alone. The members without tests of their own are named too, though nothing of them is built: with them cargo
+/// takes the features of the whole workspace, and what `test` has compiled is not compiled once more with fewer.
 fn unit_tests(workspace: &Workspace, report: &mut Report, changed: &BTreeSet<&str>) {
-    let packages = workspace.packages.iter().filter(|package| {
-        let is_tested = package.targets.iter().any(|target| target.test);
-        is_tested && changed.contains(package.name.as_str()) && !is_tier_or_fixture(&package.folder)
-    });
-    let selected: Vec<&str> = packages.flat_map(|package| ["--package", &package.name]).collect();
+    let (tested, untested): (Vec<_>, Vec<_>) = workspace
+        .packages
+        .iter()
+        .partition(|package| package.targets.iter().any(|target| target.test));
+    let selected: Vec<_> = tested
+        .into_iter()
+        .filter(|package| changed.contains(package.name.as_str()) && !is_tier_or_fixture(&package.folder))
+        .collect();
     if selected.is_empty() {
         report.left_out("unit tests", "no crate with unit tests has changed");
         return;
@@ -58,7 +59,12 @@ fn unit_tests(workspace: &Workspace, report: &mut Report, changed: &BTreeSet<&st
     let mut tests = workspace.cargo();
     tests
         .arg("test")
-        .args(selected)
+        .args(
+            selected
+                .iter()
+                .chain(&untested)
+                .flat_map(|package| ["--package", &package.name]),
+        )
         .args(["--tests", "--no-fail-fast", "--", "--test-threads", "4"]);
     let tests = Step::perhaps_tests(tests, Runner::CargoTest);
     report.step("unit tests", "the failing tests are named above", tests);

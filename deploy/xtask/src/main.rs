@@ -10,6 +10,7 @@ mod debian;
 mod demo;
 mod failures;
 mod fast;
+mod lints;
 mod long_runs;
 mod namespaces;
 mod plugins;

@@ -8,7 +8,7 @@ use crate::step::Step;
 use crate::tally::Runner;
 use crate::unsteady::History;
 use crate::workspace::Workspace;
-use crate::{artifacts, browser, long_runs, namespaces, tidy, ui};
+use crate::{artifacts, browser, lints, long_runs, namespaces, tidy, ui};
 use anyhow::{Result, ensure};
 use std::path::PathBuf;
 use std::process::{Command, ExitCode};
@@ -197,8 +197,6 @@ fn remember_unsteady(workspace: &Workspace, report: &mut Report, long_ones_too: 
     }
 }
 
-/// The lints only where the tier is named, and with `--all`: they compile every dependency once more, for a quarter of an hour of a
-/// run from a cold cache. `fast` has them for what has changed.
 fn static_checks(workspace: &Workspace, report: &mut Report, whole: bool) {
     let mut format = workspace.cargo();
     format.args(["fmt", "--all", "--check"]);
@@ -208,13 +206,11 @@ fn static_checks(workspace: &Workspace, report: &mut Report, whole: bool) {
         "each finding says what to do; `cargo xtask tidy` repeats them",
         || tidy::check(workspace),
     );
+    lints::check(workspace, report);
     if !whole {
-        report.left_out("clippy", "`cargo xtask fast` and `cargo xtask test static` have it");
+        report.left_out("cargo-deny", "`cargo xtask test static` has it");
         return;
     }
-    let mut lints = workspace.cargo();
-    lints.args(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]);
-    report.step("clippy", "mend what clippy names above", Step::new(lints));
     if long_runs::is_installed("cargo-deny") {
         let mut deny = workspace.cargo();
         deny.args(["deny", "--all-features", "check", "bans", "licenses", "sources"]);
