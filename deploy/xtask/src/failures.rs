@@ -11,7 +11,7 @@ mod tests;
 pub struct Failures {
     names: Vec<String>,
     unsteady: Vec<String>,
-    /// Those that the runner has told to be taking long, and that have not ended since.
+    /// Those that the runner has told to be running, and that have not ended since.
     unended: Vec<String>,
     begun: u64,
     ended: u64,
@@ -46,19 +46,22 @@ impl Failures {
         }
     }
 
-    /// `cargo test` names who has been running for a minute, and later how it ended.
+    /// `cargo test` names who has been running for a minute, and later how it ended. Where one runs at a time it names each as it begins, in
+    /// a line that is ended with how it ended.
     fn read_slow(&mut self, line: &str) {
         let Some(test) = line.strip_prefix("test ") else {
             return;
         };
         if let Some((name, _)) = test.split_once(" has been running for over ") {
             self.unended.push(name.to_owned());
+        } else if let Some(name) = test.strip_suffix(" ... ") {
+            self.unended.push(name.to_owned());
         } else if let Some((name, _)) = test.split_once(" ... ") {
             self.unended.retain(|slow| slow != name);
         }
     }
 
-    /// The tests that had run for more than a minute and had not ended when the output did.
+    /// The tests that had not ended when the output did; where several run at a time, those that had run for more than a minute.
     pub fn unended(&self) -> Vec<String> {
         self.unended.clone()
     }

@@ -79,3 +79,11 @@ fn who_takes_long_has_not_ended_until_it_has() {
     assert_eq!(read(&[long]).unended(), ["a::slow", "b::slow"]);
     assert_eq!(read(&[long, "test a::slow ... ok\n"]).unended(), ["b::slow"]);
 }
+
+#[test]
+fn where_one_runs_at_a_time_it_has_not_ended_while_its_line_has_not() {
+    assert_eq!(
+        read(&["running 2 tests\ntest a::quick ... ok\ntest b::hung ... "]).unended(),
+        ["b::hung"]
+    );
+}
