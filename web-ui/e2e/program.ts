@@ -3,7 +3,7 @@
 import { spawn } from 'node:child_process';
 import { createSocket } from 'node:dgram';
 import type { ChildProcess } from 'node:child_process';
-import { copyFileSync, mkdtempSync, renameSync, writeFileSync } from 'node:fs';
+import { copyFileSync, mkdtempSync, renameSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { once } from 'node:events';
 import { dirname, join, resolve } from 'node:path';
@@ -46,9 +46,15 @@ export class Program {
 
   /** Starts a node without vehicles, with these lines of configuration. */
   static async node(lines: readonly string[]): Promise<Program> {
-    const file = join(mkdtempSync(join(tmpdir(), 'skein-')), 'node.toml');
+    const folder = mkdtempSync(join(tmpdir(), 'skein-'));
+    const file = join(folder, 'node.toml');
     writeFileSync(file, [...lines, '[web]', 'listen = "127.0.0.1:0"', '[plugins]', `directories = [${JSON.stringify(PLUGINS)}]`].join('\n'));
-    return Program.#run(['run', '--config', file]);
+    try {
+      return await Program.#run(['run', '--config', file]);
+    } finally {
+      // read once, before the dashboard is there
+      rmSync(folder, { recursive: true });
+    }
   }
 
   /** Starts a node and simulated vehicles in a process of their own, as many as there are system ids: more than the demo takes. */

@@ -6,6 +6,7 @@ use skein_bus::transport::{Class, SendError, To, Transport};
 use skein_bus_dds::{Dds, OpenError};
 use skein_dds::DdsSettings;
 use skein_domain::{NodeId, NodeTime};
+use std::process::Command;
 use std::sync::atomic::{AtomicU16, Ordering};
 use std::time::{Duration, Instant};
 
@@ -98,6 +99,35 @@ fn a_burst_does_not_wait_and_comes_whole() {
         }
     }
     panic!("only {got} arrived");
+}
+
+/// A laptop that slept, a container that was paused, a program that was stopped at the terminal: it goes on where it was.
+#[test]
+fn who_was_stopped_for_a_moment_hears_and_is_heard_again() {
+    let mut rig = Loopback::new();
+    let mut a = rig.join(NodeId(1));
+    let mut b = rig.join(NodeId(2));
+    let mut hear_each_other = |rig: &mut Loopback| {
+        let (mut at_a, mut at_b) = (0, 0);
+        // what had been sent before is let through first
+        for _ in 0..4000 {
+            let now = rig.step();
+            a.send(now, To::All, Class::State, b"here").unwrap();
+            b.send(now, To::All, Class::State, b"here").unwrap();
+            at_a += usize::from(a.receive(now).is_some());
+            at_b += usize::from(b.receive(now).is_some());
+            if at_a.min(at_b) > 100 {
+                return;
+            }
+        }
+        panic!("{at_a} and {at_b} arrived");
+    };
+    hear_each_other(&mut rig);
+    let process = std::process::id();
+    let pause = format!("kill -STOP {process}; sleep 0.3; kill -CONT {process}");
+    let mut paused = Command::new("sh").args(["-c", &pause]).spawn().unwrap();
+    assert!(paused.wait().unwrap().success());
+    hear_each_other(&mut rig);
 }
 
 #[test]

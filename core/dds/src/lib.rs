@@ -4,10 +4,11 @@
 //!
 //! A participant costs sockets, threads and announcements to everybody, so that a node has one: for the swarm's bus, for vehicles whose PX4 speaks
 //! DDS, and for ROS 2.
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 mod announcement;
 mod herald;
+mod interrupted;
 mod multicast;
 mod peer;
 mod rounds;
