@@ -2,6 +2,10 @@
 //!
 //! The clock of a vehicle is a quartz: one that runs at another pace is broken. The time of a simulation runs as fast as the computer
 //! computes it, and stands still while that does something else: there a pace between half and one and a half is no fault, a jump is.
+//!
+//! Where this node did not look for a while, and the vehicle's clock is then behind by just that time, no time has passed for the vehicle: it
+//! is simulated on a computer that stood still with this node, or this computer's own clock went ahead. Nothing was missed, and the offset
+//! is known: no fault.
 
 use super::Health;
 use skein_domain::NodeTime;
@@ -12,6 +16,10 @@ const STEADY_SHARE: f64 = 0.2;
 /// How fast the offset of a simulated clock may wander, in seconds per second: a pace of 0.5 to 1.5, and now and then a moment in
 /// which it stands still.
 const SIMULATED_DRIFT_S_PER_S: f64 = 0.75;
+/// This node looks at each vehicle fifty times a second: who did not for so long stood still.
+const STOOD_STILL_S: f64 = 0.25;
+/// Within this time the link has measured a step of a clock.
+const EXPLAINS_FOR_S: f64 = 3.0;
 
 /// What is remembered of the clocks of one vehicle.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -26,6 +34,8 @@ pub(super) struct ClockWatch {
     last: Option<(NodeTime, Option<NodeTime>)>,
     /// The greatest jump backwards lately, in seconds, and when.
     backwards: Option<(f64, NodeTime)>,
+    /// For how long this node stood still lately, in seconds, and when it went on.
+    stood_still: Option<(f64, NodeTime)>,
 }
 
 impl ClockWatch {
@@ -38,6 +48,7 @@ impl ClockWatch {
             rule.max_drift_s_per_s
         };
         let from_offset_s = health.clock_offset_s.map_or(0.0, |offset_s| {
+            self.allow_for_stall(now, offset_s, rule);
             self.offset_deviation_s(now, offset_s, max_drift_s_per_s, rule)
         });
         self.note_backwards(now, position_time, rule);
@@ -48,6 +59,27 @@ impl ClockWatch {
             .filter(|(_, at)| now.seconds_since(*at) <= rule.settled_after_s);
         self.last = Some((now, position_time.or(self.last.and_then(|(_, position)| position))));
         from_offset_s.max(ahead_s).max(recent.map_or(0.0, |(back_s, _)| back_s))
+    }
+
+    /// A clock that stood still as long as this node did is expected where it went on.
+    fn allow_for_stall(&mut self, now: NodeTime, offset_s: f64, rule: &ClockFaultRule) {
+        let (Some(expected_s), Some((last, _))) = (self.expected_s, self.last) else {
+            return;
+        };
+        let recent = self
+            .stood_still
+            .filter(|(_, at)| now.seconds_since(*at) <= EXPLAINS_FOR_S);
+        let gap_s = now.seconds_since(last);
+        self.stood_still = if gap_s > STOOD_STILL_S {
+            Some((gap_s + recent.map_or(0.0, |(before_s, _)| before_s), now))
+        } else {
+            recent
+        };
+        if let Some((stood_s, _)) = self.stood_still
+            && (expected_s - offset_s - stood_s).abs() <= rule.limit_s
+        {
+            (self.expected_s, self.stood_still) = (Some(offset_s), None);
+        }
     }
 
     fn offset_deviation_s(

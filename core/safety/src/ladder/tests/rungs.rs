@@ -312,6 +312,24 @@ fn a_jump_of_a_simulated_clock_and_one_that_runs_away_are_still_found() {
 }
 
 #[test]
+fn a_clock_that_stood_still_as_long_as_this_node_did_has_no_fault() {
+    // The node did not look for two seconds; a moment later the link has measured what became of the vehicle's clock.
+    let ordered = |behind_s: f64| {
+        let mut rig = Rig::new();
+        rig.run(5.0, |_, _| ());
+        rig.now = rig.now.plus_seconds(2.0);
+        rig.run(12.0, |h, t| {
+            let stepped_s = if t < 0.3 { 0.0 } else { -behind_s };
+            h.clock_offset_s = h.clock_offset_s.map(|o| o + stepped_s);
+        });
+        !rig.orders().is_empty()
+    };
+    assert!(!ordered(0.0), "it went on while the node did not");
+    assert!(!ordered(2.03), "it stood still as long");
+    assert!(ordered(1.0) && ordered(3.0) && ordered(-2.0), "it did something else");
+}
+
+#[test]
 fn a_restarted_autopilot_has_a_clock_of_its_own() {
     let drifts =
         |h: &mut Health, from_s: f64, t: f64| h.clock_offset_s = h.clock_offset_s.map(|o| o + from_s - 0.015 * t);
