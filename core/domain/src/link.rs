@@ -3,6 +3,10 @@
 //! Implementations hold the safety rules that live on the link: OFFBOARD only with the stream already running, setpoint
 //! expiry (hold, then stop on purpose), pilot wins.
 
+mod silence;
+
+pub use silence::Silence;
+
 use crate::payload::MavlinkMessage;
 use crate::setpoint::LocalSetpoint;
 use crate::{

@@ -10,7 +10,7 @@ pub mod wire_clock;
 use crate::sample::{Ack, Sample, Status, Timesync};
 use estimate::Estimate;
 use setpoint::{Outgoing, Sender};
-use skein_domain::link::{LinkEvent, StreamState};
+use skein_domain::link::{LinkEvent, Silence, StreamState};
 use skein_domain::setpoint::LocalSetpoint;
 use skein_domain::{
     AutopilotCommand, FlightMode, LandedState, LinkHealth, NodeTime, Refusal, RequestId, Telemetry, VehicleId,
@@ -55,7 +55,7 @@ pub struct VehicleSession {
     status: Option<Status>,
     received: SendRate,
     connected: bool,
-    last_heard: NodeTime,
+    silence: Silence,
     refuse_all: Option<Refusal>,
     emergency: Option<EmergencyStop>,
 }
@@ -100,7 +100,7 @@ impl VehicleSession {
             status: None,
             received: SendRate::default(),
             connected: true,
-            last_heard: now,
+            silence: Silence::new(now),
             refuse_all: None,
             emergency: None,
         }
@@ -130,7 +130,7 @@ impl VehicleSession {
     /// When a sample was last heard.
     #[must_use]
     pub fn last_heard(&self) -> NodeTime {
-        self.last_heard
+        self.silence.last_heard()
     }
 
     /// Whether the autopilot's own failsafe is acting.
@@ -147,7 +147,7 @@ impl VehicleSession {
 
     /// Takes in a sample that has passed the check.
     pub fn on_sample(&mut self, now: NodeTime, sample: &Sample) {
-        self.last_heard = now;
+        self.silence.heard(now);
         self.received.on_sent(now);
         if !self.connected {
             self.connected = true;
@@ -265,7 +265,7 @@ impl VehicleSession {
         self.check_lost(now);
         self.poll_stream(now);
         self.poll_commands(now);
-        let lost = self.last_heard.plus_seconds(self.settings.lost_after_s);
+        let lost = self.silence.since().plus_seconds(self.settings.lost_after_s);
         let due = [
             self.stream.due(&self.settings),
             self.commands.due(),
@@ -278,7 +278,8 @@ impl VehicleSession {
 
     /// Declares the link lost if it has been silent for too long. True if it is declared now.
     pub fn check_lost(&mut self, now: NodeTime) -> bool {
-        if !self.connected || now.seconds_since(self.last_heard) <= self.settings.lost_after_s {
+        self.silence.look(now);
+        if !self.connected || now.seconds_since(self.silence.since()) <= self.settings.lost_after_s {
             return false;
         }
         self.connected = false;
@@ -372,7 +373,7 @@ impl VehicleSession {
         telemetry.position_time = self.estimate.position_time();
         let health = LinkHealth {
             connected: self.connected,
-            last_heard: self.last_heard,
+            last_heard: self.silence.last_heard(),
             // Best effort: what was lost on the way is not told.
             loss: 0.0,
             round_trip_s: self.clock.round_trip_s().map(|seconds| seconds as f32),

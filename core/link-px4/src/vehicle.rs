@@ -37,7 +37,7 @@ use plan::{Class, Command, Condition, Goal, Plan, Situation, Step};
 use rates::{RateKeeper, Tuning};
 use route::RouteUpload;
 use setpoints::{HoldPlace, SetpointStream, StreamAction};
-use skein_domain::link::{LinkEvent, StreamState};
+use skein_domain::link::{LinkEvent, Silence, StreamState};
 use skein_domain::payload::MavlinkMessage;
 use skein_domain::setpoint::LocalSetpoint;
 use skein_domain::{
@@ -100,7 +100,7 @@ pub struct VehicleCore {
     estimate: Estimate,
     heartbeat: Option<Heartbeat>,
     connected: bool,
-    last_heard: NodeTime,
+    silence: Silence,
     next_heartbeat: NodeTime,
     /// Why nothing may be asked of it, if so.
     refuse_all: Option<Refusal>,
@@ -141,7 +141,7 @@ impl VehicleCore {
             estimate: Estimate::default(),
             heartbeat: None,
             connected: true,
-            last_heard: now,
+            silence: Silence::new(now),
             next_heartbeat: now,
             refuse_all: None,
             interleaved: None,
@@ -175,7 +175,7 @@ impl VehicleCore {
     /// When the last frame of its autopilot was heard.
     #[must_use]
     pub fn last_heard(&self) -> NodeTime {
-        self.last_heard
+        self.silence.last_heard()
     }
 
     /// Whether the autopilot's own failsafe is acting, as its last heartbeat says.
@@ -211,7 +211,7 @@ impl VehicleCore {
         if !autopilot {
             return;
         }
-        self.last_heard = now;
+        self.silence.heard(now);
         if !self.connected {
             self.connected = true;
             self.events.push(LinkEvent::Regained);
@@ -271,7 +271,7 @@ impl VehicleCore {
 
     fn due(&self, now: NodeTime) -> NodeTime {
         let mut due = now.plus_seconds(TICK_MAX_S).min(self.next_heartbeat);
-        let lost = self.last_heard.plus_seconds(self.settings.lost_after_s);
+        let lost = self.silence.since().plus_seconds(self.settings.lost_after_s);
         let tuning = if self.commands.is_tuning() {
             None
         } else {
@@ -296,7 +296,8 @@ impl VehicleCore {
 
     /// Declares the link lost if it has been silent for too long. True if it is declared now.
     pub fn check_lost(&mut self, now: NodeTime) -> bool {
-        if !self.connected || now.seconds_since(self.last_heard) <= self.settings.lost_after_s {
+        self.silence.look(now);
+        if !self.connected || now.seconds_since(self.silence.since()) <= self.settings.lost_after_s {
             return false;
         }
         self.connected = false;
@@ -467,7 +468,7 @@ impl VehicleCore {
         telemetry.position_time = self.estimate.position_time(&self.clock);
         let health = LinkHealth {
             connected: self.connected,
-            last_heard: self.last_heard,
+            last_heard: self.silence.last_heard(),
             loss: self.traffic.loss(now),
             round_trip_s: self.clock.round_trip_s().map(|seconds| seconds as f32),
             clock_offset_s: self.clock.offset_s(now),
