@@ -229,6 +229,16 @@ fn the_emergency_stop_goes_first_and_on_until_the_motors_are_seen_stopped() {
 }
 
 #[test]
+fn a_node_that_stood_still_has_lost_nobody() {
+    let mut rig = Rig::new(Autopilot::default());
+    rig.run(1.0, |_| {});
+    rig.now = rig.now.plus_seconds(2.0);
+    assert!(rig.session.read(rig.now).1.connected, "nothing was listened for");
+    rig.run(1.0, |_| {});
+    assert!(!rig.events.contains(&LinkEvent::Lost));
+}
+
+#[test]
 fn a_silent_vehicle_is_lost_and_regained() {
     let mut rig = Rig::new(Autopilot::default());
     rig.run(1.0, |_| {});

@@ -113,6 +113,23 @@ fn losses_are_measured_and_a_lossy_line_still_flies() {
 }
 
 #[test]
+fn a_node_that_stood_still_has_lost_nobody() {
+    let mut rig = Rig::new();
+    rig.take_off();
+    rig.now_s += 2.0;
+    assert!(rig.read().1.connected, "nothing was listened for");
+    rig.run(1.0);
+    assert!(!rig.has(&LinkEvent::Lost));
+    // Who is silent is lost all the same, after the time in which it was listened for.
+    rig.passes_down = Box::new(|_, _| false);
+    rig.run(1.0);
+    rig.now_s += 2.0;
+    let went_on_s = rig.now_s;
+    rig.run_until("lost", 2.0, |rig| rig.has(&LinkEvent::Lost));
+    assert!((rig.now_s - went_on_s - 0.5).abs() < 0.1, "{}", rig.now_s - went_on_s);
+}
+
+#[test]
 fn silence_is_a_loss_and_the_first_frame_a_return() {
     let mut rig = Rig::new();
     rig.take_off();
