@@ -90,7 +90,13 @@ pub struct Watch {
     divided: Option<(NodeTime, NodeTime)>,
     /// When a better suited holder of the obeyed number was last heard itself.
     better_rival: Option<NodeTime>,
+    /// When somebody last looked here.
+    looked: Option<NodeTime>,
 }
+
+/// A node that looks every few hundredths of a second and then not for longer stood still: its computer slept, or its container was paused. What
+/// is beyond is not counted as the others' silence; so much of each gap is, so that a node that is always late misses the dead all the same.
+const LONGEST_LOOK_S: f64 = 0.25;
 
 /// How much longer a holder that hears a better suited one of its number itself leaves the next number to that one. Were both as quick, each would take the
 /// next number before it has heard that the other did, again and again, where messages take long.
@@ -107,7 +113,32 @@ impl Watch {
             pulse: None,
             divided: None,
             better_rival: None,
+            looked: None,
         }
+    }
+
+    /// To be called every few hundredths of a second, before anything that has arrived since is taken in. Time in which this node stood
+    /// still is nobody's silence: what the others said meanwhile still lies in its sockets, or they stood still with it.
+    pub fn look(&mut self, now: NodeTime) {
+        let gap_s = self.looked.map_or(0.0, |looked| now.seconds_since(looked));
+        self.looked = Some(self.looked.map_or(now, |looked| looked.max(now)));
+        let still_s = gap_s - LONGEST_LOOK_S;
+        if still_s > 0.0 {
+            self.leave_out(still_s);
+        }
+    }
+
+    /// Moves all that has been heard later by so much, as if the time had not passed.
+    fn leave_out(&mut self, still_s: f64) {
+        let later = |at: &mut NodeTime| *at = at.plus_seconds(still_s);
+        later(&mut self.started);
+        self.others.values_mut().for_each(|heard| later(&mut heard.at));
+        self.pulse.iter_mut().for_each(|(.., since)| later(since));
+        self.divided.iter_mut().for_each(|(first, last)| {
+            later(first);
+            later(last);
+        });
+        self.better_rival.iter_mut().for_each(later);
     }
 
     /// Takes a beacon of another node in. Call it after [`Office::hear`].

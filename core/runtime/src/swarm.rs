@@ -276,6 +276,7 @@ impl SwarmState {
     /// Takes in what has arrived, decides, tells, sends.
     fn look(&mut self, myself: &ActorRef<SwarmMessage>) {
         let now = self.board.now();
+        self.watch.look(now);
         self.take(myself, now);
         self.decide(now);
         self.tell(now);

@@ -81,6 +81,9 @@ impl Swarm {
         let (due, later) = self.flying.drain(..).partition(|(at, ..)| *at <= self.now_s);
         self.flying = later;
         let due: Vec<(f64, usize, Beacon)> = due;
+        for node in self.nodes.iter_mut().filter(|node| node.up) {
+            node.watch.look(now);
+        }
         for (_, to, beacon) in due {
             if let Some(node) = self.nodes.get_mut(to).filter(|node| node.up) {
                 node.office.hear(&beacon);
@@ -424,6 +427,54 @@ fn one_late_word_of_a_rival_is_no_reason_for_a_new_term() {
     node.watch.hear(now, &node.office, &late);
     swarm.run(5.0);
     assert_eq!(swarm.agreed(), Some(agreed));
+}
+
+#[test]
+fn a_node_that_stood_still_misses_nobody_for_that_time() {
+    let at = NodeTime::from_seconds;
+    let mut holder = Office::new(NodeId(1), None);
+    holder.set_priority(Some(9));
+    holder.claim().unwrap();
+    let mut sender = Watch::new(WatchSettings::default(), at(0.0));
+    let mut office = Office::new(NodeId(2), None);
+    office.set_priority(Some(5));
+    let mut watch = Watch::new(WatchSettings::default(), at(0.0));
+    let mut look_until = |watch: &mut Watch, from_s: f64, until_s: f64, heard: bool| {
+        let looks = ((until_s - from_s) / STEP_S).round() as usize;
+        for look in 1..=looks {
+            let now = at(from_s + look as f64 * STEP_S);
+            watch.look(now);
+            if heard && look % 10 == 0 {
+                let beacon = sender.beacon(now, NodeId(1), &holder);
+                office.hear(&beacon);
+                watch.hear(now, &office, &beacon);
+            }
+        }
+        watch.turn(at(until_s), &office)
+    };
+    assert_eq!(look_until(&mut watch, 0.0, 5.0, true), Turn::Held);
+    // Two seconds of nothing, then the first look: the holder is not yet missed, and nobody takes over.
+    assert_eq!(look_until(&mut watch, 6.99, 7.0, false), Turn::Held);
+    assert!(watch.silent_s(at(7.0)).unwrap() < 0.3);
+    assert_eq!(watch.present(at(7.0)).count(), 1);
+    // If it stays silent though this node looks, it is missed as always.
+    assert_ne!(look_until(&mut watch, 7.0, 7.5, false), Turn::Held);
+}
+
+#[test]
+fn a_node_that_is_always_late_misses_a_dead_holder_all_the_same() {
+    let at = NodeTime::from_seconds;
+    let mut holder = Office::new(NodeId(1), None);
+    holder.set_priority(Some(9));
+    holder.claim().unwrap();
+    let mut watch = Watch::new(WatchSettings::default(), at(0.0));
+    let mut office = Office::new(NodeId(2), None);
+    watch.look(at(0.0));
+    let beacon = Watch::new(WatchSettings::default(), at(0.0)).beacon(at(0.0), NodeId(1), &holder);
+    office.hear(&beacon);
+    watch.hear(at(0.0), &office, &beacon);
+    (1..=4).for_each(|look| watch.look(at(f64::from(look) * 0.4)));
+    assert!(watch.silent_s(at(1.6)).unwrap() > 0.9);
 }
 
 #[test]
