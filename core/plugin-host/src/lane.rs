@@ -8,7 +8,7 @@ use crate::answer::RawAnswer;
 use crate::body::InstanceBody;
 use crate::frames::Frame;
 use crate::thread_time::ThreadTime;
-use crate::watchdog::is_too_late;
+use crate::watchdog::CallClock;
 use parking_lot::{Condvar, Mutex, MutexGuard};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -88,11 +88,7 @@ struct Running {
     body: Arc<InstanceBody>,
     reply: Option<Reply>,
     started: Instant,
-    deadline: Duration,
-    /// How often the watchdog has seen this call.
-    seen: u32,
-    /// How long the thread had waited for a processor when the watchdog saw this call the second time: most calls are over by then.
-    starved_before: Option<Duration>,
+    clock: CallClock,
 }
 
 impl Lane {
@@ -190,13 +186,12 @@ impl LaneShared {
                 reply,
             }) = state.queue.pop_front()
             {
+                let started = Instant::now();
                 let running = Running {
                     body: Arc::clone(&body),
                     reply,
-                    started: Instant::now(),
-                    deadline,
-                    seen: 0,
-                    starved_before: None,
+                    started,
+                    clock: CallClock::new(started, deadline),
                 };
                 state.running = Some(running);
                 return Some((body, task));
@@ -219,26 +214,12 @@ impl LaneShared {
     }
 
     /// The watchdog looks in: gives the thread up if its call is over its deadline.
-    ///
-    /// A call is not blamed for time in which it could not run: the time the thread waited for a processor is taken off, and a call must
-    /// have been seen `enough` times, so that a pause of the whole process counts as one look.
-    pub(crate) fn inspect(self: &Arc<Self>, now: Instant, enough: u32) {
+    pub(crate) fn inspect(self: &Arc<Self>, now: Instant) {
         let mut state = self.state.lock();
         let thread_time = state.thread_time;
         let Some(running) = state.running.as_mut() else { return };
-        running.seen = running.seen.saturating_add(1);
-        if running.seen == 2 {
-            running.starved_before = thread_time.and_then(|time| time.starved());
-        }
-        let after = now.duration_since(running.started);
-        if after < running.deadline || running.seen < enough {
-            return;
-        }
-        let starved_before = running.starved_before;
-        let starved = thread_time
-            .and_then(|time| time.starved()?.checked_sub(starved_before?))
-            .unwrap_or_default();
-        if is_too_late(after, starved, running.deadline) {
+        if running.clock.is_over(now, || thread_time?.starved()) {
+            let after = now.duration_since(running.started);
             self.give_up(state, after);
         }
     }

@@ -13,7 +13,7 @@ use crate::frames::{Frame, Pool};
 use crate::services::TakeLog;
 use crate::sink::LogSink;
 use crate::statistics::CallTimes;
-use crate::watchdog::{LOOKS_PER_DEADLINE, is_too_late};
+use crate::watchdog::{CallClock, LOOKS_PER_DEADLINE};
 use crate::{ChildLimits, Plugin, PluginError, RunnerSettings};
 use rustix::event::PollFlags;
 use rustix::net::SocketType;
@@ -198,7 +198,8 @@ impl Caller {
             ],
         };
         let deadline = self.shared.settings.call_deadline;
-        let until = Some(Instant::now() + deadline);
+        // It is there to be read at once, or the child is stuck; how long that takes is the machine's affair.
+        let until = Some(Instant::now() + self.shared.settings.create_deadline);
         let sent = if frames.is_empty() {
             self.wire.send(head, &[&call.bytes], &[], until)
         } else {
@@ -223,31 +224,25 @@ impl Caller {
         })
     }
 
-    /// Waits for the answer to the last message. A child that gives none in time is ended, after some looks at the earliest, so that a
-    /// pause of the whole machine counts as one.
+    /// Waits for the answer to the last message. A child that gives none in time is ended.
     fn hear(&mut self, deadline: Duration) -> Result<Message, PluginError> {
         let began = Instant::now();
+        let mut clock = CallClock::new(began.into(), deadline);
         let limits = &self.shared.settings;
         let limit =
             limits.max_answer_bytes.max(limits.max_snapshot_bytes) + limits.max_snapshot_bytes + ANSWER_EXTRA_BYTES;
         let mut looked = self.wire.spin_receive(limit);
-        let (mut looks, mut starved_before) = (0, None);
+        let mut is_over = false;
         let heard = loop {
             match looked {
                 Ok(Some(message)) => break Ok(message),
+                Ok(None) if is_over => break Err(ErrorKind::TimedOut.into()),
                 Ok(None) => {}
                 Err(error) => break Err(error),
             }
-            let after = began.elapsed();
-            if looks == 1 {
-                starved_before = self.process.starved();
-            }
-            if looks >= LOOKS_PER_DEADLINE && self.is_too_late(after, deadline, starved_before) {
-                break Err(ErrorKind::TimedOut.into());
-            }
-            if self.sleep(deadline / LOOKS_PER_DEADLINE) {
-                looks += 1;
-            }
+            self.sleep(deadline / LOOKS_PER_DEADLINE);
+            // Before it is looked whether it has answered: what came while this thread could not run came in time.
+            is_over = clock.is_over(Instant::now().into(), || self.process.starved());
             looked = self.wire.try_receive(limit);
         };
         match heard {
@@ -258,27 +253,13 @@ impl Caller {
         }
     }
 
-    /// Time in which it could not run is not the child's fault.
-    fn is_too_late(&self, after: Duration, deadline: Duration, starved_before: Option<Duration>) -> bool {
-        if after < deadline {
-            return false;
-        }
-        let starved = self
-            .process
-            .starved()
-            .and_then(|starved| starved.checked_sub(starved_before?));
-        is_too_late(after, starved.unwrap_or_default(), deadline)
-    }
-
-    /// Sleeps until the child says something, taking what it writes to its standard error meanwhile. Tells whether the time is over.
-    fn sleep(&mut self, time: Duration) -> bool {
-        let began = Instant::now();
+    /// Sleeps until the child says something, taking what it writes to its standard error meanwhile.
+    fn sleep(&mut self, time: Duration) {
         let files = [self.wire.socket(), self.errors.file()];
         let watched = if self.errors_open { &files[..] } else { &files[..1] };
         // What goes wrong with it shows when the socket is read.
-        let _ = wait(watched, PollFlags::IN, Some(began + time));
+        let _ = wait(watched, PollFlags::IN, Some(Instant::now() + time));
         self.take_errors();
-        began.elapsed() >= time
     }
 
     /// The exchange failed: ends the child and says why.
