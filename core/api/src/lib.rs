@@ -7,6 +7,7 @@
 mod app;
 mod assets;
 mod body;
+mod connections;
 mod control;
 mod elsewhere;
 mod emergency;

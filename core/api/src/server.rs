@@ -3,6 +3,7 @@
 //! Must never do: wait for a client that takes its time.
 
 use crate::app::{App, Closing};
+use crate::connections::{Admitted, Connections};
 use crate::error::ApiError;
 use crate::guard::{Guard, keep_foreign_pages_out};
 use crate::settings::ApiSettings;
@@ -12,21 +13,21 @@ use axum::Router;
 use axum::extract::DefaultBodyLimit;
 use axum::http::{HeaderName, HeaderValue, Method, Request, Uri, header};
 use axum::middleware;
+use hyper::service::{Service, service_fn};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use skein_runtime::NodeHandle;
 use std::future::Future;
 use std::io;
+use std::net::SocketAddr;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::{OwnedSemaphorePermit, Semaphore, watch};
+use tokio::sync::{oneshot, watch};
 use tokio::time::{interval, sleep, timeout};
 use tower_http::set_header::SetResponseHeaderLayer;
 use tower_http::trace::TraceLayer;
 
-/// Connections served at once; more wait in the system's queue.
-const MAX_CONNECTIONS: usize = 256;
 /// The head of a request has to be there within this time.
 const HEAD_WITHIN: Duration = Duration::from_secs(10);
 /// At the end, requests that are being answered have so long.
@@ -95,16 +96,18 @@ pub async fn serve(listener: TcpListener, router: Router, shutdown: impl Future<
     let (close, closing) = watch::channel(false);
     let closing = Closing(closing);
     let router = router.layer(Extension(closing.clone()));
-    let connections = Arc::new(Semaphore::new(MAX_CONNECTIONS));
+    let connections = Connections::default();
     let mut upkeep = interval(metrics::UPKEEP_EVERY);
     let mut shutdown = std::pin::pin!(shutdown);
     loop {
         tokio::select! {
             () = &mut shutdown => break,
             _ = upkeep.tick() => metrics::upkeep(),
-            (permit, stream) = accept(&listener, &connections) => {
-                if let Some(stream) = stream {
-                    tokio::spawn(connection(stream, router.clone(), closing.clone(), permit));
+            accepted = accept(&listener) => {
+                let Some((stream, from)) = accepted else { continue };
+                // One for which there is no room is closed at once: who waits in vain learns nothing.
+                if let Some((admitted, dismissed)) = connections.admit(Instant::now(), from.ip()) {
+                    tokio::spawn(connection(stream, router.clone(), closing.clone(), admitted, dismissed));
                 }
             }
         }
@@ -118,16 +121,31 @@ pub async fn serve(listener: TcpListener, router: Router, shutdown: impl Future<
     Ok(())
 }
 
-/// Serves one connection; a stream that is opened on it goes on by itself.
-async fn connection(stream: TcpStream, router: Router, mut closing: Closing, permit: Option<OwnedSemaphorePermit>) {
+/// Serves one connection until it ends or is dismissed; a stream that is opened on it goes on by itself.
+async fn connection(
+    stream: TcpStream,
+    router: Router,
+    mut closing: Closing,
+    admitted: Admitted,
+    dismissed: oneshot::Receiver<()>,
+) {
+    let answer = TowerToHyperService::new(router);
+    let service = service_fn(|request| {
+        let asked = admitted.asked(Instant::now());
+        let answered = answer.call(request);
+        async move {
+            let answered = answered.await;
+            drop(asked);
+            answered
+        }
+    });
     let mut http = hyper::server::conn::http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(HEAD_WITHIN);
-    let served = http
-        .serve_connection(TokioIo::new(stream), TowerToHyperService::new(router))
-        .with_upgrades();
+    let served = http.serve_connection(TokioIo::new(stream), service).with_upgrades();
     let mut served = std::pin::pin!(served);
     let outcome = tokio::select! {
         outcome = served.as_mut() => outcome,
+        _ = dismissed => Ok(()),
         () = closing.wait() => {
             served.as_mut().graceful_shutdown();
             served.await
@@ -136,23 +154,20 @@ async fn connection(stream: TcpStream, router: Router, mut closing: Closing, per
     if let Err(error) = outcome {
         tracing::debug!("a connection broke: {error}");
     }
-    drop(permit);
 }
 
-/// The next connection, once there is room for it. Nothing in it may be lost if it is dropped while it waits.
-async fn accept(listener: &TcpListener, room: &Arc<Semaphore>) -> (Option<OwnedSemaphorePermit>, Option<TcpStream>) {
-    // The semaphore is never closed.
-    let permit = room.clone().acquire_owned().await.ok();
+/// The next connection. Nothing in it may be lost if it is dropped while it waits.
+async fn accept(listener: &TcpListener) -> Option<(TcpStream, SocketAddr)> {
     match listener.accept().await {
-        Ok((stream, _)) => {
+        Ok((stream, from)) => {
             // Small messages, each worth having now. A socket that does not take the option still works.
             let _ = stream.set_nodelay(true);
-            (permit, Some(stream))
+            Some((stream, from))
         }
         Err(error) => {
             tracing::warn!("a connection could not be accepted: {error}");
             sleep(AFTER_FAILED_ACCEPT).await;
-            (permit, None)
+            None
         }
     }
 }

@@ -448,3 +448,41 @@ async fn nothing_listens_beyond_loopback() {
     );
     swarm.stop().await;
 }
+
+/// Whoever opens connections and asks nothing, or half of something, keeps nobody from the emergency stop.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_flood_of_connections_does_not_lock_the_operator_out() {
+    use tokio::io::AsyncWriteExt;
+    let swarm = Swarm::start(1).await;
+    swarm.ready().await;
+    let address = swarm.web_address();
+    let flood = tokio::spawn(async move {
+        let mut held = std::collections::VecDeque::new();
+        loop {
+            if let Ok(mut stream) = TcpStream::connect(address).await {
+                // Refused halfway is as good.
+                let _ = stream.write_all(b"GET /api/v1/fleet HTTP/1.1\r\nHost: ").await;
+                held.push_back(stream);
+            }
+            if held.len() > 400 {
+                held.pop_front();
+            }
+        }
+    });
+    let rest = Rest::of(&swarm);
+    tokio::time::timeout(patience(), async {
+        for _ in 0..20 {
+            let (status, key) = rest.ask("POST", "/api/v1/emergency-stop/unlock", None).await;
+            assert_eq!(status, 200, "{key}");
+            tokio::time::sleep(Duration::from_millis(50)).await;
+        }
+        let (_, key) = rest.ask("POST", "/api/v1/emergency-stop/unlock", None).await;
+        let stop = json!({ "key": key["key"], "targets": "all" });
+        let (status, receipts) = rest.ask("POST", "/api/v1/emergency-stop", Some(stop)).await;
+        assert_eq!(status, 200, "{receipts}");
+    })
+    .await
+    .expect("the operator is answered");
+    flood.abort();
+    swarm.stop().await;
+}
