@@ -223,7 +223,7 @@ fn refusal_status(refusal: &Refusal) -> StatusCode {
         | Refusal::UnknownTrack { .. }
         | Refusal::UnknownReference { .. } => StatusCode::NOT_FOUND,
         Refusal::NotPermitted { .. } => StatusCode::FORBIDDEN,
-        Refusal::NotRunning { .. } => StatusCode::SERVICE_UNAVAILABLE,
+        Refusal::NotRunning { .. } | Refusal::NotSent { .. } => StatusCode::SERVICE_UNAVAILABLE,
         Refusal::InvalidValue { .. } => StatusCode::UNPROCESSABLE_ENTITY,
         Refusal::LinkLost { .. }
         | Refusal::WrongState { .. }

@@ -149,3 +149,18 @@ pub enum AutopilotCommand {
     #[n(7)]
     EmergencyStop,
 }
+
+impl AutopilotCommand {
+    /// Whether it brings a flight to rest or home, by the autopilot's own means. Asked for also where it is in doubt who else hears it: a
+    /// vehicle that flies must never be left without them.
+    #[must_use]
+    pub fn brings_to_rest(&self) -> bool {
+        match self {
+            Self::Land | Self::ReturnToLaunch | Self::EmergencyStop | Self::Disarm => true,
+            Self::SetMode { mode } => {
+                matches!(mode, FlightMode::Hold | FlightMode::Land | FlightMode::Return)
+            }
+            Self::Arm | Self::TakeOff { .. } | Self::EnterOffboard => false,
+        }
+    }
+}

@@ -27,6 +27,11 @@ pub enum LinkEvent {
         /// Accepted, or why not.
         outcome: Result<(), Refusal>,
     },
+    /// The autopilot has not confirmed an emergency stop in the time in which it should have. It is still being repeated.
+    StopUnconfirmed {
+        /// How long ago it was first sent, in seconds.
+        after_s: f64,
+    },
     /// The flight mode changed.
     ModeChanged {
         /// Before.
@@ -132,6 +137,13 @@ pub trait VehicleLink: Send + Sync + 'static {
 
     /// Ask the autopilot for something; the outcome comes as [`LinkEvent::Result`] with the same id.
     fn request(&self, now: NodeTime, request: RequestId, command: AutopilotCommand);
+
+    /// Stops the motors at once, whatever else is the matter with the link: sent now, ahead of everything, and repeated until the motors are
+    /// seen stopped. How it ended comes as [`LinkEvent::Result`], and before that [`LinkEvent::StopUnconfirmed`] if it takes long.
+    ///
+    /// # Errors
+    /// [`Refusal::NotSent`] when nothing went out now. It is repeated all the same.
+    fn stop_motors(&self, now: NodeTime, request: RequestId) -> Result<(), Refusal>;
 
     /// Send a setpoint now and hold it valid until `expires`.
     fn stream(&self, now: NodeTime, setpoint: LocalSetpoint, expires: NodeTime);

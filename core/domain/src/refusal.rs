@@ -156,7 +156,7 @@ pub enum Refusal {
         #[n(1)]
         current: Incarnation,
     },
-    /// Two vehicles with one system id are heard: none of them is obeyed as long as it is not clear which is which.
+    /// Two vehicles with one system id are heard at one place, where what is sent reaches both: nothing is begun with them.
     #[error("two vehicles use system id {system_id}")]
     #[n(16)]
     DuplicateSystemId {
@@ -242,6 +242,14 @@ pub enum Refusal {
         #[n(1)]
         holder: String,
     },
+    /// It did not leave this computer: no line to the vehicle took it.
+    #[error("not sent: {detail}")]
+    #[n(26)]
+    NotSent {
+        /// What happened instead, and what will be done.
+        #[n(0)]
+        detail: String,
+    },
 }
 
 impl Refusal {
@@ -275,6 +283,7 @@ impl Refusal {
             Self::UnknownReference { .. } => "unknown_reference",
             Self::Preflight { .. } => "preflight",
             Self::Clock { .. } => "clock",
+            Self::NotSent { .. } => "not_sent",
         }
     }
 }

@@ -17,6 +17,7 @@ use skein_domain::{
     ReadingAction, Refusal, RequestId, SystemId, Telemetry,
 };
 use skein_link_px4::LinkSettings;
+use skein_link_px4::vehicle::emergency::TRY_FOR_S;
 use std::fmt;
 use std::sync::Weak;
 
@@ -33,7 +34,9 @@ struct Inner {
 }
 
 impl Inner {
-    fn flush(&mut self) {
+    /// Sends what waits; gives how many messages DDS took.
+    fn flush(&mut self) -> usize {
+        let mut taken = 0;
         // Whatever was asked may have something due before the next look.
         self.due = NodeTime::default();
         for outgoing in self.session.take_outgoing() {
@@ -42,7 +45,9 @@ impl Inner {
                 Outgoing::Setpoint(mode, setpoint) => self.writers.setpoint(mode, setpoint),
             };
             self.unsent += u64::from(!sent);
+            taken += usize::from(sent);
         }
+        taken
     }
 }
 
@@ -103,7 +108,13 @@ impl DdsLink {
         }
     }
 
-    pub(crate) fn refuse_all(&self, now: NodeTime, refusal: Option<Refusal>) {
+    pub(crate) fn set_duplicate(&self, now: NodeTime, duplicate: bool) {
+        let mut inner = self.inner.lock();
+        inner.session.set_duplicate(now, duplicate);
+        inner.flush();
+    }
+
+    pub(crate) fn refuse_all(&self, now: NodeTime, refusal: Refusal) {
         let mut inner = self.inner.lock();
         inner.session.refuse_all(now, refusal);
         inner.flush();
@@ -113,8 +124,8 @@ impl DdsLink {
         self.inner.lock().session.doubt_clock();
     }
 
-    pub(crate) fn refuses_all(&self) -> bool {
-        self.inner.lock().session.refuses_all()
+    pub(crate) fn is_duplicate(&self) -> bool {
+        self.inner.lock().session.is_duplicate()
     }
 
     pub(crate) fn notice(&self, severity: u8, text: String) {
@@ -173,6 +184,21 @@ impl VehicleLink for DdsLink {
         let mut inner = self.inner.lock();
         inner.session.request(now, request, command);
         inner.flush();
+    }
+
+    fn stop_motors(&self, now: NodeTime, request: RequestId) -> Result<(), Refusal> {
+        let mut inner = self.inner.lock();
+        // What waits from before does not count as sent now.
+        inner.flush();
+        inner.session.stop_motors(now, request);
+        if inner.flush() > 0 {
+            return Ok(());
+        }
+        let detail = format!(
+            "DDS takes nothing for {} now; it is tried again for {TRY_FOR_S:.0} s",
+            self.namespace
+        );
+        Err(Refusal::NotSent { detail })
     }
 
     fn stream(&self, now: NodeTime, setpoint: LocalSetpoint, expires: NodeTime) {

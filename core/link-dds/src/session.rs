@@ -57,6 +57,8 @@ pub struct VehicleSession {
     connected: bool,
     silence: Silence,
     refuse_all: Option<Refusal>,
+    /// Another autopilot speaks in its namespace: what is sent reaches both.
+    duplicate: bool,
     emergency: Option<EmergencyStop>,
 }
 
@@ -102,6 +104,7 @@ impl VehicleSession {
             connected: true,
             silence: Silence::new(now),
             refuse_all: None,
+            duplicate: false,
             emergency: None,
         }
     }
@@ -299,7 +302,7 @@ impl VehicleSession {
             self.stop_motors(now, request);
             return;
         }
-        let planned = match self.refusal(now) {
+        let planned = match self.refusal(now, command.brings_to_rest()) {
             Some(refusal) => Err(refusal),
             None if self.emergency.is_some() => Err(Refusal::NotPermitted {
                 detail: "an emergency stop is under way".to_owned(),
@@ -332,7 +335,8 @@ impl VehicleSession {
 
     /// Takes a setpoint that is valid until `expires`, and sends it.
     pub fn stream(&mut self, now: NodeTime, setpoint: LocalSetpoint, expires: NodeTime) {
-        if self.refuse_all.is_some() {
+        // One that runs goes on: without it the vehicle that it flies is left to its failsafe.
+        if self.refuse_all.is_some() || (self.duplicate && !self.stream.is_active()) {
             return;
         }
         let action = self.stream.offer(now, setpoint, expires, &self.settings);
@@ -348,21 +352,38 @@ impl VehicleSession {
         self.act(now, action);
     }
 
-    /// Refuses everything from now on, for one reason; or nothing any more.
-    pub fn refuse_all(&mut self, now: NodeTime, refusal: Option<Refusal>) {
-        if let Some(refusal) = &refusal {
-            self.commands.end_all(&mut self.ended, refusal);
-            self.finish_commands();
-            let action = self.stream.give_up();
-            self.act(now, action);
-        }
-        self.refuse_all = refusal;
+    /// Refuses everything from now on: its topics are another vehicle's.
+    pub fn refuse_all(&mut self, now: NodeTime, refusal: Refusal) {
+        self.end(now, &refusal);
+        self.refuse_all = Some(refusal);
     }
 
-    /// Whether everything is refused.
+    fn end(&mut self, now: NodeTime, refusal: &Refusal) {
+        self.commands.end_all(&mut self.ended, refusal);
+        self.finish_commands();
+        let action = self.stream.give_up();
+        self.act(now, action);
+    }
+
+    /// Another autopilot speaks in its namespace, or none any more. On the ground nothing is begun then; one that flies is flown on, and can be
+    /// brought to rest.
+    pub fn set_duplicate(&mut self, now: NodeTime, duplicate: bool) {
+        if duplicate && !self.duplicate && !self.status.is_some_and(|status| status.armed()) {
+            self.end(now, &self.duplicate_refusal());
+        }
+        self.duplicate = duplicate;
+    }
+
+    fn duplicate_refusal(&self) -> Refusal {
+        Refusal::DuplicateSystemId {
+            system_id: self.system_id,
+        }
+    }
+
+    /// Whether another autopilot speaks in its namespace.
     #[must_use]
-    pub fn refuses_all(&self) -> bool {
-        self.refuse_all.is_some()
+    pub fn is_duplicate(&self) -> bool {
+        self.duplicate
     }
 
     /// Latest telemetry and link health.
@@ -384,17 +405,22 @@ impl VehicleSession {
         (telemetry, health)
     }
 
-    fn refusal(&mut self, now: NodeTime) -> Option<Refusal> {
+    /// Why something is not asked of it now, whether that brings it to rest or not.
+    fn refusal(&mut self, now: NodeTime, brings_to_rest: bool) -> Option<Refusal> {
         self.check_lost(now);
         if self.refuse_all.is_some() {
             return self.refuse_all.clone();
+        }
+        if self.duplicate && !brings_to_rest {
+            return Some(self.duplicate_refusal());
         }
         (!self.connected).then(|| Refusal::LinkLost {
             vehicle: VehicleId(u16::from(self.system_id)),
         })
     }
 
-    fn stop_motors(&mut self, now: NodeTime, request: RequestId) {
+    /// Stops the motors at once, whoever else hears it.
+    pub fn stop_motors(&mut self, now: NodeTime, request: RequestId) {
         if let Some(refusal) = self.refuse_all.clone() {
             self.fail(request, refusal);
             return;
@@ -419,6 +445,7 @@ impl VehicleSession {
                 let message = setpoint::command(&command, before, stamp_us, self.system_id, sender);
                 self.outbox.push(Outgoing::Command(message));
             }
+            Urgent::Unconfirmed(after_s) => self.events.push(LinkEvent::StopUnconfirmed { after_s }),
             Urgent::Over(refusal) => self.end_emergency(now, Err(refusal)),
         }
     }

@@ -53,16 +53,17 @@ pub enum EndpointEvent {
         /// Where it is heard.
         source: Source,
     },
-    /// Two vehicles use one system id: neither gets commands or setpoints until one has been silent for a while.
+    /// Another sender uses the system id of a vehicle. Elsewhere: what is sent still goes to the vehicle alone. At its own place: what is sent
+    /// reaches both, and nothing is begun until one has been silent for a while.
     Duplicate {
         /// The system id.
         system_id: u8,
-        /// Where the first is heard.
+        /// Where the vehicle is heard, and answered.
         first: Source,
-        /// Where the second is heard.
+        /// Where the other is heard; the same if both are heard at one place.
         second: Source,
     },
-    /// One of two vehicles with the same system id has gone silent; the other is obeyed again.
+    /// One of two senders with the same system id has gone silent.
     DuplicateCleared {
         /// The system id.
         system_id: u8,

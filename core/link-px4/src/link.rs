@@ -8,6 +8,7 @@ use crate::frame::Frame;
 use crate::outlet::Outlet;
 use crate::settings::LinkSettings;
 use crate::taps::Taps;
+use crate::vehicle::emergency::TRY_FOR_S;
 use crate::vehicle::plan::Command;
 use crate::vehicle::{AUTOPILOT_COMPONENT, AutopilotIdentity, VehicleCore};
 use parking_lot::Mutex;
@@ -19,6 +20,7 @@ use skein_domain::{
     ReadingAction, Refusal, RequestId, SystemId, Telemetry,
 };
 use std::net::SocketAddr;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Weak};
 
 /// Where a vehicle is heard and answered. Two are the same place if endpoint and address are.
@@ -49,6 +51,18 @@ impl Route {
     }
 }
 
+/// Whether another sender uses the vehicle's system id.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum Contest {
+    /// None does.
+    #[default]
+    Nobody,
+    /// One does elsewhere: what is sent goes to the vehicle alone.
+    Elsewhere,
+    /// One does at the vehicle's own place: what is sent reaches both.
+    Here,
+}
+
 /// What became of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Received {
@@ -71,8 +85,8 @@ pub(crate) struct Ticked {
     pub lost: bool,
     /// Two autopilots were heard with this system id from one place, at this time.
     pub interleaved: Option<NodeTime>,
-    /// Whether everything is being refused.
-    pub refuses: bool,
+    /// Whether another sender uses its system id, or did lately.
+    pub contested: bool,
 }
 
 #[derive(Debug)]
@@ -83,11 +97,15 @@ struct Inner {
 }
 
 impl Inner {
-    fn flush(&mut self) {
+    /// Sends what waits; gives how many frames the line took.
+    fn flush(&mut self) -> usize {
         let Self { core, route, .. } = self;
+        let mut sent = 0;
         if !core.outbox().is_empty() {
-            core.outbox().drain(|frame| route.outlet.send(route.address, frame));
+            core.outbox()
+                .drain(|frame| sent += usize::from(route.outlet.send(route.address, frame)));
         }
+        sent
     }
 }
 
@@ -100,6 +118,8 @@ impl Inner {
 pub struct Px4Link {
     system_id: u8,
     inner: Mutex<Inner>,
+    /// Another sender uses its system id, at its own place or elsewhere.
+    contested: AtomicBool,
 }
 
 impl Px4Link {
@@ -118,6 +138,7 @@ impl Px4Link {
                 route,
                 taps: Taps::default(),
             }),
+            contested: AtomicBool::new(false),
         }
     }
 
@@ -132,9 +153,9 @@ impl Px4Link {
         let mut inner = self.inner.lock();
         let of_autopilot = frame.header.component_id == AUTOPILOT_COMPONENT;
         if !inner.route.is(number, address) {
-            // A camera or a second computer of the same vehicle may well sit elsewhere; with two vehicles of one system id
+            // A camera or a second computer of the same vehicle may well sit elsewhere; with two senders of one system id
             // nobody can tell whose it is.
-            if !of_autopilot && !inner.core.refuses_all() {
+            if !of_autopilot && !self.is_contested() {
                 inner.taps.give(frame);
             }
             return Received::Foreign;
@@ -181,7 +202,7 @@ impl Px4Link {
             due,
             lost,
             interleaved: inner.core.interleaved(),
-            refuses: inner.core.refuses_all(),
+            contested: self.is_contested(),
         })
     }
 
@@ -195,11 +216,22 @@ impl Px4Link {
         self.inner.lock().route = route;
     }
 
-    /// Refuses everything, or nothing any more.
-    pub(crate) fn refuse_all(&self, now: NodeTime, refusal: Option<Refusal>) {
+    /// Where another sender uses its system id, if one does.
+    pub(crate) fn contest(&self, now: NodeTime, contest: Contest) {
+        self.contested.store(contest != Contest::Nobody, Ordering::Relaxed);
         let mut inner = self.inner.lock();
-        inner.core.refuse_all(now, refusal);
+        inner.core.set_duplicate(now, contest == Contest::Here);
         inner.flush();
+    }
+
+    /// Whether its motors are armed, as its last heartbeat says.
+    pub(crate) fn is_armed(&self) -> bool {
+        self.inner.lock().core.is_armed()
+    }
+
+    /// For how long its autopilot has not been heard, in seconds, without the time in which this node did not listen.
+    pub(crate) fn silent_s(&self, now: NodeTime) -> f64 {
+        self.inner.lock().core.silent_s(now)
     }
 
     /// When its autopilot was last heard.
@@ -233,10 +265,11 @@ impl Px4Link {
         self.inner.lock().core.stream_state()
     }
 
-    /// Whether another vehicle with the same system id is heard, so that neither is obeyed.
+    /// Whether another sender uses its system id. Elsewhere: what is sent goes to this vehicle alone, as before. At the same place: nothing
+    /// is begun with it that would reach both.
     #[must_use]
-    pub fn is_duplicate(&self) -> bool {
-        self.inner.lock().core.refuses_all()
+    pub fn is_contested(&self) -> bool {
+        self.contested.load(Ordering::Relaxed)
     }
 
     /// A parameter's value if it is known already.
@@ -281,6 +314,21 @@ impl VehicleLink for Px4Link {
         let mut inner = self.inner.lock();
         inner.core.request(now, request, command);
         inner.flush();
+    }
+
+    fn stop_motors(&self, now: NodeTime, request: RequestId) -> Result<(), Refusal> {
+        let mut inner = self.inner.lock();
+        // What waits from before does not count as sent now.
+        inner.flush();
+        inner.core.stop_motors(now, request);
+        if inner.flush() > 0 {
+            return Ok(());
+        }
+        let detail = format!(
+            "{} takes nothing now; it is tried again for {TRY_FOR_S:.0} s",
+            inner.route.source()
+        );
+        Err(Refusal::NotSent { detail })
     }
 
     fn stream(&self, now: NodeTime, setpoint: LocalSetpoint, expires: NodeTime) {

@@ -49,19 +49,20 @@ impl Outlet {
         OutletGuard(Arc::clone(self))
     }
 
-    /// Sends one frame, or counts why not.
-    pub fn send(&self, to: Option<SocketAddr>, frame: &[u8]) {
+    /// Sends one frame, or counts why not. True if the socket or line took it.
+    pub fn send(&self, to: Option<SocketAddr>, frame: &[u8]) -> bool {
         let sent = match (&*self.line.read(), to) {
             (Some(Line::Bound(socket)), Some(to)) => socket.try_send_to(frame, to),
             (Some(Line::Connected(socket)), _) => socket.try_send(frame),
             (Some(Line::Queue(queue)), _) => queue.push(frame),
             (Some(Line::Bound(_)), None) | (None, _) => Err(io::ErrorKind::NotConnected.into()),
         };
-        match sent {
+        match &sent {
             Ok(_) => self.metrics.sent(frame.len()),
             Err(error) if error.kind() == io::ErrorKind::WouldBlock => self.metrics.full(),
             Err(_) => self.metrics.failed(),
         }
+        sent.is_ok()
     }
 }
 

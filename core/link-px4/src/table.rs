@@ -1,14 +1,16 @@
 //! Every link of the node by system id, shared by all endpoints; it outlives their restarts. Decides when a system id that is
-//! heard from a second place means a vehicle that moved, and when it means two vehicles.
+//! heard from a second place means a vehicle that moved, and when it means another sender.
+//!
+//! Must never do: leave the place of a vehicle that is still heard there, or that of one in flight for a place that spoke beside it.
 
 use crate::decode::Heartbeat;
 use crate::event::EndpointEvent;
-use crate::link::{Px4Link, Route, Ticked};
+use crate::link::{Contest, Px4Link, Route, Ticked};
 use crate::metrics::EndpointMetrics;
 use crate::outlet::Outlet;
 use crate::settings::LinkSettings;
 use parking_lot::Mutex;
-use skein_domain::{NodeTime, Refusal};
+use skein_domain::NodeTime;
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -16,7 +18,7 @@ use tokio::sync::Semaphore;
 
 /// A vehicle that is silent at its place for this long while it is heard elsewhere has moved, in seconds.
 const MOVED_AFTER_S: f64 = 0.5;
-/// Two places are two vehicles when the first is still heard this long after the second came up, in seconds.
+/// Two places are two senders when the first is still heard this long after the second came up, in seconds.
 const BOTH_AFTER_S: f64 = 0.3;
 /// A system id that comes up at most this long before another at the same place goes silent is that vehicle's new one, in
 /// seconds.
@@ -47,7 +49,9 @@ struct Entry {
     link: Arc<Px4Link>,
     discovered: NodeTime,
     rival: Option<Rival>,
-    duplicate: bool,
+    contest: Contest,
+    /// Where it was heard before it moved. Heard there again beside the new place, it has not moved: the new place is another sender's.
+    former: Option<Route>,
 }
 
 #[derive(Debug, Default)]
@@ -149,7 +153,8 @@ impl LinkTable {
             link: Arc::clone(&link),
             discovered: now,
             rival: None,
-            duplicate: false,
+            contest: Contest::Nobody,
+            former: None,
         };
         inner.entries.insert(system_id, entry);
         let event = EndpointEvent::Discovered {
@@ -173,7 +178,6 @@ impl LinkTable {
     ) -> Option<EndpointEvent> {
         let mut inner = self.inner.lock();
         let entry = inner.entries.get_mut(&system_id)?;
-        let heard = entry.link.last_heard();
         let rival = match &mut entry.rival {
             Some(rival) if rival.route.is(slot.number, address) => rival,
             // A third place: the two that are known are enough of a trouble while they last.
@@ -187,37 +191,17 @@ impl LinkTable {
         };
         rival.last = now;
         rival.frames += 1;
-        if rival.frames < 2 {
+        let (first, frames) = (rival.first, rival.frames);
+        if frames < 2 {
             return None;
         }
-        let silent_s = now.seconds_since(heard);
-        if silent_s > if entry.duplicate { clear_s } else { MOVED_AFTER_S } {
-            let from = entry.link.source();
-            let to = rival.route.source();
-            entry.link.reroute(rival.route.clone());
-            entry.rival = None;
-            if std::mem::take(&mut entry.duplicate) {
-                entry.link.refuse_all(now, None);
-                return Some(EndpointEvent::DuplicateCleared {
-                    system_id,
-                    remaining: to,
-                });
-            }
-            return Some(EndpointEvent::Moved { system_id, from, to });
+        if entry.link.silent_s(now) > entry.moves_after_s(clear_s) {
+            return Some(entry.moved(now, system_id));
         }
-        if !entry.duplicate && heard.seconds_since(rival.first) > BOTH_AFTER_S {
-            entry.duplicate = true;
-            let (first, second) = (entry.link.source(), rival.route.source());
-            entry
-                .link
-                .refuse_all(now, Some(Refusal::DuplicateSystemId { system_id }));
-            return Some(EndpointEvent::Duplicate {
-                system_id,
-                first,
-                second,
-            });
+        if entry.link.last_heard().seconds_since(first) <= BOTH_AFTER_S {
+            return None;
         }
-        None
+        entry.both_speak(now, system_id)
     }
 
     /// Looks after what a link's tick found.
@@ -230,7 +214,7 @@ impl LinkTable {
         clear_s: f64,
     ) -> Option<EndpointEvent> {
         let interleaved = ticked.interleaved.is_some_and(|at| now.seconds_since(at) <= clear_s);
-        if !ticked.lost && !ticked.refuses && !interleaved {
+        if !ticked.lost && !ticked.contested && !interleaved {
             return None;
         }
         let mut inner = self.inner.lock();
@@ -244,25 +228,84 @@ impl LinkTable {
             .rival
             .as_ref()
             .is_some_and(|rival| now.seconds_since(rival.last) <= clear_s);
-        if entry.duplicate && !rival && !interleaved {
-            entry.duplicate = false;
-            entry.rival = None;
-            link.refuse_all(now, None);
-            return Some(EndpointEvent::DuplicateCleared {
-                system_id,
-                remaining: link.source(),
-            });
+        let source = link.source();
+        match (entry.contest, interleaved, rival) {
+            (Contest::Nobody | Contest::Elsewhere, true, _) => {
+                entry.contest(now, Contest::Here);
+                Some(EndpointEvent::Duplicate {
+                    system_id,
+                    first: source.clone(),
+                    second: source,
+                })
+            }
+            (Contest::Here, false, true) => {
+                entry.contest(now, Contest::Elsewhere);
+                None
+            }
+            (Contest::Here | Contest::Elsewhere, false, false) => {
+                entry.rival = None;
+                entry.contest(now, Contest::Nobody);
+                Some(EndpointEvent::DuplicateCleared {
+                    system_id,
+                    remaining: source,
+                })
+            }
+            _ => None,
         }
-        if !entry.duplicate && interleaved {
-            entry.duplicate = true;
-            link.refuse_all(now, Some(Refusal::DuplicateSystemId { system_id }));
-            return Some(EndpointEvent::Duplicate {
-                system_id,
-                first: link.source(),
-                second: link.source(),
-            });
+    }
+}
+
+impl Entry {
+    /// How long the vehicle must be silent before a rival is taken for it, in seconds. One in flight is not left to a sender that spoke beside
+    /// it: whoever forges frames would only have to wait for a gap.
+    fn moves_after_s(&self, clear_s: f64) -> f64 {
+        match (self.contest, self.link.is_armed()) {
+            (Contest::Nobody, _) => MOVED_AFTER_S,
+            (_, false) => clear_s,
+            (_, true) => f64::INFINITY,
         }
-        None
+    }
+
+    fn contest(&mut self, now: NodeTime, contest: Contest) {
+        self.contest = contest;
+        self.link.contest(now, contest);
+    }
+
+    /// The vehicle is at its rival's place from now on.
+    fn moved(&mut self, now: NodeTime, system_id: u8) -> EndpointEvent {
+        let from = self.link.source();
+        self.former = Some(self.link.route());
+        if let Some(rival) = self.rival.take() {
+            self.link.reroute(rival.route);
+        }
+        let to = self.link.source();
+        if self.contest != Contest::Nobody {
+            self.contest(now, Contest::Nobody);
+            return EndpointEvent::DuplicateCleared {
+                system_id,
+                remaining: to,
+            };
+        }
+        EndpointEvent::Moved { system_id, from, to }
+    }
+
+    /// Both places speak. The vehicle is where it was heard first.
+    fn both_speak(&mut self, now: NodeTime, system_id: u8) -> Option<EndpointEvent> {
+        let rival = self.rival.as_mut()?;
+        let at_rivals = |former: &mut Route| former.is(rival.route.number, rival.route.address);
+        if let Some(former) = self.former.take_if(at_rivals) {
+            rival.route = self.link.route();
+            self.link.reroute(former);
+        } else if self.contest != Contest::Nobody {
+            return None;
+        }
+        let second = rival.route.source();
+        self.contest(now, Contest::Elsewhere);
+        Some(EndpointEvent::Duplicate {
+            system_id,
+            first: self.link.source(),
+            second,
+        })
     }
 }
 
@@ -294,3 +337,6 @@ impl Inner {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -15,6 +15,7 @@ pub mod parameters;
 pub mod plan;
 pub mod rates;
 pub mod route;
+mod services;
 pub mod setpoints;
 pub mod status_text;
 pub(crate) mod telemetry;
@@ -32,18 +33,14 @@ use events::EventQueue;
 use local_origin::LocalOrigin;
 use mavlink::dialects::common::{HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavState, MavType};
 use mode_watch::ModeWatch;
-use parameters::{ParameterMessage, Parameters};
-use plan::{Class, Command, Condition, Goal, Plan, Situation, Step};
+use parameters::Parameters;
+use plan::{Condition, Situation};
 use rates::{RateKeeper, Tuning};
 use route::RouteUpload;
 use setpoints::{HoldPlace, SetpointStream, StreamAction};
 use skein_domain::link::{LinkEvent, Silence, StreamState};
-use skein_domain::payload::MavlinkMessage;
 use skein_domain::setpoint::LocalSetpoint;
-use skein_domain::{
-    AutopilotCommand, CommandId, LinkHealth, NodeTime, ParameterError, ParameterValue, ReadingAction, Refusal,
-    RequestId, Telemetry, VehicleId,
-};
+use skein_domain::{AutopilotCommand, LinkHealth, NodeTime, Refusal, RequestId, Telemetry, VehicleId};
 use status_text::StatusTexts;
 use std::sync::Arc;
 use telemetry::Estimate;
@@ -102,8 +99,8 @@ pub struct VehicleCore {
     connected: bool,
     silence: Silence,
     next_heartbeat: NodeTime,
-    /// Why nothing may be asked of it, if so.
-    refuse_all: Option<Refusal>,
+    /// Another autopilot with its system id is heard at its own place: what is sent reaches both.
+    duplicate: bool,
     interleaved: Option<NodeTime>,
     emergency: Option<EmergencyStop>,
     route: RouteUpload,
@@ -143,7 +140,7 @@ impl VehicleCore {
             connected: true,
             silence: Silence::new(now),
             next_heartbeat: now,
-            refuse_all: None,
+            duplicate: false,
             interleaved: None,
             emergency: None,
             route: RouteUpload::default(),
@@ -178,6 +175,18 @@ impl VehicleCore {
         self.silence.last_heard()
     }
 
+    /// For how long none has been heard, in seconds, without the time in which this node did not listen.
+    pub fn silent_s(&mut self, now: NodeTime) -> f64 {
+        self.silence.look(now);
+        now.seconds_since(self.silence.since())
+    }
+
+    /// Whether the motors are armed, as the last heartbeat says.
+    #[must_use]
+    pub fn is_armed(&self) -> bool {
+        self.heartbeat.is_some_and(|heartbeat| heartbeat.armed())
+    }
+
     /// Whether the autopilot's own failsafe is acting, as its last heartbeat says.
     #[must_use]
     pub fn in_failsafe(&self) -> bool {
@@ -188,11 +197,6 @@ impl VehicleCore {
     #[must_use]
     pub fn interleaved(&self) -> Option<NodeTime> {
         self.interleaved
-    }
-
-    /// Its parameters.
-    pub fn parameters(&mut self) -> &mut Parameters {
-        &mut self.parameters
     }
 
     /// Notes any frame of its system; `read` is what a message that is read here says, from the autopilot only.
@@ -317,7 +321,7 @@ impl VehicleCore {
             self.stop_motors(now, request);
             return;
         }
-        let planned = match self.refusal(now) {
+        let planned = match self.refusal(now, command.brings_to_rest()) {
             Some(refusal) => Err(refusal),
             None if self.is_stopping_motors() => Err(Refusal::NotPermitted {
                 detail: "an emergency stop is under way".to_owned(),
@@ -340,86 +344,10 @@ impl VehicleCore {
         }
     }
 
-    /// Sends a command that moves nothing (a camera's, a gimbal's); the outcome comes as an event.
-    pub fn send_service(&mut self, now: NodeTime, request: RequestId, command: Command) {
-        if let Some(refusal) = self.refusal(now).or_else(|| plan::not_a_service(&command)) {
-            self.events.push(LinkEvent::Result {
-                request,
-                outcome: Err(refusal),
-            });
-            return;
-        }
-        let steps = vec![Step {
-            command,
-            goal: Goal::Acknowledged,
-        }];
-        let plan = Plan {
-            name: "command",
-            class: Class::Service,
-            condition: Condition::None,
-            steps,
-        };
-        self.with_commands(now, |commands, around| {
-            commands.start(around, Origin::Request(request), plan)
-        });
-    }
-
-    /// Sends a message of a payload; nobody waits for an answer here.
-    ///
-    /// # Errors
-    /// When everything is refused, the link is lost, or it is no message that is known here.
-    pub fn send_payload(&mut self, now: NodeTime, message: &MavlinkMessage) -> Result<(), Refusal> {
-        match self.refusal(now) {
-            Some(refusal) => Err(refusal),
-            None => self.outbox.push_payload(message.message_id, &message.payload),
-        }
-    }
-
-    /// Reads a parameter anew, or writes it.
-    ///
-    /// # Errors
-    /// If it can be said at once that it will not work.
-    pub fn parameter(
-        &mut self,
-        now: NodeTime,
-        name: &str,
-        value: Option<ParameterValue>,
-    ) -> Result<(), ParameterError> {
-        if let Some(refusal) = self.refusal(now) {
-            return Err(refusal.into());
-        }
-        self.parameters.start(now, name, value)?;
-        self.send_parameters(now);
-        Ok(())
-    }
-
-    /// Writes a parameter; the outcome comes as an event of its parameters.
-    pub fn write_parameter(&mut self, now: NodeTime, id: CommandId, name: &str, value: ParameterValue) {
-        match self.refusal(now) {
-            Some(refusal) => self.parameters.refuse(id, name, refusal.into()),
-            None => {
-                self.parameters.write(now, id, name, value);
-                self.send_parameters(now);
-            }
-        }
-    }
-
-    /// Begins to read all parameters, or ends that.
-    ///
-    /// # Errors
-    /// When everything is refused, or the link is lost.
-    pub fn read_parameters(&mut self, now: NodeTime, action: ReadingAction) -> Result<(), Refusal> {
-        if let Some(refusal) = self.refusal(now).filter(|_| action != ReadingAction::Stop) {
-            return Err(refusal);
-        }
-        self.parameters.read_all(now, action);
-        self.send_parameters(now);
-        Ok(())
-    }
-
     /// Takes a setpoint that is valid until `expires`, and sends it.
     pub fn stream(&mut self, now: NodeTime, setpoint: LocalSetpoint, expires: NodeTime) {
-        if self.refuse_all.is_some() {
+        // One that runs goes on: without it the vehicle that it flies is left to its failsafe.
+        if self.duplicate && !self.stream.is_active() {
             return;
         }
         let action = self.stream.offer(now, setpoint, expires, &self.settings);
@@ -441,23 +369,27 @@ impl VehicleCore {
         self.stream.state()
     }
 
-    /// Refuses everything from now on, for one reason; or nothing any more.
-    pub fn refuse_all(&mut self, now: NodeTime, refusal: Option<Refusal>) {
-        if let Some(refusal) = &refusal {
-            self.commands.end_all(&mut self.ended, refusal);
-            self.finish_commands();
+    /// Another autopilot with its system id is heard at its own place, or none any more. On the ground nothing is begun then; one that flies
+    /// is flown on, and can be brought to rest.
+    pub fn set_duplicate(&mut self, now: NodeTime, duplicate: bool) {
+        if duplicate && !self.duplicate {
+            let refusal = self.duplicate_refusal();
             self.parameters.break_off(&refusal.to_string(), false);
-            self.break_off_route(refusal);
-            let action = self.stream.give_up();
-            self.act(now, action);
+            self.break_off_route(&refusal);
+            if !self.is_armed() {
+                self.commands.end_all(&mut self.ended, &refusal);
+                self.finish_commands();
+                let action = self.stream.give_up();
+                self.act(now, action);
+            }
         }
-        self.refuse_all = refusal;
+        self.duplicate = duplicate;
     }
 
-    /// Whether everything is refused.
-    #[must_use]
-    pub fn refuses_all(&self) -> bool {
-        self.refuse_all.is_some()
+    fn duplicate_refusal(&self) -> Refusal {
+        Refusal::DuplicateSystemId {
+            system_id: self.system_id,
+        }
     }
 
     /// Latest telemetry and link health.
@@ -478,10 +410,11 @@ impl VehicleCore {
         (telemetry, health)
     }
 
-    fn refusal(&mut self, now: NodeTime) -> Option<Refusal> {
+    /// Why something is not asked of it now, whether that brings it to rest or not.
+    fn refusal(&mut self, now: NodeTime, brings_to_rest: bool) -> Option<Refusal> {
         self.check_lost(now);
-        if self.refuse_all.is_some() {
-            return self.refuse_all.clone();
+        if self.duplicate && !brings_to_rest {
+            return Some(self.duplicate_refusal());
         }
         (!self.connected).then(|| Refusal::LinkLost {
             vehicle: VehicleId(u16::from(self.system_id)),
@@ -556,15 +489,6 @@ impl VehicleCore {
                 Origin::Rate(id) => self.rates.on_rate_ended(id, outcome.is_ok()),
                 Origin::Copy(_) | Origin::Nobody => {}
             }
-        }
-    }
-
-    fn send_parameters(&mut self, now: NodeTime) {
-        match self.parameters.poll(now, (self.system_id, AUTOPILOT_COMPONENT)) {
-            Some(ParameterMessage::List(message)) => self.outbox.push(&message),
-            Some(ParameterMessage::Read(message)) => self.outbox.push(&message),
-            Some(ParameterMessage::Set(message)) => self.outbox.push(&message),
-            None => {}
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::snapshot::EventKind;
 use crate::swarm::asks::{Answer, Ask};
 use serde::{Deserialize, Serialize};
 use skein_domain::exchange::Severity;
-use skein_domain::{AutopilotCommand, NodeId, NodeTime, Refusal, RequestId, VehicleId};
+use skein_domain::{NodeId, NodeTime, Refusal, RequestId, VehicleId};
 use std::collections::BTreeMap;
 use std::time::Duration;
 
@@ -62,7 +62,8 @@ impl NodeHandle {
         }
     }
 
-    /// The second step: stops the motors of these vehicles now. They fall.
+    /// The second step: stops the motors of these vehicles now. They fall. A receipt says whether it was sent; whether the motors stopped
+    /// is told as an event, after 1 s too if it is not known by then.
     ///
     /// # Errors
     /// Without the key of a first step that is not too long ago. Each vehicle answers for itself otherwise.
@@ -129,19 +130,15 @@ impl NodeHandle {
         };
         cell.set_stopped(true);
         // Also to a vehicle that is not heard: it may hear.
-        cell.link
-            .load()
-            .0
-            .request(now, EMERGENCY_REQUEST, AutopilotCommand::EmergencyStop);
+        let refusal = cell.link.load().0.stop_motors(now, EMERGENCY_REQUEST).err();
         self.board().withdraw(&cell);
-        let text = format!("{}: EMERGENCY STOP, motors off", cell.name);
+        let text = match &refusal {
+            None => format!("{}: EMERGENCY STOP sent", cell.name),
+            Some(refusal) => format!("{}: EMERGENCY STOP: {refusal}", cell.name),
+        };
         self.board()
             .events
             .record(now, Some(vehicle), Severity::Critical, EventKind::EmergencyStop, text);
-        CommandReceipt {
-            vehicle,
-            id,
-            refusal: None,
-        }
+        CommandReceipt { vehicle, id, refusal }
     }
 }

@@ -8,7 +8,7 @@ use crate::snapshot::{EventKind, UnadoptedVehicle};
 use skein_config::LinkKind;
 use skein_domain::SystemId;
 use skein_domain::exchange::Severity;
-use skein_link_px4::{EndpointEvent, EventSink, ReferenceSink, Sighting};
+use skein_link_px4::{EndpointEvent, EventSink, ReferenceSink, Sighting, Source};
 use std::sync::Arc;
 
 /// Where an endpoint's events go.
@@ -61,7 +61,7 @@ fn noticed(board: &Board, parts: &Parts, event: EndpointEvent) {
             first,
             second,
         } => {
-            let why = format!("two vehicles use this system id ({first} and {second}); give one another MAV_SYS_ID");
+            let why = two_senders(&first, &second);
             let (endpoint, system_id) = (second.endpoint.to_string(), SystemId(system_id));
             return tell(
                 parts,
@@ -99,6 +99,15 @@ fn noticed(board: &Board, parts: &Parts, event: EndpointEvent) {
     board
         .events
         .record(board.now(), None, severity, EventKind::Notice, text);
+}
+
+fn two_senders(first: &Source, second: &Source) -> String {
+    if first == second {
+        return format!("two vehicles use this system id at {first}; give one another MAV_SYS_ID");
+    }
+    format!(
+        "another sender uses this system id at {second}; the vehicle is flown at {first}, and nothing goes to the other. If it is a vehicle, give it another MAV_SYS_ID"
+    )
 }
 
 /// Tells the fleet. Must not wait.

@@ -297,13 +297,16 @@ impl Inner {
                 self.armed = Some(armed);
                 self.events.push_back(event);
             }
-            LinkEvent::Stream(_) | LinkEvent::ClockJumped { .. } if kind == self.active => {
+            LinkEvent::Stream(_) | LinkEvent::ClockJumped { .. } | LinkEvent::StopUnconfirmed { .. }
+                if kind == self.active =>
+            {
                 self.events.push_back(event);
             }
             // The link that stands by sees the same changes.
             LinkEvent::ModeChanged { .. }
             | LinkEvent::ArmedChanged { .. }
             | LinkEvent::Stream(_)
+            | LinkEvent::StopUnconfirmed { .. }
             | LinkEvent::ClockJumped { .. } => {}
         }
     }
@@ -364,7 +367,7 @@ impl VehicleLink for PairedLink {
         let mut inner = self.inner.lock();
         inner.look(now);
         let active = inner.active;
-        let is_asked = |one: &&One| one.kind == active || command == AutopilotCommand::EmergencyStop;
+        let is_asked = |one: &&One| one.kind == active;
         let asked: Vec<(LinkKind, Arc<dyn VehicleLink>)> = inner
             .links
             .iter()
@@ -379,6 +382,24 @@ impl VehicleLink for PairedLink {
         for (_, link) in asked {
             link.request(now, request, command);
         }
+    }
+
+    fn stop_motors(&self, now: NodeTime, request: RequestId) -> Result<(), Refusal> {
+        let mut inner = self.inner.lock();
+        inner.look(now);
+        let links: Vec<(LinkKind, Arc<dyn VehicleLink>)> = inner
+            .links
+            .iter()
+            .map(|one| (one.kind, Arc::clone(&one.link)))
+            .collect();
+        let pending = Pending {
+            command: Some(AutopilotCommand::EmergencyStop),
+            asked: links.iter().map(|(kind, _)| *kind).collect(),
+        };
+        inner.pending.insert(request, pending);
+        // Over both before anything is said of either.
+        let sent: Vec<Result<(), Refusal>> = links.iter().map(|(_, link)| link.stop_motors(now, request)).collect();
+        sent.into_iter().reduce(Result::or).unwrap_or(Ok(()))
     }
 
     fn stream(&self, now: NodeTime, setpoint: LocalSetpoint, expires: NodeTime) {

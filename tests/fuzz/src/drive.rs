@@ -5,8 +5,7 @@ use mavlink::MavlinkVersion;
 use skein_domain::link::StreamState;
 use skein_domain::setpoint::LocalSetpoint;
 use skein_domain::{
-    AutopilotCommand, FlightMode, LocalPositionNed, NodeTime, ParameterValue, ReadingAction, Refusal, RequestId,
-    VelocityNed,
+    AutopilotCommand, FlightMode, LocalPositionNed, NodeTime, ParameterValue, ReadingAction, RequestId, VelocityNed,
 };
 use skein_link_px4::decode::{Heartbeat, decode};
 use skein_link_px4::frame::{Frame, FrameHeader, StreamBuffer, each_in_datagram};
@@ -154,8 +153,8 @@ fn offer(core: &mut VehicleCore, now: NodeTime, input: &mut Input<'_>) {
 fn service(core: &mut VehicleCore, now: NodeTime, input: &mut Input<'_>) {
     match input.byte().unwrap_or(0) % 9 {
         0 => core.stop_stream(now),
-        1 => core.refuse_all(now, Some(Refusal::DuplicateSystemId { system_id: 1 })),
-        2 => core.refuse_all(now, None),
+        1 => core.set_duplicate(now, true),
+        2 => core.set_duplicate(now, false),
         3 => drop(core.parameters().take_events()),
         8 => {
             let actions = [ReadingAction::Begin, ReadingAction::Anew, ReadingAction::Stop];

@@ -3,9 +3,7 @@
 
 use skein_domain::link::StreamState;
 use skein_domain::setpoint::LocalSetpoint;
-use skein_domain::{
-    AccelerationNed, AutopilotCommand, FlightMode, LocalPositionNed, NodeTime, Refusal, RequestId, VelocityNed,
-};
+use skein_domain::{AccelerationNed, AutopilotCommand, FlightMode, LocalPositionNed, NodeTime, RequestId, VelocityNed};
 use skein_link_dds::admission::{Admission, Verdict};
 use skein_link_dds::cdr::Encoding;
 use skein_link_dds::definitions::{Command, DEFINITIONS, Definition, Need, Release, Topic};
@@ -286,8 +284,8 @@ impl Life {
         let Some(session) = &mut self.session else { return };
         match which % 4 {
             0 => session.stop_stream(now),
-            1 => session.refuse_all(now, Some(Refusal::DuplicateSystemId { system_id: SYSTEM_ID })),
-            2 => session.refuse_all(now, None),
+            1 => session.set_duplicate(now, true),
+            2 => session.set_duplicate(now, false),
             _ => session.not_supported(RequestId(0), "a route"),
         }
     }

@@ -76,6 +76,8 @@ export function refusalText(refusal: Refusal): string {
       return t('{what} is not running', { what: refusal.what });
     case 'not_permitted':
       return `${t('not permitted')}: ${refusal.detail}`;
+    case 'not_sent':
+      return `${t('not sent')}: ${refusal.detail}`;
     case 'not_supported':
       return `${t('not supported')}: ${refusal.detail}`;
     case 'unknown_payload':

@@ -217,7 +217,7 @@ impl Vehicle {
     }
 
     fn one_again(&self, around: &Around<'_>, link: &DdsLink) {
-        link.refuse_all(around.now, None);
+        link.set_duplicate(around.now, false);
         let (namespace, system_id) = (self.namespace.clone(), link.system_id_number());
         (around.events)(DdsEvent::DuplicateCleared { namespace, system_id });
     }
@@ -312,7 +312,7 @@ impl Vehicle {
     fn two(&mut self, around: &Around<'_>) {
         let Some(link) = &self.link else { return };
         let system_id = link.system_id_number();
-        link.refuse_all(around.now, Some(Refusal::DuplicateSystemId { system_id }));
+        link.set_duplicate(around.now, true);
         let namespace = self.namespace.clone();
         (around.events)(DdsEvent::Duplicate { namespace, system_id });
     }
@@ -356,7 +356,7 @@ impl Vehicle {
             self.link = Some(Arc::clone(&link));
             if self.sources.are_two() {
                 self.two(around);
-            } else if link.refuses_all() {
+            } else if link.is_duplicate() {
                 // Of the two that there were this one is left.
                 self.one_again(around, &link);
             }
@@ -370,7 +370,7 @@ impl Vehicle {
         if let Some(old) = known {
             // Its topics are another vehicle's now, which must not get what is meant for this one.
             let vehicle = VehicleId(u16::from(old.system_id_number()));
-            old.refuse_all(around.now, Some(Refusal::LinkLost { vehicle }));
+            old.refuse_all(around.now, Refusal::LinkLost { vehicle });
         }
         let namespace = self.namespace.clone();
         let link = Arc::new(DdsLink::new(

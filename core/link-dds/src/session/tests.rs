@@ -6,7 +6,7 @@ mod properties;
 use super::*;
 use crate::sample::Place;
 use autopilot::{Autopilot, Rig};
-use skein_domain::{Geodetic, LocalPositionNed, VelocityNed};
+use skein_domain::{Geodetic, LocalPositionNed, VehicleId, VelocityNed};
 
 const ORIGIN: Geodetic = Geodetic {
     latitude_deg: 47.397_74,
@@ -332,8 +332,8 @@ fn one_that_has_told_no_launch_place_is_launched_where_it_stands() {
 fn with_everything_refused_nothing_leaves() {
     let mut rig = Rig::new(Autopilot::default());
     rig.fly();
-    let why = Refusal::DuplicateSystemId { system_id: 7 };
-    rig.session.refuse_all(rig.now, Some(why.clone()));
+    let why = Refusal::LinkLost { vehicle: VehicleId(7) };
+    rig.session.refuse_all(rig.now, why.clone());
     rig.autopilot.setpoint = None;
     rig.session
         .request(rig.now, RequestId(3), AutopilotCommand::EmergencyStop);

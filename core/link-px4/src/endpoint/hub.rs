@@ -254,7 +254,9 @@ impl Hub {
         if self.heard.is_empty() && now >= self.next_hello {
             self.next_hello = now.plus_seconds(HELLO_S);
             self.hello.push(&own_heartbeat());
-            self.hello.drain(|frame| self.slot.outlet.send(None, frame));
+            self.hello.drain(|frame| {
+                self.slot.outlet.send(None, frame);
+            });
         }
     }
 }

@@ -24,7 +24,9 @@ const PERIOD_ACKNOWLEDGED_S: f64 = 0.25;
 /// A heartbeat that comes earlier than this after the first sending may have been sent before that arrived, in seconds.
 const SETTLE_S: f64 = 0.2;
 /// How long it is tried, in seconds.
-const TRY_FOR_S: f64 = 10.0;
+pub const TRY_FOR_S: f64 = 10.0;
+/// Motors that are not seen stopped this long after the first sending are told, in seconds.
+const CONFIRM_WITHIN_S: f64 = 1.0;
 /// Late answers must not be taken for those of a later command of this number, in seconds.
 const REST_S: f64 = 0.5;
 
@@ -36,6 +38,8 @@ pub struct EmergencyStop {
     next: NodeTime,
     sent: u8,
     acknowledged: bool,
+    /// It has been told that it takes long.
+    told: bool,
     /// What the autopilot said against it last.
     refused: Option<String>,
 }
@@ -47,6 +51,8 @@ pub enum Urgent {
     Wait,
     /// This is to be sent, which was sent so often before.
     Send(Command, u8),
+    /// It has been tried for so long, in seconds, that somebody has to know; it goes on.
+    Unconfirmed(f64),
     /// It has been tried for long enough.
     Over(Refusal),
 }
@@ -61,6 +67,7 @@ impl EmergencyStop {
             next: now,
             sent: 0,
             acknowledged: false,
+            told: false,
             refused: None,
         }
     }
@@ -91,6 +98,9 @@ impl EmergencyStop {
                     after_s,
                 },
             });
+        }
+        if after_s >= CONFIRM_WITHIN_S && !std::mem::replace(&mut self.told, true) {
+            return Urgent::Unconfirmed(after_s);
         }
         if now < self.next {
             return Urgent::Wait;
@@ -137,13 +147,8 @@ impl EmergencyStop {
 }
 
 impl VehicleCore {
-    /// Stops the motors at once. Ends the setpoint stream and every command under way that flies or arms.
-    pub(super) fn stop_motors(&mut self, now: NodeTime, request: RequestId) {
-        if let Some(refusal) = &self.refuse_all {
-            let outcome = Err(refusal.clone());
-            self.events.push(LinkEvent::Result { request, outcome });
-            return;
-        }
+    /// Stops the motors at once, whoever else hears it. Ends the setpoint stream and every command under way that flies or arms.
+    pub fn stop_motors(&mut self, now: NodeTime, request: RequestId) {
         self.end_emergency(now, Err(Refusal::Superseded));
         self.emergency = Some(EmergencyStop::new(request, now));
         // First of all the command itself: nothing that follows may keep it waiting.
@@ -167,6 +172,7 @@ impl VehicleCore {
         match emergency.poll(now, &self.texts) {
             Urgent::Wait => {}
             Urgent::Send(command, before) => FramesTo(&mut self.outbox, target).command(&command, before),
+            Urgent::Unconfirmed(after_s) => self.events.push(LinkEvent::StopUnconfirmed { after_s }),
             Urgent::Over(refusal) => self.end_emergency(now, Err(refusal)),
         }
     }

@@ -138,7 +138,7 @@ impl RouteUpload {
 impl VehicleCore {
     /// Puts a route on the vehicle in place of the one it has; an empty one takes that away.
     pub fn upload_route(&mut self, now: NodeTime, request: RequestId, route: &[RoutePoint]) {
-        let refusal = self.refusal(now).or_else(|| wrong(route));
+        let refusal = self.refusal(now, false).or_else(|| wrong(route));
         if let Some(refusal) = refusal {
             let outcome = Err(refusal);
             self.events.push(LinkEvent::Result { request, outcome });

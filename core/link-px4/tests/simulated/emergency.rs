@@ -109,7 +109,11 @@ fn one_that_does_not_hear_is_told_of_in_bounded_time_and_the_next_try_works() {
     rig.take_off();
     rig.vehicle.inflict(Fault::Silent(true));
     let first = rig.request(AutopilotCommand::EmergencyStop);
-    rig.run(4.0);
+    rig.run(0.9);
+    assert!(!rig.is_told(|event| matches!(event, LinkEvent::StopUnconfirmed { .. })));
+    rig.run(0.2);
+    assert!(rig.is_told(|event| matches!(event, LinkEvent::StopUnconfirmed { .. })));
+    rig.run(2.9);
     let second = rig.request(AutopilotCommand::EmergencyStop);
     assert_eq!(rig.outcome(first), Some(Err(Refusal::Superseded)));
     rig.vehicle.inflict(Fault::Silent(false));

@@ -4,7 +4,7 @@ use crate::net::Net;
 use crate::puppet::Puppet;
 use mavlink::dialects::common::{MavAutopilot, MavType};
 use skein_domain::link::{LinkEvent, VehicleLink};
-use skein_domain::{AutopilotCommand, FlightMode, Refusal};
+use skein_domain::{AutopilotCommand, FlightMode, Refusal, RequestId};
 use skein_link_px4::{EndpointAddress, EndpointError, EndpointEvent, EndpointSettings};
 use skein_sim::{PortPlan, SimSettings, Simulation, VehicleStart};
 use std::net::SocketAddr;
@@ -163,7 +163,7 @@ async fn vehicles_on_their_own_ports_share_one_table() {
 }
 
 #[tokio::test]
-async fn two_vehicles_with_one_id_are_not_obeyed_until_one_is_gone() {
+async fn what_is_sent_goes_to_the_vehicle_and_not_to_another_sender_of_its_id() {
     let mut net = Net::new();
     let (_actor, port) = net.listen("swarm").await;
     let (first, second) = (Arc::new(any_port().await), Arc::new(any_port().await));
@@ -185,14 +185,26 @@ async fn two_vehicles_with_one_id_are_not_obeyed_until_one_is_gone() {
         (a.address, b.address),
         (Some(first.local_addr().unwrap()), Some(second.local_addr().unwrap()))
     );
-    assert!(link.is_duplicate());
-    assert_eq!(
-        net.ask(&link, AutopilotCommand::Arm).await,
-        Err(Refusal::DuplicateSystemId { system_id: 7 })
+    assert!(link.is_contested());
+    link.request(net.now(), RequestId(9), AutopilotCommand::Land);
+    assert_eq!(link.stop_motors(net.now(), RequestId(10)), Ok(()));
+    let mut buffer = [0; 300];
+    // COMMAND_LONG, forced disarm.
+    let is_stop = |frame: &[u8]| frame[7] == 76 && frame[10 + 28..10 + 30] == 400_u16.to_le_bytes();
+    loop {
+        let received = tokio::time::timeout(Duration::from_secs(10), first.recv_from(&mut buffer)).await;
+        let (length, from) = received.unwrap().unwrap();
+        assert_eq!(from, port);
+        if length > 40 && is_stop(&buffer[..length]) {
+            break;
+        }
+    }
+    assert!(
+        second.try_recv_from(&mut buffer).is_err(),
+        "nothing was ever sent to the other"
     );
-    assert!(link.read_parameter(net.now(), "ANY").is_err());
 
-    // The first goes: the second is the vehicle from now on.
+    // The first, which stands, goes: the second is the vehicle from now on.
     drop(one);
     let cleared = net
         .event("cleared", |event| {
@@ -203,7 +215,7 @@ async fn two_vehicles_with_one_id_are_not_obeyed_until_one_is_gone() {
         panic!()
     };
     assert_eq!(remaining.address, Some(second.local_addr().unwrap()));
-    assert!(!link.is_duplicate());
+    assert!(!link.is_contested());
     drop(other);
 }
 

@@ -137,7 +137,7 @@ async fn a_tap_is_given_what_it_wants_of_every_component_and_is_forgotten_when_i
         socket.send_to(&autopilot.heartbeat(), port).await.unwrap();
     }
     net.until("all", |_| ear.heard().len() == 62).await;
-    assert!(!link.is_duplicate());
+    assert!(!link.is_contested());
     assert_eq!(net.links.links().len(), 1);
     assert_eq!(link.source().address, Some(socket.local_addr().unwrap()));
     assert!(!net.has(|e| matches!(e, EndpointEvent::Duplicate { .. } | EndpointEvent::Moved { .. })));
@@ -360,7 +360,7 @@ async fn the_payloads_of_simulated_vehicles_are_heard_and_steered_through_their_
     })
     .await;
     assert!(!ears[1].heard().iter().any(|m| m.message_id == 262));
-    assert!(net.links.links().len() == 2 && !link.is_duplicate() && !other.is_duplicate());
+    assert!(net.links.links().len() == 2 && !link.is_contested() && !other.is_contested());
     assert!(!net.has(|e| matches!(e, EndpointEvent::Duplicate { .. } | EndpointEvent::Moved { .. })));
 }
 

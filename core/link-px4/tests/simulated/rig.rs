@@ -309,7 +309,11 @@ impl Rig {
     }
 
     pub fn has(&self, event: &LinkEvent) -> bool {
-        self.events.iter().any(|(_, other)| other == event)
+        self.is_told(|other| other == event)
+    }
+
+    pub fn is_told(&self, is: impl Fn(&LinkEvent) -> bool) -> bool {
+        self.events.iter().any(|(_, event)| is(event))
     }
 
     /// Setpoints sent between two moments.

@@ -82,6 +82,11 @@ impl VehicleLink for Scripted {
         self.0.lock().requests.push((request, command));
     }
 
+    fn stop_motors(&self, now: NodeTime, request: RequestId) -> Result<(), Refusal> {
+        self.request(now, request, AutopilotCommand::EmergencyStop);
+        Ok(())
+    }
+
     fn stream(&self, now: NodeTime, _: LocalSetpoint, _: NodeTime) {
         self.0.lock().streamed.push(now);
     }
@@ -315,9 +320,7 @@ fn what_is_open_is_asked_again_over_the_other_link_and_answered_once() {
 fn the_emergency_stop_goes_over_both_and_is_refused_by_both_or_done() {
     let flight = Flight::begin();
     let request = RequestId(4);
-    flight
-        .pair
-        .request(flight.now, request, AutopilotCommand::EmergencyStop);
+    assert_eq!(flight.pair.stop_motors(flight.now, request), Ok(()));
     for link in [&flight.dds, &flight.mavlink] {
         assert_eq!(link.0.lock().requests, [(request, AutopilotCommand::EmergencyStop)]);
     }

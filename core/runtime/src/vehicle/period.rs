@@ -21,6 +21,7 @@ impl VehicleState {
         // Taken in any case: none waits for a model that is away.
         let stick = self.cell.hand.lock().take(self.board.now());
         if !running {
+            self.hear_of_stop();
             return;
         }
         self.next_leg();
@@ -60,6 +61,19 @@ impl VehicleState {
         events
     }
 
+    /// What becomes of an emergency stop is told whether a model runs or not. What else the link has to say waits for the model.
+    fn hear_of_stop(&mut self) {
+        if !self.cell.is_stopped() {
+            return;
+        }
+        let link = self.cell.link.load_full();
+        let mut events = std::mem::take(&mut self.waiting);
+        for event in link.0.take_events() {
+            self.take_link_event(event, &mut events);
+        }
+        self.waiting = events;
+    }
+
     /// What a model that carries or observes something wants to know. A vehicle without payloads is spared it.
     fn gather_surroundings(&mut self, peers: &PeerSnapshot, events: &mut Vec<Event>) {
         let tracks = self.board.tracks.load_full();
@@ -95,6 +109,12 @@ impl VehicleState {
         let name = &self.cell.name;
         match event {
             LinkEvent::Result { request, outcome } if request == EMERGENCY_REQUEST => self.tell_emergency(&outcome),
+            LinkEvent::StopUnconfirmed { after_s } => {
+                let text = format!(
+                    "{name}: EMERGENCY STOP NOT CONFIRMED after {after_s:.1} s: the motors may still run; it is sent again and again"
+                );
+                self.record(Severity::Critical, EventKind::EmergencyStop, text);
+            }
             LinkEvent::Result { request, outcome } if is_upload(request) => self.tell_upload(request, outcome),
             LinkEvent::Result { request, outcome } => {
                 events.push(Event::AutopilotResult {

@@ -1,10 +1,14 @@
 //! Vehicles that vanish, and frames that are no frames: the others go on.
 
-use skein_domain::{FlightState, FormationRequest, Shape, VehicleId};
-use skein_runtime::{EventKind, FleetSnapshot};
+use mavlink::dialects::common::{
+    HEARTBEAT_DATA, LOCAL_POSITION_NED_DATA, MavAutopilot, MavModeFlag, MavState, MavType,
+};
+use mavlink::{MAVLinkV2MessageRaw, MavHeader, MessageData};
+use skein_domain::{FlightState, FormationRequest, Shape, VehicleCommand, VehicleId};
+use skein_runtime::{EventKind, FleetSnapshot, Targets};
 use skein_sim::{Fault, VehicleStart};
 use skein_testkit::Swarm;
-use std::net::UdpSocket;
+use std::net::{SocketAddr, UdpSocket};
 use std::time::Duration;
 
 fn members(fleet: &FleetSnapshot) -> Vec<u16> {
@@ -174,5 +178,93 @@ async fn garbage_on_the_port_disturbs_nobody() {
         .next()
         .expect("has an endpoint");
     assert!(counters.read().bad_crc > 0, "the broken checksum was counted");
+    swarm.stop().await;
+}
+
+/// A frame that says it comes from the autopilot of this system id.
+fn forged<D: MessageData>(system_id: u8, message: &D) -> Vec<u8> {
+    let header = MavHeader {
+        system_id: u32::from(system_id),
+        component_id: 1,
+        sequence: 0,
+    };
+    let mut raw = MAVLinkV2MessageRaw::new();
+    raw.serialize_message_data(header, message);
+    raw.raw_bytes().to_vec()
+}
+
+/// Frames of vehicles 1 and 2 from a port of somebody else's: disarmed, in another mode, a kilometre away, just started.
+async fn forge(port: SocketAddr) {
+    let heartbeat = HEARTBEAT_DATA {
+        custom_mode: 4 << 24 | 5 << 16,
+        mavtype: MavType::MAV_TYPE_QUADROTOR,
+        autopilot: MavAutopilot::MAV_AUTOPILOT_PX4,
+        base_mode: MavModeFlag::empty(),
+        system_status: MavState::MAV_STATE_STANDBY,
+        mavlink_version: 3,
+    };
+    let elsewhere = LOCAL_POSITION_NED_DATA {
+        time_boot_ms: 20,
+        x: 1_000.0,
+        ..LOCAL_POSITION_NED_DATA::default()
+    };
+    let socket = tokio::net::UdpSocket::bind("127.0.0.1:0").await.expect("binds");
+    let mut period = tokio::time::interval(Duration::from_millis(20));
+    loop {
+        period.tick().await;
+        for id in [1, 2] {
+            for frame in [forged(id, &heartbeat), forged(id, &elsewhere)] {
+                socket.send_to(&frame, port).await.expect("is sent");
+            }
+        }
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn forged_frames_of_vehicles_in_flight_take_nobody_out_of_our_hands() {
+    let swarm = Swarm::start(3).await;
+    swarm.take_off(6.0).await;
+    let node = swarm.node();
+    let port = node.endpoint_addresses()["simulation"];
+    let begun = node.now();
+    let forger = tokio::spawn(forge(port));
+    let fleet = swarm
+        .until("both strangers shown", Duration::from_secs(3), |fleet| {
+            let shown = |id: u8| {
+                fleet
+                    .unadopted
+                    .iter()
+                    .any(|u| u.system_id.0 == id && u.why.contains("127.0.0.1"))
+            };
+            shown(1) && shown(2) && fleet.time > begun.plus_seconds(4.0)
+        })
+        .await;
+    assert!(
+        fleet.vehicles.iter().all(|v| v.flight_state == FlightState::Holding),
+        "{fleet:?}"
+    );
+    let given_up =
+        |event: &skein_runtime::EventRecord| matches!(event.kind, EventKind::Stream | EventKind::TakenOver { .. });
+    assert!(!node.events_after(0).iter().any(|event| given_up(event)));
+
+    let land = node
+        .command(&Targets::Vehicles(vec![VehicleId(1)]), VehicleCommand::Land)
+        .await;
+    assert_eq!(land[0].refusal, None);
+    let key = node.unlock_emergency_stop().key;
+    let stopped = node.emergency_stop(&key, &Targets::Vehicles(vec![VehicleId(2)])).await;
+    assert_eq!(stopped.expect("is unlocked")[0].refusal, None);
+    swarm
+        .until("one landed, one stopped", Duration::from_secs(20), |fleet| {
+            let of = |id: u16| fleet.vehicles.iter().find(|v| v.id == VehicleId(id));
+            of(1).is_some_and(|v| !v.armed) && of(2).is_some_and(|v| !v.armed && v.stopped)
+        })
+        .await;
+    let truth = swarm.truth_now().await;
+    let armed: Vec<bool> = [1, 2, 3]
+        .map(|id| truth.vehicle(id).expect("is simulated").armed)
+        .into();
+    assert_eq!(armed, [false, false, true]);
+    forger.abort();
     swarm.stop().await;
 }

@@ -2603,7 +2603,11 @@ vehicle: VehicleId,
 /**
  * What the other is called.
  */
-holder: string, };
+holder: string, } | { "reason": "not_sent", 
+/**
+ * What happened instead, and what will be done.
+ */
+detail: string, };
 
 /**
  * Why a trigger is reported and nothing is done about it.
