@@ -1,5 +1,5 @@
-//! Which tests failed, as `cargo test` lists them, and whether the list is whole; which never ended; which failed and then passed, as
-//! Playwright lists them.
+//! Which tests failed, as `cargo test` and Playwright list them, and whether the list is whole; which never ended; which failed and then
+//! passed, as Playwright lists them; whether the machine stood still meanwhile.
 //!
 //! Must never do: give the names of some when others ended without a word.
 
@@ -16,6 +16,7 @@ pub struct Failures {
     begun: u64,
     ended: u64,
     listing: Listing,
+    stood_still: bool,
 }
 
 /// Which list a line may belong to: the one whose heading stands right above it.
@@ -24,6 +25,7 @@ enum Listing {
     #[default]
     Nothing,
     Failed,
+    FailedInBrowser,
     Unsteady,
 }
 
@@ -35,6 +37,7 @@ impl Failures {
         match (&self.listing, entry) {
             (Listing::Failed, Some(name)) if !name.contains(' ') => self.names.push(name.to_owned()),
             // filled up with a rule to the width of the screen
+            (Listing::FailedInBrowser, Some(name)) => self.names.push(name.trim_end_matches(['─', ' ']).to_owned()),
             (Listing::Unsteady, Some(name)) => self.unsteady.push(name.trim_end_matches(['─', ' ']).to_owned()),
             _ => self.listing = Listing::under(line),
         }
@@ -71,6 +74,16 @@ impl Failures {
         if self.begun == self.ended { &self.names } else { &[] }
     }
 
+    /// The machine, or just this run, was stopped for a while.
+    pub fn note_standstill(&mut self) {
+        self.stood_still = true;
+    }
+
+    /// Whether it was: then a test in real time that failed says nothing.
+    pub fn stood_still(&self) -> bool {
+        self.stood_still
+    }
+
     /// The tests that failed and passed when the runner itself tried them again.
     pub fn unsteady(&self) -> &[String] {
         &self.unsteady
@@ -79,10 +92,12 @@ impl Failures {
 
 impl Listing {
     fn under(line: &str) -> Self {
-        let flaky = |line: &str| line.strip_suffix(" flaky")?.trim().parse::<u64>().ok();
+        let counted = |word: &str| line.strip_suffix(word)?.trim().parse::<u64>().ok();
         if line == "failures:" {
             Self::Failed
-        } else if flaky(line).is_some() {
+        } else if counted(" failed").is_some() {
+            Self::FailedInBrowser
+        } else if counted(" flaky").is_some() {
             Self::Unsteady
         } else {
             Self::Nothing

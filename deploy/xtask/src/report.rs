@@ -8,7 +8,7 @@ mod tests;
 use crate::failures::Failures;
 use crate::step::Step;
 use crate::tally::Tally;
-use anyhow::{Result, ensure};
+use anyhow::{Result, bail, ensure};
 use std::fmt::Write;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -16,6 +16,8 @@ use std::time::Instant;
 /// So many tests of a step are tried again at most, and no more than a third of it. A machine that others use too stands still for some
 /// tenths of a second now and then, which strikes a flight here and there; what strikes more of them has a cause that can be found.
 const MOST_TRIED_AGAIN: u64 = 6;
+/// So often those are tried that fail while the machine stands still again and again.
+const MOST_TRIES: usize = 10;
 
 /// Collects what the steps of a run came to.
 pub struct Report {
@@ -41,43 +43,33 @@ impl Report {
         }
     }
 
-    /// Runs a child process as a step. `advice` says what to do if it fails. No test of it is tried again but by its own runner, of whose
-    /// second tries the same holds as of ours.
+    /// Runs a child process as a step, once.
     pub fn step(&mut self, name: &str, advice: &str, step: Step) -> bool {
-        self.record(name, advice, |tally, unsteady| {
-            let mut failures = Failures::default();
-            step.run_and_name(tally, &mut failures)?;
-            unsteady.extend_from_slice(failures.unsteady());
-            ensure!(
-                may_be_noise(tally.unsteady, tally.ran()),
-                "{} tests passed only when tried again, of {}: that is no noise",
-                tally.unsteady,
-                tally.ran()
-            );
-            Ok(())
-        })
+        self.record(name, advice, |tally, _| step.run(tally))
     }
 
     /// Runs tests in real time as a step. Those that fail are tried once more, alone, unless they are many: `again` makes the command
-    /// for those named.
-    pub fn tests(&mut self, name: &str, advice: &str, step: Step, again: impl FnOnce(&[String]) -> Step) -> bool {
+    /// for those named. Of those that the runner itself tried again the same holds. While the machine stands still in a try, that says
+    /// nothing of those that fail: they are tried anew, however many.
+    pub fn tests(&mut self, name: &str, advice: &str, step: Step, again: impl Fn(&[String]) -> Step) -> bool {
         self.record(name, advice, |tally, unsteady| {
             let mut failures = Failures::default();
-            let Err(error) = step.run_and_name(tally, &mut failures) else {
+            let outcome = step.run_and_name(tally, &mut failures);
+            let names = failures.names();
+            unsteady.extend([names, failures.unsteady()].concat());
+            let count = names.len() as u64;
+            let noise = failures.stood_still() || may_be_noise(count + tally.unsteady, tally.ran());
+            let Err(error) = outcome else {
+                ensure!(noise, "{}: that is no noise", passed_again(tally));
                 return Ok(());
             };
-            let names = failures.names();
-            let count = names.len() as u64;
-            if count == 0 || count != tally.failed || !may_be_noise(count, tally.ran()) {
+            if count == 0 || count != tally.failed || !noise {
+                unsteady.clear();
                 return Err(error);
             }
-            println!("-- {name}: a second try, alone: {}", names.join(", "));
-            let mut second = Tally::default();
-            again(names).run(&mut second)?;
-            ensure!(second.passed >= count, "the second try did not run them all");
+            try_again(name, names, again).inspect_err(|_| unsteady.clear())?;
             tally.failed = 0;
             tally.unsteady += count;
-            unsteady.extend_from_slice(names);
             Ok(())
         })
     }
@@ -184,6 +176,36 @@ impl Report {
         }
         text
     }
+}
+
+fn passed_again(tally: &Tally) -> String {
+    let (unsteady, ran) = (tally.unsteady, tally.ran());
+    format!("{unsteady} tests passed only when tried again, of {ran}")
+}
+
+/// Tries these again, alone, until each has passed once.
+fn try_again(name: &str, names: &[String], again: impl Fn(&[String]) -> Step) -> Result<()> {
+    let mut left = names.to_vec();
+    for _ in 0..MOST_TRIES {
+        println!("-- {name}: another try, alone: {}", left.join(", "));
+        let (mut tally, mut failures) = (Tally::default(), Failures::default());
+        let outcome = again(&left).run_and_name(&mut tally, &mut failures);
+        match outcome {
+            Ok(()) => {
+                ensure!(tally.passed >= left.len() as u64, "the other try did not run them all");
+                return Ok(());
+            }
+            Err(_) if failures.stood_still() && !failures.names().is_empty() => {
+                println!("-- the machine stood still meanwhile: that says nothing of those that failed");
+                left = failures.names().to_vec();
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    bail!(
+        "the machine stood still in each of {MOST_TRIES} tries: {}",
+        left.join(", ")
+    )
 }
 
 /// Whether so many failed of those that ran may have failed because the machine did not let them run. One always may.

@@ -24,6 +24,9 @@ const QUIET: Duration = Duration::from_secs(15 * 60);
 const TOTAL: Duration = Duration::from_secs(60 * 60);
 /// How often a running child is looked at.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
+/// Who comes to look only after so long was stopped, and the child most likely with it: the machine slept, or all its processes were stopped. A
+/// machine that is only busy lets each run more often than that.
+const STOOD_STILL: Duration = Duration::from_millis(750);
 
 /// A command to run.
 pub struct Step {
@@ -101,7 +104,8 @@ impl Step {
         let runner = self.runner;
         let reader = std::thread::spawn(move || count(output, runner, &of_output));
         let passer = std::thread::spawn(move || pass_on(complaints, &of_complaints));
-        let status = wait(&mut child, &heard, self.quiet, self.total);
+        let mut stood_still = false;
+        let status = wait(&mut child, &heard, self.quiet, self.total, || stood_still = true);
         // who still holds an end of the outputs would keep the readers for ever
         let left = processes::below(child.id());
         if !left.is_empty() && status.is_ok() {
@@ -114,6 +118,9 @@ impl Step {
         *tally += counted;
         let unended = failed.unended();
         *failures = failed;
+        if stood_still {
+            failures.note_standstill();
+        }
         let status = match status {
             Ok(status) => status,
             Err(error) if unended.is_empty() => return Err(error),
@@ -183,8 +190,19 @@ fn pass_on(complaints: impl Read, heard: &Heard) {
     lines(complaints, heard).for_each(|line| eprintln!("{line}"));
 }
 
-fn wait(child: &mut Child, heard: &Heard, quiet: Duration, total: Duration) -> Result<ExitStatus> {
+fn wait(
+    child: &mut Child,
+    heard: &Heard,
+    quiet: Duration,
+    total: Duration,
+    mut stood_still: impl FnMut(),
+) -> Result<ExitStatus> {
+    let mut looked = Instant::now();
     loop {
+        if looked.elapsed() > STOOD_STILL {
+            stood_still();
+        }
+        looked = Instant::now();
         if let Some(status) = child.try_wait()? {
             return Ok(status);
         }

@@ -10,7 +10,7 @@ use crate::unsteady::History;
 use crate::workspace::Workspace;
 use crate::{artifacts, browser, lints, long_runs, namespaces, tidy, ui};
 use anyhow::{Result, ensure};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::time::Duration;
 
@@ -309,7 +309,7 @@ fn run_tier(
     let advice = format!("{SEE_TESTS} `cargo xtask test {}`", tier.name());
     if tier.is_in_real_time() {
         report.tests(tier.name(), &advice, first, |names| {
-            cargo_tests(workspace, built, &targets, &[told, alone(names)].concat())
+            cargo_tests(workspace, built, &targets, &[told.clone(), alone(names)].concat())
         });
     } else {
         report.step(tier.name(), &advice, first);
@@ -339,20 +339,27 @@ fn alone(names: &[String]) -> Vec<String> {
 const LONG_IN_BROWSER: &str = "@long";
 
 fn browser_tests(workspace: &Workspace, report: &mut Report, built: &Built, whole: bool) {
-    let Some(mut tests) = in_browser(workspace, report, built, Tier::Ui, "e2e") else {
+    let Some(chromium) = chromium(report, Tier::Ui) else {
         return;
     };
-    if !whole {
-        tests.args(["--", "--grep-invert", LONG_IN_BROWSER]);
-    }
+    let tests = |options: &[&str]| {
+        let mut tests = in_browser(workspace, built, &chromium, "e2e");
+        tests.arg("--").args(options);
+        if !whole {
+            tests.args(["--grep-invert", LONG_IN_BROWSER]);
+        }
+        Step::tests(tests, Runner::Playwright)
+    };
     let advice = format!("{SEE_TESTS} `cargo xtask test ui`; traces are in test-results/");
-    report.step("ui", &advice, Step::tests(tests, Runner::Playwright));
+    // Playwright has tried them again itself; these are tried anew where the machine stood still.
+    report.tests("ui", &advice, tests(&[]), |_| tests(&["--last-failed"]));
 }
 
 fn browser_soak(workspace: &Workspace, report: &mut Report, built: &Built) {
-    let Some(mut soak) = in_browser(workspace, report, built, Tier::UiSoak, "soak") else {
+    let Some(chromium) = chromium(report, Tier::UiSoak) else {
         return;
     };
+    let mut soak = in_browser(workspace, built, &chromium, "soak");
     let told = std::env::var(SOAK_VARIABLE)
         .ok()
         .and_then(|seconds| seconds.parse().ok());
@@ -364,20 +371,24 @@ fn browser_soak(workspace: &Workspace, report: &mut Report, built: &Built) {
     report.step("ui-soak", &advice, step);
 }
 
-/// The script of the dashboard that is a tier and needs Chromium and the program; nothing where there is no Chromium.
-fn in_browser(workspace: &Workspace, report: &mut Report, built: &Built, tier: Tier, script: &str) -> Option<Command> {
+/// Where Chromium is.
+fn chromium(report: &mut Report, tier: Tier) -> Option<PathBuf> {
     let mut found = None;
     let advice = format!("install Chromium, or set {} to its path", browser::VARIABLE);
     report.check(&format!("{}: browser", tier.name()), &advice, || {
         found = Some(browser::chromium()?);
         Ok(())
     });
-    let chromium = found?;
+    found
+}
+
+/// The script of the dashboard that is a tier and needs Chromium and the program.
+fn in_browser(workspace: &Workspace, built: &Built, chromium: &Path, script: &str) -> Command {
     let mut command = ui::npm(workspace, &["run", script]);
     // Playwright must not look for browsers of its own
     built
         .tell(&mut command)
         .env(browser::VARIABLE, chromium)
         .env("PLAYWRIGHT_SKIP_BROWSER_DOWNLOAD", "1");
-    Some(command)
+    command
 }

@@ -160,13 +160,40 @@ fn in_the_browser(flaky: usize, passed: usize) -> Step {
 #[test]
 fn second_tries_of_a_runner_itself_have_the_same_limits() {
     let mut report = Report::new();
-    assert!(report.step("three", "", in_the_browser(3, 9)));
+    assert!(report.tests("three", "", in_the_browser(3, 9), no_second_try));
     assert!(
         report
             .told_unsteady()
             .contains("unsteady: three: flight.spec.ts:2:1 › lands\n")
     );
-    assert!(!report.step("seven", "", in_the_browser(7, 90)));
-    assert!(!report.step("a half", "", in_the_browser(3, 3)));
+    assert!(!report.tests("seven", "", in_the_browser(7, 90), no_second_try));
+    assert!(!report.tests("a half", "", in_the_browser(3, 3), no_second_try));
     assert_eq!(code(report), format!("{:?}", ExitCode::FAILURE));
+}
+
+/// The same, in a run that is stopped for a while.
+fn stopped(step: &str) -> Step {
+    let script = format!("(sleep 1.5; kill -CONT $PPID) & kill -STOP $PPID; wait; {step}");
+    let mut command = Command::new("sh");
+    command.args(["-c", &script]);
+    Step::tests(command, Runner::CargoTest)
+}
+
+#[test]
+fn who_fails_while_the_machine_stands_still_is_tried_until_it_does_not() {
+    const TWO_OF_TWO: &str = "printf '%s\\n' 'running 2 tests' failures: '    a' '    b' '' 'test result: FAILED. 0 passed; 2 failed; 0 ignored'; exit 101";
+    const B_OF_TWO: &str = "printf '%s\\n' 'running 2 tests' failures: '    b' '' 'test result: FAILED. 1 passed; 1 failed; 0 ignored'; exit 101";
+    let mut report = Report::new();
+    let tried = std::cell::RefCell::new(Vec::new());
+    let passed = report.tests("flights", "", stopped(TWO_OF_TWO), |names| {
+        tried.borrow_mut().push(names.join(" "));
+        match names.len() {
+            2 => stopped(B_OF_TWO),
+            _ => passing(1),
+        }
+    });
+    assert!(passed, "all of them, more than a third, and one twice");
+    assert_eq!(*tried.borrow(), ["a b", "b"]);
+    assert_eq!((report.total().failed, report.total().unsteady), (0, 2));
+    assert!(!report.tests("flights", "", stopped(TWO_OF_TWO), |_| failing_of(2, &["a", "b"])));
 }

@@ -69,7 +69,7 @@ fn a_hung_command_is_ended_with_what_it_started() {
     BufReader::new(output)
         .read_line(&mut line)
         .expect("it says the grandchild's id");
-    assert!(wait(&mut child, &Heard::now(), TOTAL, Duration::ZERO).is_err());
+    assert!(wait(&mut child, &Heard::now(), TOTAL, Duration::ZERO, || {}).is_err());
     let running = || {
         let stat = std::fs::read_to_string(format!("/proc/{}/stat", line.trim())).unwrap_or_default();
         !stat.is_empty() && !stat.contains(") Z ")
@@ -150,4 +150,19 @@ fn a_step_has_its_own_patience() {
     assert!(error.to_string().contains("hung"), "{error}");
     let step = Step::new(shell("true")).within(TOTAL * 2);
     assert!(step.quiet == TOTAL * 2, "it may be quiet all the while");
+}
+
+#[test]
+fn a_run_that_was_stopped_for_a_while_is_noticed() {
+    let stopping =
+        "(sleep 1.5; kill -CONT $PPID) & kill -STOP $PPID; wait; echo 'test result: ok. 1 passed; 0 failed; 0 ignored'";
+    for (script, stood_still) in [
+        (stopping, true),
+        ("echo 'test result: ok. 1 passed; 0 failed; 0 ignored'", false),
+    ] {
+        let mut failures = Failures::default();
+        let step = Step::tests(shell(script), Runner::CargoTest);
+        step.run_and_name(&mut Tally::default(), &mut failures).expect("passes");
+        assert_eq!(failures.stood_still(), stood_still, "{script}");
+    }
 }
