@@ -1,5 +1,5 @@
-//! Who is connected, and who has to go when there is no room: whoever holds a connection without asking anything, longest first, of the
-//! address that holds the most.
+//! Who is connected, and who has to go when there is no room: of the address that holds the most, who has never asked anything, or has nothing
+//! to ask now. The longest first.
 //!
 //! Must never do: keep a new connection waiting, for it may be the operator's emergency stop; end one that is being answered for one that
 //! has asked nothing yet.
@@ -25,15 +25,28 @@ struct Connection {
     since: Instant,
     /// How many requests are being answered on it.
     asked: usize,
+    /// Whether anything was ever asked on it: a page that is open has.
+    is_known: bool,
     /// Ends it.
     _end: oneshot::Sender<()>,
 }
 
+/// In which order they go; who is being answered and is not slow stays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Rank {
+    First,
+    Then,
+    Slow,
+}
+
 impl Connection {
-    /// In which order they go: first who asks nothing, then who is slow. The longest first. None: it stays.
-    fn may_go(&self, now: Instant) -> Option<(bool, Instant)> {
-        let busy = self.asked > 0;
-        (!busy || now.duration_since(self.since) >= SLOW).then_some((busy, self.since))
+    /// Newcomers go before those who are known as long as they are the most: else whoever has come just now would go for the next.
+    fn rank(&self, now: Instant, newcomers_first: bool) -> Option<Rank> {
+        match self.asked {
+            0 if self.is_known == newcomers_first => Some(Rank::Then),
+            0 => Some(Rank::First),
+            _ => (now.duration_since(self.since) >= SLOW).then_some(Rank::Slow),
+        }
     }
 }
 
@@ -80,6 +93,7 @@ impl Connections {
             address,
             since: now,
             asked: 0,
+            is_known: false,
             _end: end,
         };
         inner.open.insert(number, connection);
@@ -106,9 +120,11 @@ impl Inner {
 
     /// Ends the one of these that is to go first.
     fn dismiss(&mut self, now: Instant, among: impl Fn(&Connection) -> bool) -> Option<()> {
-        let may_go = self.open.iter().filter(|(_, open)| among(open));
-        let (_, number) = may_go
-            .filter_map(|(number, open)| Some((open.may_go(now)?, *number)))
+        let those = || self.open.iter().filter(|(_, open)| among(open));
+        let newcomers = those().filter(|(_, open)| !open.is_known).count();
+        let newcomers_first = 2 * newcomers > those().count();
+        let (_, _, number) = those()
+            .filter_map(|(number, open)| Some((open.rank(now, newcomers_first)?, open.since, *number)))
             .min()?;
         // Dropping it tells the connection's task.
         self.open.remove(&number).map(|_| ())
@@ -130,7 +146,7 @@ impl Admitted {
 impl Connections {
     fn change(&self, number: u64, now: Instant, asked: impl FnOnce(usize) -> usize) {
         if let Some(open) = self.0.lock().open.get_mut(&number) {
-            (open.asked, open.since) = (asked(open.asked), now);
+            (open.asked, open.since, open.is_known) = (asked(open.asked), now, true);
         }
     }
 }

@@ -70,3 +70,33 @@ fn who_has_gone_leaves_room() {
     }
     assert!(all.0.lock().open.is_empty());
 }
+
+#[test]
+fn a_page_that_is_open_stays_while_others_come_and_ask_nothing() {
+    let (all, now) = (Connections::default(), Instant::now());
+    let (page, mut its) = all.admit(now, address(1)).expect("room");
+    drop(page.asked(now));
+    let mut flood: std::collections::VecDeque<_> = std::collections::VecDeque::new();
+    for _ in 0..5_000 {
+        flood.push_back(all.admit(now, address(1)).expect("whoever comes is taken in"));
+        flood.truncate(1_000);
+    }
+    assert!(is_open(&mut its));
+}
+
+#[test]
+fn who_comes_among_many_that_have_asked_before_has_time_to_ask() {
+    let (all, now) = (Connections::default(), Instant::now());
+    let mut held = Vec::new();
+    for _ in 0..OF_ONE_ADDRESS_MAX {
+        let (admitted, ended) = all.admit(now, address(1)).expect("room");
+        drop(admitted.asked(now));
+        held.push((admitted, ended));
+    }
+    let later = now + Duration::from_secs(1);
+    let (_operator, mut its) = all.admit(later, address(1)).expect("room is made");
+    let _flood: Vec<_> = (0..50)
+        .map(|_| all.admit(later, address(1)).expect("room is made"))
+        .collect();
+    assert!(is_open(&mut its));
+}
