@@ -52,6 +52,23 @@ impl Report {
     /// for those named. Of those that the runner itself tried again the same holds. While the machine stands still in a try, that says
     /// nothing of those that fail: they are tried anew, however many.
     pub fn tests(&mut self, name: &str, advice: &str, step: Step, again: impl Fn(&[String]) -> Step) -> bool {
+        self.tried_again(name, advice, step, again, may_be_noise)
+    }
+
+    /// Runs tests as a step that come out the same each time: one that fails has failed. Only where the machine stood still they are tried
+    /// again, for some wait for something in real time all the same; one that is wrong fails then, too.
+    pub fn same_each_time(&mut self, name: &str, advice: &str, step: Step, again: impl Fn(&[String]) -> Step) -> bool {
+        self.tried_again(name, advice, step, again, |failed, _| failed == 0)
+    }
+
+    fn tried_again(
+        &mut self,
+        name: &str,
+        advice: &str,
+        step: Step,
+        again: impl Fn(&[String]) -> Step,
+        may_be_noise: impl Fn(u64, u64) -> bool,
+    ) -> bool {
         self.record(name, advice, |tally, unsteady| {
             let mut failures = Failures::default();
             let outcome = step.run_and_name(tally, &mut failures);

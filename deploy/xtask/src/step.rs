@@ -35,6 +35,9 @@ pub struct Step {
     must_run_some: bool,
     quiet: Duration,
     total: Duration,
+    /// In tests: as if the machine had stood still meanwhile.
+    #[cfg(test)]
+    standstill: bool,
 }
 
 impl Step {
@@ -46,6 +49,8 @@ impl Step {
             must_run_some: false,
             quiet: QUIET,
             total: TOTAL,
+            #[cfg(test)]
+            standstill: false,
         }
     }
 
@@ -57,6 +62,8 @@ impl Step {
             must_run_some: true,
             quiet: QUIET,
             total: TOTAL,
+            #[cfg(test)]
+            standstill: false,
         }
     }
 
@@ -68,7 +75,16 @@ impl Step {
             must_run_some: false,
             quiet: QUIET,
             total: TOTAL,
+            #[cfg(test)]
+            standstill: false,
         }
+    }
+
+    /// As if the machine had stood still meanwhile.
+    #[cfg(test)]
+    pub fn with_standstill(mut self) -> Self {
+        self.standstill = true;
+        self
     }
 
     /// It may take this long before it is taken for hung, and be quiet all the while.
@@ -118,6 +134,8 @@ impl Step {
         *tally += counted;
         let unended = failed.unended();
         *failures = failed;
+        #[cfg(test)]
+        let stood_still = stood_still || self.standstill;
         if stood_still {
             failures.note_standstill();
         }
@@ -190,6 +208,11 @@ fn pass_on(complaints: impl Read, heard: &Heard) {
     lines(complaints, heard).for_each(|line| eprintln!("{line}"));
 }
 
+/// Whether the time between two looks says that this run was stopped.
+fn is_standstill(looked: Instant, now: Instant) -> bool {
+    now.duration_since(looked) > STOOD_STILL
+}
+
 fn wait(
     child: &mut Child,
     heard: &Heard,
@@ -199,10 +222,11 @@ fn wait(
 ) -> Result<ExitStatus> {
     let mut looked = Instant::now();
     loop {
-        if looked.elapsed() > STOOD_STILL {
+        let now = Instant::now();
+        if is_standstill(looked, now) {
             stood_still();
         }
-        looked = Instant::now();
+        looked = now;
         if let Some(status) = child.try_wait()? {
             return Ok(status);
         }

@@ -255,13 +255,11 @@ fn build_all(workspace: &Workspace, report: &mut Report, whole: bool) -> Option<
 fn unit(workspace: &Workspace, report: &mut Report, built: &Built) {
     let advice = format!("{SEE_TESTS} `cargo xtask test unit`");
     let at_a_time = ["--test-threads", Tier::Unit.at_a_time()].map(str::to_owned);
-    let crates = cargo_tests(
-        workspace,
-        built,
-        &artifacts::UNIT_TARGETS.map(str::to_owned),
-        &at_a_time,
-    );
-    report.step("unit: crates", &advice, crates);
+    let targets = artifacts::UNIT_TARGETS.map(str::to_owned);
+    let crates = |arguments: &[String]| cargo_tests(workspace, built, &targets, arguments);
+    report.same_each_time("unit: crates", &advice, crates(&at_a_time), |names| {
+        crates(&alone(names))
+    });
     let mut examples = workspace.cargo();
     examples.args(["test", "--workspace", "--doc", "--no-fail-fast"]);
     report.step(
@@ -307,12 +305,11 @@ fn run_tier(
     let all = [&at_a_time[..], &told].concat();
     let first = cargo_tests(workspace, built, &targets, &all);
     let advice = format!("{SEE_TESTS} `cargo xtask test {}`", tier.name());
+    let again = |names: &[String]| cargo_tests(workspace, built, &targets, &[told.clone(), alone(names)].concat());
     if tier.is_in_real_time() {
-        report.tests(tier.name(), &advice, first, |names| {
-            cargo_tests(workspace, built, &targets, &[told.clone(), alone(names)].concat())
-        });
+        report.tests(tier.name(), &advice, first, again);
     } else {
-        report.step(tier.name(), &advice, first);
+        report.same_each_time(tier.name(), &advice, first, again);
     }
 }
 

@@ -171,29 +171,28 @@ fn second_tries_of_a_runner_itself_have_the_same_limits() {
     assert_eq!(code(report), format!("{:?}", ExitCode::FAILURE));
 }
 
-/// The same, in a run that is stopped for a while.
-fn stopped(step: &str) -> Step {
-    let script = format!("(sleep 1.5; kill -CONT $PPID) & kill -STOP $PPID; wait; {step}");
-    let mut command = Command::new("sh");
-    command.args(["-c", &script]);
-    Step::tests(command, Runner::CargoTest)
-}
-
 #[test]
 fn who_fails_while_the_machine_stands_still_is_tried_until_it_does_not() {
-    const TWO_OF_TWO: &str = "printf '%s\\n' 'running 2 tests' failures: '    a' '    b' '' 'test result: FAILED. 0 passed; 2 failed; 0 ignored'; exit 101";
-    const B_OF_TWO: &str = "printf '%s\\n' 'running 2 tests' failures: '    b' '' 'test result: FAILED. 1 passed; 1 failed; 0 ignored'; exit 101";
     let mut report = Report::new();
     let tried = std::cell::RefCell::new(Vec::new());
-    let passed = report.tests("flights", "", stopped(TWO_OF_TWO), |names| {
+    let both = || failing_of(2, &["a", "b"]).with_standstill();
+    let passed = report.tests("flights", "", both(), |names| {
         tried.borrow_mut().push(names.join(" "));
         match names.len() {
-            2 => stopped(B_OF_TWO),
+            2 => failing_of(2, &["b"]).with_standstill(),
             _ => passing(1),
         }
     });
     assert!(passed, "all of them, more than a third, and one twice");
     assert_eq!(*tried.borrow(), ["a b", "b"]);
     assert_eq!((report.total().failed, report.total().unsteady), (0, 2));
-    assert!(!report.tests("flights", "", stopped(TWO_OF_TWO), |_| failing_of(2, &["a", "b"])));
+    assert!(!report.tests("flights", "", both(), |_| failing_of(2, &["a", "b"])));
+}
+
+#[test]
+fn what_comes_out_the_same_each_time_is_tried_again_only_after_a_standstill() {
+    let mut report = Report::new();
+    assert!(!report.same_each_time("seeds", "", failing(&["one"]), no_second_try));
+    assert!(report.same_each_time("seeds", "", failing(&["one"]).with_standstill(), |_| passing(1)));
+    assert!(!report.same_each_time("seeds", "", failing(&["one"]).with_standstill(), |_| failing(&["one"])));
 }
