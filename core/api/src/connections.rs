@@ -1,8 +1,8 @@
 //! Who is connected, and who has to go when there is no room: of the address that holds the most, who has never asked anything, or has nothing
 //! to ask now. The longest first.
 //!
-//! Must never do: keep a new connection waiting, for it may be the operator's emergency stop; end one that is being answered for one that
-//! has asked nothing yet.
+//! Must never do: keep a new connection waiting, for it may be the operator's emergency stop; end one that is being answered, unless that
+//! takes long, for one that has asked nothing yet.
 
 use parking_lot::Mutex;
 use std::collections::BTreeMap;
@@ -15,7 +15,7 @@ use tokio::sync::oneshot;
 const CONNECTIONS_MAX: usize = 256;
 /// Of one address at most, so that one computer leaves room for the others.
 const OF_ONE_ADDRESS_MAX: usize = 192;
-/// Whoever takes longer to ask, or to take the answer, is slow and goes before those who are quick.
+/// A request that is not answered within this time, because its body does not come or for another reason, may be broken off for others.
 const SLOW: Duration = Duration::from_secs(5);
 
 #[derive(Debug)]

@@ -142,7 +142,7 @@ pub trait VehicleLink: Send + Sync + 'static {
     /// seen stopped. How it ended comes as [`LinkEvent::Result`], and before that [`LinkEvent::StopUnconfirmed`] if it takes long.
     ///
     /// # Errors
-    /// [`Refusal::NotSent`] when nothing went out now. It is repeated all the same.
+    /// [`Refusal::NotSent`] when nothing went out now; it is repeated all the same. Another refusal when it never will.
     fn stop_motors(&self, now: NodeTime, request: RequestId) -> Result<(), Refusal>;
 
     /// Send a setpoint now and hold it valid until `expires`.

@@ -190,7 +190,7 @@ impl VehicleLink for DdsLink {
         let mut inner = self.inner.lock();
         // What waits from before does not count as sent now.
         inner.flush();
-        inner.session.stop_motors(now, request);
+        inner.session.stop_motors(now, request)?;
         if inner.flush() > 0 {
             return Ok(());
         }

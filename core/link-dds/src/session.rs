@@ -299,7 +299,8 @@ impl VehicleSession {
     /// Asks the autopilot for something; the outcome comes as an event.
     pub fn request(&mut self, now: NodeTime, request: RequestId, command: AutopilotCommand) {
         if command == AutopilotCommand::EmergencyStop {
-            self.stop_motors(now, request);
+            // Its refusal comes as an event as well.
+            let _ = self.stop_motors(now, request);
             return;
         }
         let planned = match self.refusal(now, command.brings_to_rest()) {
@@ -420,10 +421,13 @@ impl VehicleSession {
     }
 
     /// Stops the motors at once, whoever else hears it.
-    pub fn stop_motors(&mut self, now: NodeTime, request: RequestId) {
+    ///
+    /// # Errors
+    /// When its topics are another vehicle's.
+    pub fn stop_motors(&mut self, now: NodeTime, request: RequestId) -> Result<(), Refusal> {
         if let Some(refusal) = self.refuse_all.clone() {
-            self.fail(request, refusal);
-            return;
+            self.fail(request, refusal.clone());
+            return Err(refusal);
         }
         self.end_emergency(now, Err(Refusal::Superseded));
         self.emergency = Some(EmergencyStop::new(request, now));
@@ -433,6 +437,7 @@ impl VehicleSession {
         self.finish_commands();
         let action = self.stream.bar_for_good();
         self.act(now, action);
+        Ok(())
     }
 
     fn poll_emergency(&mut self, now: NodeTime) {

@@ -49,16 +49,22 @@ impl Report {
     }
 
     /// Runs tests in real time as a step. Those that fail are tried once more, alone, unless they are many: `again` makes the command
-    /// for those named. Of those that the runner itself tried again the same holds. While the machine stands still in a try, that says
-    /// nothing of those that fail: they are tried anew, however many.
+    /// for those named. While the machine stands still in a try, that says nothing of those that fail: they are tried anew, however many.
     pub fn tests(&mut self, name: &str, advice: &str, step: Step, again: impl Fn(&[String]) -> Step) -> bool {
-        self.tried_again(name, advice, step, again, may_be_noise)
+        self.tried_again(name, advice, step, again, |failed, _, ran| may_be_noise(failed, ran))
+    }
+
+    /// The same for tests that their runner has tried again itself: of those that passed then the same holds, and those that did not have
+    /// failed, unless the machine stood still.
+    pub fn tries_itself(&mut self, name: &str, advice: &str, step: Step, again: impl Fn(&[String]) -> Step) -> bool {
+        let may_be = |failed, unsteady, ran| failed == 0 && may_be_noise(unsteady, ran);
+        self.tried_again(name, advice, step, again, may_be)
     }
 
     /// Runs tests as a step that come out the same each time: one that fails has failed. Only where the machine stood still they are tried
     /// again, for some wait for something in real time all the same; one that is wrong fails then, too.
     pub fn same_each_time(&mut self, name: &str, advice: &str, step: Step, again: impl Fn(&[String]) -> Step) -> bool {
-        self.tried_again(name, advice, step, again, |failed, _| failed == 0)
+        self.tried_again(name, advice, step, again, |failed, _, _| failed == 0)
     }
 
     fn tried_again(
@@ -67,7 +73,7 @@ impl Report {
         advice: &str,
         step: Step,
         again: impl Fn(&[String]) -> Step,
-        may_be_noise: impl Fn(u64, u64) -> bool,
+        may_be_noise: impl Fn(u64, u64, u64) -> bool,
     ) -> bool {
         self.record(name, advice, |tally, unsteady| {
             let mut failures = Failures::default();
@@ -75,7 +81,7 @@ impl Report {
             let names = failures.names();
             unsteady.extend([names, failures.unsteady()].concat());
             let count = names.len() as u64;
-            let noise = failures.stood_still() || may_be_noise(count + tally.unsteady, tally.ran());
+            let noise = failures.stood_still() || may_be_noise(count, tally.unsteady, tally.ran());
             let Err(error) = outcome else {
                 ensure!(noise, "{}: that is no noise", passed_again(tally));
                 return Ok(());

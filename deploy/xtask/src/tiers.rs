@@ -349,7 +349,7 @@ fn browser_tests(workspace: &Workspace, report: &mut Report, built: &Built, whol
     };
     let advice = format!("{SEE_TESTS} `cargo xtask test ui`; traces are in test-results/");
     // Playwright has tried them again itself; these are tried anew where the machine stood still.
-    report.tests("ui", &advice, tests(&[]), |_| tests(&["--last-failed"]));
+    report.tries_itself("ui", &advice, tests(&[]), |_| tests(&["--last-failed"]));
 }
 
 fn browser_soak(workspace: &Workspace, report: &mut Report, built: &Built) {

@@ -198,7 +198,7 @@ impl Caller {
             ],
         };
         let deadline = self.shared.settings.call_deadline;
-        // It is there to be read at once, or the child is stuck; how long that takes is the machine's affair.
+        // The socket is empty and takes a call at once. Where it does not, the child is stuck, or the machine stood still: hence the longer time.
         let until = Some(Instant::now() + self.shared.settings.create_deadline);
         let sent = if frames.is_empty() {
             self.wire.send(head, &[&call.bytes], &[], until)

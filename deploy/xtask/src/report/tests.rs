@@ -160,15 +160,22 @@ fn in_the_browser(flaky: usize, passed: usize) -> Step {
 #[test]
 fn second_tries_of_a_runner_itself_have_the_same_limits() {
     let mut report = Report::new();
-    assert!(report.tests("three", "", in_the_browser(3, 9), no_second_try));
+    assert!(report.tries_itself("three", "", in_the_browser(3, 9), no_second_try));
     assert!(
         report
             .told_unsteady()
             .contains("unsteady: three: flight.spec.ts:2:1 › lands\n")
     );
-    assert!(!report.tests("seven", "", in_the_browser(7, 90), no_second_try));
-    assert!(!report.tests("a half", "", in_the_browser(3, 3), no_second_try));
+    assert!(!report.tries_itself("seven", "", in_the_browser(7, 90), no_second_try));
+    assert!(!report.tries_itself("a half", "", in_the_browser(3, 3), no_second_try));
     assert_eq!(code(report), format!("{:?}", ExitCode::FAILURE));
+}
+
+#[test]
+fn whom_its_runner_has_tried_again_is_not_tried_a_third_time() {
+    let mut report = Report::new();
+    assert!(!report.tries_itself("one", "", failing(&["one"]), no_second_try));
+    assert!(report.tries_itself("stopped", "", failing(&["one"]).with_standstill(), |_| passing(1)));
 }
 
 #[test]
