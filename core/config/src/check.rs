@@ -108,6 +108,7 @@ impl NodeConfig {
             ("link.setpoint_valid_s", link.setpoint_valid_s, 0.02, 0.5),
             ("link.hold_for_s", link.hold_for_s, 0.0, 60.0),
             ("link.position_rate_hz", link.position_rate_hz, 1.0, 200.0),
+            ("newcomers.probation_s", self.newcomers.probation_s, 0.0, 600.0),
             ("safety.max_speed_m_s", safety.max_speed_m_s, 0.1, 60.0),
             ("safety.max_climb_m_s", safety.max_climb_m_s, 0.1, 30.0),
             ("safety.max_descent_m_s", safety.max_descent_m_s, 0.1, 30.0),

@@ -22,6 +22,8 @@ pub struct NodeConfig {
     pub link: LinkSettings,
     /// What a newly seen vehicle becomes; the first rule that fits is taken.
     pub adopt: Vec<AdoptionRule>,
+    /// What a newly seen vehicle must show while others fly.
+    pub newcomers: NewcomerSettings,
     /// Where plugins come from and how long they may take.
     pub plugins: PluginSettings,
     /// The safety gate.
@@ -98,6 +100,25 @@ impl Default for LinkSettings {
             setpoint_valid_s: 0.1,
             hold_for_s: 5.0,
             position_rate_hz: 50.0,
+        }
+    }
+}
+
+/// `[newcomers]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct NewcomerSettings {
+    /// How long a vehicle that is heard for the first time while others fly must tell its position without a pause, in seconds.
+    pub probation_s: f64,
+    /// How many of them are taken in within a minute, at most.
+    pub most_per_min: u32,
+}
+
+impl Default for NewcomerSettings {
+    fn default() -> Self {
+        Self {
+            probation_s: 3.0,
+            most_per_min: 12,
         }
     }
 }

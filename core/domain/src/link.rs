@@ -132,6 +132,11 @@ pub trait VehicleLink: Send + Sync + 'static {
         Vec::new()
     }
 
+    /// Whether another vehicle answers to the same system id at the same place, so that what is sent reaches both.
+    fn is_shared(&self) -> bool {
+        false
+    }
+
     /// Events since the last call, oldest first. Bounded: status texts beyond the bound are dropped oldest first, others never.
     fn take_events(&self) -> Vec<LinkEvent>;
 

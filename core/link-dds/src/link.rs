@@ -176,6 +176,10 @@ impl VehicleLink for DdsLink {
         self.inner.lock().session.read(now)
     }
 
+    fn is_shared(&self) -> bool {
+        self.is_duplicate()
+    }
+
     fn take_events(&self) -> Vec<LinkEvent> {
         self.inner.lock().session.take_events()
     }

@@ -306,6 +306,10 @@ impl VehicleLink for Px4Link {
         self.inner.lock().core.read(now)
     }
 
+    fn is_shared(&self) -> bool {
+        self.inner.lock().core.is_duplicate()
+    }
+
     fn take_events(&self) -> Vec<LinkEvent> {
         self.inner.lock().core.take_events()
     }

@@ -386,6 +386,12 @@ impl VehicleCore {
         self.duplicate = duplicate;
     }
 
+    /// Whether another autopilot with its system id is heard at its own place.
+    #[must_use]
+    pub fn is_duplicate(&self) -> bool {
+        self.duplicate
+    }
+
     fn duplicate_refusal(&self) -> Refusal {
         Refusal::DuplicateSystemId {
             system_id: self.system_id,

@@ -4,6 +4,7 @@
 //! stop no setpoint. Must never do: wait for a vehicle's actor, or fly anything itself.
 
 mod payloads;
+mod probation;
 
 pub use payloads::{payload_cell, payload_kind};
 
@@ -14,6 +15,7 @@ use crate::restart::{Decision, RestartHistory, VEHICLE_LIMITS};
 use crate::snapshot::{ActorStatus, EventKind, UnadoptedVehicle};
 use crate::vehicle::{Vehicle, VehicleArguments};
 use payloads::{PayloadKey, PayloadRecord};
+use probation::Probation;
 use ractor::{Actor, ActorId, ActorProcessingErr, ActorRef, RpcReplyPort, SupervisionEvent};
 use skein_config::{AdoptionRule, LinkKind, PayloadRule};
 use skein_domain::exchange::Severity;
@@ -33,6 +35,8 @@ pub enum FleetMessage {
     Discovered(Discovery),
     /// An endpoint hears something that cannot be flown as it is.
     Trouble(UnadoptedVehicle),
+    /// Look at those that are not taken in yet.
+    LookAtNewcomers,
     /// The back-off of a vehicle's actor is over.
     Restart(VehicleId),
     /// The back-off of a payload's actor is over.
@@ -67,6 +71,7 @@ pub struct FleetState {
     children: HashMap<ActorId, Child>,
     records: BTreeMap<VehicleId, Record>,
     payload_records: BTreeMap<PayloadKey, PayloadRecord>,
+    probation: Probation,
 }
 
 #[derive(Default)]
@@ -90,6 +95,7 @@ impl Actor for Fleet {
             children: HashMap::new(),
             records: BTreeMap::new(),
             payload_records: BTreeMap::new(),
+            probation: Probation::default(),
         };
         // After a restart of the fleet itself, its vehicles are on the board.
         for cell in state.board.cells() {
@@ -116,6 +122,7 @@ impl Actor for Fleet {
         match message {
             FleetMessage::Discovered(discovery) => state.discovered(&myself, discovery).await,
             FleetMessage::Trouble(trouble) => state.not_adopted(trouble),
+            FleetMessage::LookAtNewcomers => state.look_at_newcomers(&myself).await,
             FleetMessage::Restart(id) => {
                 if let Some(cell) = state.board.cell(id) {
                     state.start(&myself, cell).await;
@@ -161,21 +168,42 @@ fn fits(rule: &AdoptionRule, discovery: &Discovery) -> bool {
         && endpoint.is_none_or(|name| *name == discovery.endpoint)
 }
 
+fn vehicle_id(discovery: &Discovery, rule: &AdoptionRule) -> VehicleId {
+    VehicleId(u16::from(discovery.system_id.0).saturating_add(rule.vehicle_id_offset))
+}
+
+impl Discovery {
+    fn unadopted(&self, why: String) -> UnadoptedVehicle {
+        UnadoptedVehicle {
+            system_id: self.system_id,
+            endpoint: self.endpoint.clone(),
+            why,
+        }
+    }
+}
+
 impl FleetState {
     async fn discovered(&mut self, myself: &ActorRef<FleetMessage>, discovery: Discovery) {
         let rules = &self.board.config.adopt;
-        let why = match rules.iter().find(|rule| fits(rule, &discovery)) {
-            None => "no adoption rule fits it".to_owned(),
-            Some(rule) => match self.adopt(myself, &discovery, &rule.clone()).await {
-                Ok(()) => return,
-                Err(why) => why,
-            },
+        let Some(rule) = rules.iter().find(|rule| fits(rule, &discovery)).cloned() else {
+            return self.not_adopted(discovery.unadopted("no adoption rule fits it".to_owned()));
         };
-        self.not_adopted(UnadoptedVehicle {
-            system_id: discovery.system_id,
-            endpoint: discovery.endpoint,
-            why,
-        });
+        let known = self.board.cell(vehicle_id(&discovery, &rule)).is_some();
+        let now = if known {
+            Some(discovery)
+        } else {
+            self.keep_on_probation(myself, discovery, &rule)
+        };
+        if let Some(discovery) = now {
+            self.take_in(myself, discovery, &rule).await;
+        }
+    }
+
+    /// Makes a vehicle of ours of it, or says why not.
+    async fn take_in(&mut self, myself: &ActorRef<FleetMessage>, discovery: Discovery, rule: &AdoptionRule) {
+        if let Err(why) = self.adopt(myself, &discovery, rule).await {
+            self.not_adopted(discovery.unadopted(why));
+        }
     }
 
     async fn adopt(
@@ -185,7 +213,7 @@ impl FleetState {
         rule: &AdoptionRule,
     ) -> Result<(), String> {
         let (endpoint, system_id) = (&discovery.endpoint, discovery.system_id);
-        let id = VehicleId(u16::from(system_id.0).saturating_add(rule.vehicle_id_offset));
+        let id = vehicle_id(discovery, rule);
         let now = self.board.now();
         if let Some(known) = self.board.cell(id) {
             return self.heard_again(&known, discovery);

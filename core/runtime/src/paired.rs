@@ -357,6 +357,10 @@ impl VehicleLink for PairedLink {
         inner.order.iter().filter_map(there).collect()
     }
 
+    fn is_shared(&self) -> bool {
+        self.inner.lock().links.iter().any(|one| one.link.is_shared())
+    }
+
     fn take_events(&self) -> Vec<LinkEvent> {
         let mut inner = self.inner.lock();
         inner.collect();

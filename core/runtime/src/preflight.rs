@@ -10,7 +10,7 @@ use serde::Serialize;
 use skein_domain::exchange::Severity;
 use skein_domain::preflight::{PreflightItem, PreflightOverride, PreflightReport};
 use skein_domain::{LandedState, NodeId, NodeTime, PositionNed, Refusal};
-use skein_safety::preflight::{self, NamedRunning, SwarmChecks, VehicleChecks};
+use skein_safety::preflight::{self, NamedRunning, SwarmChecks, SystemIdUse, VehicleChecks};
 use std::collections::BTreeSet;
 use std::time::Duration;
 
@@ -128,13 +128,21 @@ fn checks(board: &Board, cell: &VehicleCell, entry: &PeerEntry, now: NodeTime) -
             })
             .collect(),
         limits_known: Some(limits_known),
-        duplicate_system_id: board
-            .unadopted
-            .lock()
-            .iter()
-            .any(|other| other.system_id == cell.system_id),
+        system_id: system_id_use(board, cell),
         alarms: Some(alarms),
         ..VehicleChecks::observed(cell.id, &entry.telemetry, &entry.link, now)
+    }
+}
+
+fn system_id_use(board: &Board, cell: &VehicleCell) -> SystemIdUse {
+    if cell.link.load().0.is_shared() {
+        return SystemIdUse::Shared;
+    }
+    let others = board.unadopted.lock();
+    if others.iter().any(|other| other.system_id == cell.system_id) {
+        SystemIdUse::Elsewhere
+    } else {
+        SystemIdUse::Alone
     }
 }
 

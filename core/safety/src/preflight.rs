@@ -7,7 +7,7 @@ mod swarm;
 mod vehicle;
 
 pub use swarm::{SwarmChecks, swarm_report};
-pub use vehicle::{NamedRunning, VehicleChecks, vehicle_report};
+pub use vehicle::{NamedRunning, SystemIdUse, VehicleChecks, vehicle_report};
 
 use skein_domain::preflight::never_overridden;
 use skein_domain::{ItemStatus, NodeTime, PreflightItem, PreflightOverride, PreflightReport, Refusal};

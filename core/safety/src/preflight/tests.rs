@@ -44,7 +44,7 @@ fn good_vehicle() -> VehicleChecks {
             running: true,
         }],
         limits_known: Some(true),
-        duplicate_system_id: false,
+        system_id: SystemIdUse::Alone,
         alarms: Some(Vec::new()),
     }
 }
@@ -160,7 +160,9 @@ fn each_thing_that_is_wrong_with_a_vehicle_is_its_own_item() {
         ("payloads", ItemStatus::Red, |c| c.payloads[0].running = false),
         ("limits", ItemStatus::Red, |c| c.limits_known = Some(false)),
         ("limits", ItemStatus::Amber, |c| c.limits_known = None),
-        ("duplicate_system_id", ItemStatus::Red, |c| c.duplicate_system_id = true),
+        ("duplicate_system_id", ItemStatus::Red, |c| {
+            c.system_id = SystemIdUse::Shared
+        }),
         ("alarms", ItemStatus::Red, |c| c.alarms = None),
         ("alarms", ItemStatus::Red, |c| {
             c.alarms = Some(vec!["clocks jumped or drift".to_owned()]);
@@ -173,6 +175,12 @@ fn each_thing_that_is_wrong_with_a_vehicle_is_its_own_item() {
     for id in ids {
         assert!(wrong.iter().any(|(wrong, ..)| *wrong == id), "{id} is not tested");
     }
+}
+
+#[test]
+fn another_sender_of_its_system_id_elsewhere_is_told_and_grounds_nobody() {
+    let report = vehicle(|c| c.system_id = SystemIdUse::Elsewhere);
+    assert_only(&report, "duplicate_system_id", ItemStatus::Amber);
 }
 
 #[test]
@@ -332,7 +340,7 @@ fn an_override_covers_its_items_of_its_vehicle_for_its_time() {
 fn some_items_are_never_overridden() {
     let report = vehicle(|c| {
         c.position_age_s = None;
-        c.duplicate_system_id = true;
+        c.system_id = SystemIdUse::Shared;
         c.model = None;
     });
     let all: Vec<_> = report.blocking().map(|i| override_of(&i.id)).collect();

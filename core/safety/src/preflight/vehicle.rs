@@ -67,10 +67,22 @@ pub struct VehicleChecks {
     pub payloads: Vec<NamedRunning>,
     /// Its limits (speeds, accelerations) and parameters have been read.
     pub limits_known: Option<bool>,
-    /// Another vehicle uses the same system id.
-    pub duplicate_system_id: bool,
+    /// Who else uses its system id.
+    pub system_id: SystemIdUse,
     /// Alarms of its ladder that stand now and would do more than warn once it is in the air, in words; `None` if nobody watches it.
     pub alarms: Option<Vec<String>>,
+}
+
+/// Who uses a vehicle's system id.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SystemIdUse {
+    /// The vehicle alone.
+    #[default]
+    Alone,
+    /// Another sender at another place: what is sent goes to the vehicle alone.
+    Elsewhere,
+    /// Another vehicle at the same place: what is sent reaches both.
+    Shared,
 }
 
 impl VehicleChecks {
@@ -161,10 +173,14 @@ fn link_items(c: &VehicleChecks, s: &PreflightSettings) -> Vec<PreflightItem> {
     vec![
         link.word(must_be(Some(c.connected)), if c.connected { "heard" } else { "lost" }),
         loss.at_most(c.loss, s.loss_amber_share, s.loss_red_share, Unit::SHARE),
-        duplicate.word(
-            must_be(Some(!c.duplicate_system_id)),
-            if c.duplicate_system_id { "used twice" } else { "unique" },
-        ),
+        match c.system_id {
+            SystemIdUse::Alone => duplicate.word(ItemStatus::Green, "unique"),
+            SystemIdUse::Elsewhere => duplicate.word(
+                ItemStatus::Amber,
+                "used by another sender as well, to which nothing is sent",
+            ),
+            SystemIdUse::Shared => duplicate.word(ItemStatus::Red, "used twice"),
+        },
         ready.word(ready_status, ready_value),
     ]
 }

@@ -193,7 +193,8 @@ fn forged<D: MessageData>(system_id: u8, message: &D) -> Vec<u8> {
     raw.raw_bytes().to_vec()
 }
 
-/// Frames of vehicles 1 and 2 from a port of somebody else's: disarmed, in another mode, a kilometre away, just started.
+/// Frames of vehicles 1 and 2 from a port of somebody else's: disarmed, in another mode, a kilometre away, just started. And heartbeats of forty
+/// vehicles that nobody has.
 async fn forge(port: SocketAddr) {
     let heartbeat = HEARTBEAT_DATA {
         custom_mode: 4 << 24 | 5 << 16,
@@ -217,6 +218,9 @@ async fn forge(port: SocketAddr) {
                 socket.send_to(&frame, port).await.expect("is sent");
             }
         }
+        for id in 101..=140 {
+            socket.send_to(&forged(id, &heartbeat), port).await.expect("is sent");
+        }
     }
 }
 
@@ -236,7 +240,8 @@ async fn forged_frames_of_vehicles_in_flight_take_nobody_out_of_our_hands() {
                     .iter()
                     .any(|u| u.system_id.0 == id && u.why.contains("127.0.0.1"))
             };
-            shown(1) && shown(2) && fleet.time > begun.plus_seconds(4.0)
+            let waits = |id: u8| fleet.unadopted.iter().any(|u| u.system_id.0 == id);
+            shown(1) && shown(2) && (101..=140).all(waits) && fleet.time > begun.plus_seconds(4.0)
         })
         .await;
     assert!(
@@ -265,6 +270,7 @@ async fn forged_frames_of_vehicles_in_flight_take_nobody_out_of_our_hands() {
         .map(|id| truth.vehicle(id).expect("is simulated").armed)
         .into();
     assert_eq!(armed, [false, false, true]);
+    assert_eq!(node.snapshot().vehicles.len(), 3, "no vehicle was made of heartbeats");
     forger.abort();
     swarm.stop().await;
 }
