@@ -3,8 +3,8 @@
 
 use crate::error::ApiError;
 use crate::protocol::{
-    CommandBody, ControlBody, CoordinatorBody, EmergencyStopBody, FenceFileBody, FencePlanBody, OverrideBody,
-    ParameterBody, ReadingBody, RouteBody,
+    AcknowledgeBody, CommandBody, ControlBody, CoordinatorBody, EmergencyStopBody, FenceFileBody, FencePlanBody,
+    OverrideBody, ParameterBody, ReadingBody, RouteBody,
 };
 use axum::Json;
 use axum::body::Bytes;
@@ -412,6 +412,13 @@ impl MakesSense for FencePlanBody {
 }
 
 impl MakesSense for FenceFileBody {
+    fn check(&self, _: &Place<'_>) -> Result<(), ApiError> {
+        Ok(())
+    }
+}
+
+impl MakesSense for AcknowledgeBody {
+    /// A number that is no alert's, or is not kept any more, marks nothing.
     fn check(&self, _: &Place<'_>) -> Result<(), ApiError> {
         Ok(())
     }

@@ -12,7 +12,8 @@ mod trajectories;
 use crate::app::App;
 use crate::links;
 use crate::protocol::{
-    Accepted, CommandBody, CommandReceipts, EventList, Health, LinkReport, VehicleList, VersionInfo,
+    Accepted, AcknowledgeBody, Acknowledged, CommandBody, CommandReceipts, EventList, Health, LinkReport, VehicleList,
+    VersionInfo,
 };
 use crate::routes::{self, EventQuery};
 use crate::stream::{self, StreamQuery};
@@ -173,6 +174,10 @@ fn node() -> Vec<Endpoint> {
             .asks::<EventQuery>()
             .json::<EventList>(StatusCode::OK, "The events.")
             .fails(&[400]),
+        Endpoint::post("/api/v1/events/acknowledge", "acknowledge", routes::acknowledge)
+            .about("node", "Marks alerts (events that are warnings or worse) as seen; all pages of this node hear of it as an event.")
+            .takes::<AcknowledgeBody>()
+            .json::<Acknowledged>(StatusCode::OK, "They count as seen."),
         Endpoint::post("/api/v1/faults", "injectFault", routes::inject_fault)
             .about("node", "Injects a fault, for drills and tests. Only where the configuration permits it.")
             .takes::<Fault>()

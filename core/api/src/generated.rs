@@ -6,11 +6,11 @@
 pub(crate) mod golden;
 
 use crate::protocol::{
-    Accepted, CameraViewList, ClientMessage, CommandBody, CommandReceipts, ControlBody, ControlReceipts, ControlState,
-    CoordinatorBody, EmergencyStopBody, ErrorBody, EventList, FenceFileBody, FencePlanBody, FormationAnswer,
-    FormationPreview, Health, ImportedFencePlan, LinkReport, OverrideBody, ParameterBody, PayloadList, PluginList,
-    ReadingBody, ReferenceList, RestartList, RouteBody, ServerMessage, SupervisionTree, TrackList, TrajectoriesEnded,
-    TrajectoryList, VehicleList, VersionInfo,
+    Accepted, AcknowledgeBody, Acknowledged, CameraViewList, ClientMessage, CommandBody, CommandReceipts, ControlBody,
+    ControlReceipts, ControlState, CoordinatorBody, EmergencyStopBody, ErrorBody, EventList, FenceFileBody,
+    FencePlanBody, FormationAnswer, FormationPreview, Health, ImportedFencePlan, LinkReport, OverrideBody,
+    ParameterBody, PayloadList, PluginList, ReadingBody, ReferenceList, RestartList, RouteBody, ServerMessage,
+    SupervisionTree, TrackList, TrajectoriesEnded, TrajectoryList, VehicleList, VersionInfo,
 };
 use crate::wire::{self, Field, Header, Record, flag};
 use skein_config::PayloadRule;
@@ -74,6 +74,8 @@ fn types() -> String {
     found.visit::<Health>();
     found.visit::<VehicleList>();
     found.visit::<FleetSnapshot>();
+    found.visit::<AcknowledgeBody>();
+    found.visit::<Acknowledged>();
     found.visit::<CoordinatorBody>();
     found.visit::<CommandBody>();
     found.visit::<CommandReceipts>();

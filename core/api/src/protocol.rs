@@ -293,6 +293,22 @@ pub struct EventList {
     pub missed: u64,
 }
 
+/// Which alerts an operator has seen.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, TS, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AcknowledgeBody {
+    /// Their numbers.
+    #[ts(type = "number[]")]
+    pub events: Vec<u64>,
+}
+
+/// What came of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, TS, JsonSchema)]
+pub struct Acknowledged {
+    /// How many of them are alerts that are still kept and that nobody had seen before.
+    pub alerts: usize,
+}
+
 /// Plugins that were found.
 #[derive(Debug, Clone, PartialEq, Serialize, TS, JsonSchema)]
 pub struct PluginList {

@@ -6,8 +6,8 @@ use crate::control::{FromConsole, may_move};
 use crate::error::ApiError;
 use crate::metrics;
 use crate::protocol::{
-    Accepted, CommandBody, CommandReceipts, EventList, FormationAnswer, Health, HealthStatus, PROTOCOL_VERSION,
-    RouteBody, VehicleList, VersionInfo,
+    Accepted, AcknowledgeBody, Acknowledged, CommandBody, CommandReceipts, EventList, FormationAnswer, Health,
+    HealthStatus, PROTOCOL_VERSION, RouteBody, VehicleList, VersionInfo,
 };
 use axum::Json;
 use axum::extract::rejection::{PathRejection, QueryRejection};
@@ -190,6 +190,12 @@ pub(crate) async fn events(
         events: events.iter().map(|event| event.as_ref().clone()).collect(),
         missed,
     }))
+}
+
+pub(crate) async fn acknowledge(State(app): State<App>, Body(body): Body<AcknowledgeBody>) -> Json<Acknowledged> {
+    Json(Acknowledged {
+        alerts: app.node.acknowledge(&body.events),
+    })
 }
 
 pub(crate) async fn document(State(app): State<App>) -> Response {

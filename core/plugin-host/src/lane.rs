@@ -10,6 +10,7 @@ use crate::frames::Frame;
 use crate::thread_time::ThreadTime;
 use crate::watchdog::CallClock;
 use parking_lot::{Condvar, Mutex, MutexGuard};
+use skein_realtime::Precedence;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
@@ -163,8 +164,9 @@ impl LaneShared {
         }
     }
 
-    /// A thread's first act: says how it can be looked at.
+    /// A thread's first act: says how it can be looked at, and asks to be ahead.
     fn introduce(&self, generation: u32) {
+        skein_realtime::ask(Precedence::Plugin);
         let mut state = self.state.lock();
         if state.generation == generation {
             state.thread_time = Some(ThreadTime::of_this_thread());

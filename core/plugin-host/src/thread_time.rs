@@ -5,9 +5,6 @@
 use rustix::thread::Pid;
 use std::time::Duration;
 
-/// The lowest priority there is.
-const NICEST: i32 = 19;
-
 /// A thread of this process.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ThreadTime(Pid);
@@ -25,8 +22,7 @@ impl ThreadTime {
 
     /// From now on it runs only when nobody else wants to.
     pub(crate) fn yield_to_all(self) {
-        // On Linux a thread has a priority of its own, under its own id.
-        if let Err(error) = rustix::process::setpriority_process(Some(self.0), NICEST) {
+        if let Err(error) = skein_realtime::put_behind_all(self.0.as_raw_nonzero().get()) {
             tracing::debug!(target: "plugin", "the priority of a thread that hangs stays as it is: {error}");
         }
     }

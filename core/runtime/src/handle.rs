@@ -183,6 +183,12 @@ impl NodeHandle {
         self.board.events.after(seq)
     }
 
+    /// Marks alerts as seen by an operator. Returns how many were not before.
+    #[must_use]
+    pub fn acknowledge(&self, events: &[u64]) -> usize {
+        self.board.events.acknowledge(self.board.now(), events)
+    }
+
     /// Local addresses of the endpoints, by name.
     #[must_use]
     pub fn endpoint_addresses(&self) -> BTreeMap<String, SocketAddr> {

@@ -20,6 +20,7 @@ mod listening;
 mod neighbours;
 mod node;
 mod observer;
+mod overrun;
 mod own_tracks;
 mod paired;
 mod payload;

@@ -6,6 +6,7 @@
 
 use crate::board::{Board, PeerEntry, PeerSnapshot, airborne, kinematics};
 use crate::neighbours;
+use crate::overrun::Overrun;
 use crate::payload::{PayloadCell, PayloadMessage};
 use crate::snapshot::EventKind;
 use crate::vehicle::VehicleMessage;
@@ -29,6 +30,7 @@ pub struct Beat;
 pub struct PulseState {
     board: Arc<Board>,
     beats: JoinHandle<()>,
+    overrun: Overrun,
 }
 
 impl Drop for PulseState {
@@ -54,11 +56,20 @@ impl Actor for Pulse {
                 }
             }
         });
-        Ok(PulseState { board, beats })
+        Ok(PulseState {
+            board,
+            beats,
+            overrun: Overrun::default(),
+        })
     }
 
     async fn handle(&self, _: ActorRef<Beat>, _: Beat, state: &mut PulseState) -> Result<(), ActorProcessingErr> {
-        beat(&state.board);
+        let (board, now) = (&state.board, state.board.now());
+        let period_s = 1.0 / board.config.node.control_rate_hz;
+        if let Some((severity, kind, text)) = state.overrun.beat(now, period_s) {
+            board.events.record(now, None, severity, kind, text);
+        }
+        beat(board);
         Ok(())
     }
 }

@@ -436,6 +436,20 @@ pub enum EventKind {
     },
     /// A node came into the swarm or left it, or another one coordinates.
     Swarm,
+    /// The control loop of this node came late: its computer was busy with something else, or stood still. What is told of several vehicles
+    /// right after it may have this cause.
+    Overrun {
+        /// By how much, in seconds.
+        by_s: f64,
+    },
+    /// It has come in time for a while.
+    OverrunEnded,
+    /// An operator has seen alerts. It counts at the node that it was said to.
+    Acknowledged {
+        /// Their numbers, at this node.
+        #[ts(type = "number[]")]
+        events: Vec<u64>,
+    },
     /// Anything else a plugin or actor wants known.
     Notice,
 }

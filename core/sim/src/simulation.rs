@@ -19,6 +19,7 @@ use parking_lot::Mutex;
 use ports::{Sockets, Voice};
 use runner::{Observer, Order, Runner};
 use skein_domain::FlightMode;
+use skein_realtime::Precedence;
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
@@ -159,9 +160,10 @@ impl Simulation {
         let mut runner = Runner::new(&simulation.settings, movers, carrier, inbox, truth, stalls);
         runner.take_orders();
         runner.publish();
-        let thread = std::thread::Builder::new()
-            .name("skein-sim".to_owned())
-            .spawn(move || runner.run());
+        let thread = std::thread::Builder::new().name("skein-sim".to_owned()).spawn(move || {
+            skein_realtime::ask(Precedence::Control);
+            runner.run();
+        });
         simulation.thread = Some(thread.map_err(SimError::Thread)?);
         Ok(simulation)
     }

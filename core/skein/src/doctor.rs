@@ -44,6 +44,7 @@ pub fn doctor(arguments: &DoctorArguments) -> anyhow::Result<ExitCode> {
     in_swarm(&config, &mut findings);
     clock(&mut findings);
     limits(&mut findings);
+    priority(&mut findings);
     let mut code = ExitCode::SUCCESS;
     for finding in findings {
         match finding {
@@ -238,6 +239,17 @@ fn clock(findings: &mut Vec<Finding>) {
             late.as_secs_f64() * 1e3
         )));
     }
+}
+
+fn priority(findings: &mut Vec<Finding>) {
+    findings.push(match skein_realtime::is_permitted() {
+        Ok(()) => Finding::Good("priority: threads that setpoints wait for run in real time".into()),
+        Err(error) => Finding::Poor {
+            what: format!("priority: no thread may run in real time: {error}; other programs make setpoints late"),
+            mend: "LimitRTPRIO=10 in its systemd unit, `- rtprio 10` in /etc/security/limits.conf, or the capability SYS_NICE for a container"
+                .into(),
+        },
+    });
 }
 
 fn limits(findings: &mut Vec<Finding>) {

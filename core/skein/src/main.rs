@@ -34,7 +34,15 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
         Command::PluginHost => return plugin_host(),
         _ => {}
     }
-    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
+    let actors = std::thread::available_parallelism().map_or(2, usize::from);
+    if matches!(command, Command::Demo(_) | Command::Run(_) | Command::Sim(_)) {
+        skein_realtime::want();
+    }
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .enable_all()
+        .worker_threads(actors)
+        .on_thread_start(skein_realtime::ask_on_start_of(actors))
+        .build()?;
     let done = |()| ExitCode::SUCCESS;
     runtime.block_on(async {
         match command {

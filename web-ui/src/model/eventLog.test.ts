@@ -1,11 +1,11 @@
 import { describe, expect, it } from 'vitest';
 import type { EventRecord, Severity } from '../protocol/types';
-import { EMPTY_LOG, KEPT_ENTRIES, REPEAT_WITHIN_MS, acknowledge, acknowledgeAll, add, happening, locked, outstanding, pass } from './eventLog';
+import { CAUSED_WITHIN_MS, EMPTY_LOG, KEPT_ENTRIES, REPEAT_WITHIN_MS, acknowledge, add, happening, locked, outstanding, pass, take } from './eventLog';
 import type { EventLog, Happening } from './eventLog';
 
 let next = 0;
 function event(text: string, severity: Severity, at: number, vehicle: number | null = 1): Happening {
-  return { key: `k${next++}`, vehicle, severity, kind: 'status_text', text, at, endsAt: null };
+  return { key: `k${next++}`, vehicle, severity, kind: 'status_text', text, at, endsAt: null, seq: null };
 }
 
 function log(...events: Happening[]): EventLog {
@@ -19,19 +19,27 @@ describe('repeats', () => {
     expect(l.entries[0]).toMatchObject({ firstAt: 0, lastAt: 20 });
   });
 
-  it('of another vehicle, another severity, or long after are no repeats', () => {
+  it('of another severity, of nobody, or long after are no repeats, nor are those of another vehicle that want no look', () => {
     const l = log(
       event('x', 'warning', 0),
-      event('x', 'warning', 1, 2),
       event('x', 'critical', 2),
-      event('x', 'warning', 2 + REPEAT_WITHIN_MS),
+      event('x', 'warning', 3, null),
+      event('x', 'warning', 4 + REPEAT_WITHIN_MS),
+      event('y', 'info', 5),
+      event('y', 'info', 6, 2),
     );
-    expect(l.entries).toHaveLength(4);
+    expect(l.entries).toHaveLength(6);
+  });
+
+  it('of several vehicles are one alert that names them', () => {
+    const l = log(event('x', 'warning', 0, 3), event('x', 'warning', 1, 1), event('x', 'warning', 2, 3));
+    expect(l.entries).toHaveLength(1);
+    expect(l.entries[0]).toMatchObject({ vehicles: [1, 3], count: 3, cause: null });
   });
 
   it('of something acknowledged want a new look', () => {
     const first = log(event('x', 'warning', 0));
-    const l = add(acknowledgeAll(first), event('x', 'warning', 5));
+    const l = add(acknowledge(first, first.entries[0]!.key), event('x', 'warning', 5));
     expect(outstanding(l)).toHaveLength(1);
   });
 
@@ -53,7 +61,48 @@ describe('acknowledging', () => {
     expect(outstanding(l).map((e) => e.text)).toEqual(['d', 'e', 'b']);
     const one = acknowledge(l, outstanding(l)[0]!.key);
     expect(outstanding(one).map((e) => e.text)).toEqual(['e', 'b']);
-    expect(outstanding(acknowledgeAll(l))).toEqual([]);
+  });
+});
+
+describe('what the server says', () => {
+  let seq = 0;
+  const said = (kind: EventRecord['kind'], text: string, severity: Severity, vehicle: number | null = null): EventRecord => ({
+    seq: ++seq, time: 0, node: null, vehicle, severity, kind, text,
+  });
+  const lost = (vehicle: number, severity: Severity = 'warning'): EventRecord => said({ kind: 'link_lost' }, 'not heard', severity, vehicle);
+  const log = (...records: [EventRecord, number][]): EventLog => records.reduce((l, [record, at]) => take(l, record, at), EMPTY_LOG);
+
+  it('is acknowledged when it says so, whatever page it came from', () => {
+    const [one, two] = [lost(1), said({ kind: 'notice' }, 'a notice', 'critical')];
+    const both = log([one, 0], [two, 1]);
+    expect(both.entries.map((e) => e.numbers)).toEqual([[two.seq], [one.seq]]);
+    const seen = take(both, said({ kind: 'acknowledged', events: [two.seq] }, '1 alert acknowledged', 'info'), 2);
+    expect(outstanding(seen).map((e) => e.text)).toEqual(['not heard']);
+  });
+
+  it('is not acknowledged when it came again in between', () => {
+    const [one, two] = [lost(1), lost(2)];
+    const l = log([one, 0], [two, 1], [said({ kind: 'acknowledged', events: [one.seq] }, '', 'info'), 2]);
+    expect(outstanding(l)).toHaveLength(1);
+  });
+
+  it('has the late computer for a cause right after it was late, and ends with it, but for what is critical', () => {
+    const late = (): EventRecord => said({ kind: 'overrun', by_s: 0.4 }, 'this computer was late by 0.4 s', 'warning');
+    const l = log([late(), 0], [lost(1), 100], [lost(2), 200], [lost(3, 'critical'), 300], [late(), 500]);
+    expect(outstanding(l).map((e) => [e.vehicles, e.cause, e.count])).toEqual([
+      [[3], 'this computer was late by 0.4 s', 1],
+      [[], null, 2],
+      [[1, 2], 'this computer was late by 0.4 s', 2],
+    ]);
+    const over = take(l, said({ kind: 'overrun_ended' }, 'this computer is in time again', 'info'), 6000);
+    expect(outstanding(over).map((e) => e.vehicles)).toEqual([[3]]);
+    expect(take(over, lost(4), 6100).entries[0]?.cause).toBe(null);
+  });
+
+  it('is not explained by it if it happened before, or much later', () => {
+    const late = said({ kind: 'overrun', by_s: 0.4 }, 'this computer was late by 0.4 s', 'warning');
+    expect(log([lost(1), 0], [late, 50], [lost(2), 100]).entries[0]).toMatchObject({ vehicles: [1, 2], cause: null });
+    expect(log([late, 0], [lost(1), 1 + CAUSED_WITHIN_MS]).entries[0]?.cause).toBe(null);
   });
 });
 
@@ -65,9 +114,10 @@ describe('the log', () => {
     expect(outstanding(l).map((e) => e.text)).toEqual(['keep me']);
   });
 
-  it('knows the greatest sequence number it took', () => {
-    const l = add(add(EMPTY_LOG, event('a', 'info', 0), 7), event('b', 'info', 0), 5);
-    expect(l.lastSeq).toBe(7);
+  it('knows the number of the last that the server said, and notices of the page have none', () => {
+    const record: EventRecord = { seq: 7, time: 0, node: null, vehicle: null, severity: 'info', kind: { kind: 'notice' }, text: 'a' };
+    const l = add(take(EMPTY_LOG, record, 0), event('b', 'info', 0));
+    expect([l.lastSeq, l.entries.map((e) => e.numbers)]).toEqual([7, [[], [7]]]);
   });
 });
 
@@ -81,7 +131,7 @@ describe('what is over by itself', () => {
     const l = log(unlocking(1, 1000), event('x', 'warning', 1000), happening(record(2, 'uav-1: EMERGENCY STOP, motors off', 1), 1000));
     expect(outstanding(pass(l, 10_999))).toHaveLength(3);
     expect(pass(l, 10_999)).toBe(l);
-    expect(outstanding(pass(l, 11_000)).map((e) => e.vehicle)).toEqual([1, 1]);
+    expect(outstanding(pass(l, 11_000)).map((e) => e.vehicles)).toEqual([[1], [1]]);
     expect(pass(l, 11_000).entries).toHaveLength(3);
   });
 

@@ -1,37 +1,34 @@
-// The event log as the page holds it: what the server says, and what this page itself noticed.
+// The event log as the page holds it: what the server says, and what this page itself noticed. What the server says is acknowledged there,
+// for all pages; what the page noticed, here.
 
+import { postAcknowledged } from '../protocol/rest';
 import type { EventRecord, Severity } from '../protocol/types';
-import { EMPTY_LOG, acknowledge, acknowledgeAll, add, happening, locked, outstanding, pass } from './eventLog';
-
-/** Events older than this when the page opens are history: they want no acknowledgement. */
-const HISTORY_MS = 60_000;
+import { EMPTY_LOG, acknowledge, add, locked, outstanding, pass, take } from './eventLog';
 
 export class Journal {
   log = $state.raw(EMPTY_LOG);
   outstanding = $derived(outstanding(this.log));
   #nextNotice = 1;
-  readonly #openedAt = Date.now();
 
   /** Takes an event unless it was taken already. Tells whether it was new. */
   take(record: EventRecord, at: number): boolean {
     if (record.seq <= this.log.lastSeq) return false;
-    this.log = add(this.log, happening(record, at), record.seq);
-    if (at < this.#openedAt - HISTORY_MS) this.log = acknowledge(this.log, `s${record.seq}`);
+    this.log = take(this.log, record, at);
     return true;
   }
 
   /** Something this page noticed itself. Gives the key of the entry that says it, which may be an older one that it repeats. */
   notice(severity: Severity, kind: string, text: string, vehicle: number | null = null): string {
     const key = `p${this.#nextNotice++}`;
-    this.log = add(this.log, { key, vehicle, severity, kind, text, at: Date.now(), endsAt: null });
+    this.log = add(this.log, { key, vehicle, severity, kind, text, at: Date.now(), endsAt: null, seq: null });
     return this.log.entries[0]?.key ?? key;
   }
 
-  /** The server began anew: its sequence numbers do too. */
+  /** The server began anew: its sequence numbers do too, and what the former run complained of is history. */
   restart(): void {
-    const entries = this.log.entries.map((e) => ({ ...e, key: e.key.replace(/^s/, `o${this.#nextNotice}-`) }));
+    const entries = this.log.entries.map((e) => ({ ...e, key: e.key.replace(/^s/, `o${this.#nextNotice}-`), numbers: [], acknowledged: true }));
     this.#nextNotice++;
-    this.log = { entries, lastSeq: 0 };
+    this.log = { ...EMPTY_LOG, entries };
   }
 
   /** What is over by itself wants nobody's look any more. */
@@ -45,10 +42,22 @@ export class Journal {
   }
 
   acknowledge(key: string): void {
-    this.log = acknowledge(this.log, key);
+    this.#acknowledge(this.outstanding.filter((entry) => entry.key === key));
   }
 
   acknowledgeAll(): void {
-    this.log = acknowledgeAll(this.log);
+    this.#acknowledge(this.outstanding);
+  }
+
+  /** The server's are seen when it says so. */
+  #acknowledge(entries: typeof this.outstanding): void {
+    for (const entry of entries) {
+      if (entry.numbers.length === 0) this.log = acknowledge(this.log, entry.key);
+    }
+    const numbers = entries.flatMap((entry) => entry.numbers);
+    if (numbers.length === 0) return;
+    postAcknowledged(numbers).catch((error: unknown) => {
+      this.notice('warning', 'stream', `not acknowledged: ${error instanceof Error ? error.message : String(error)}`);
+    });
   }
 }

@@ -1,7 +1,7 @@
 // The REST side: one function per call, typed bodies, one error type. Must never retry: a command sent twice is two commands.
 
 import type {
-  CameraViewList, CommandBody, CommandReceipt, CommandReceipts, Console, ControlAction, ControlBody, ControlReceipt, ControlReceipts, EmergencyKey,
+  AcknowledgeBody, CameraViewList, CommandBody, CommandReceipt, CommandReceipts, Console, ControlAction, ControlBody, ControlReceipt, ControlReceipts, EmergencyKey,
   EmergencyStopBody, ErrorBody, EventList, FenceAnswer, FenceFileBody, FencePlan, FencePlanBody, FormationPreview, FormationReceipt, FormationRequest, ImportedFencePlan, OverrideBody, ParameterBody,
   ParameterList, ParameterReceipt, PreflightAnswer, PluginList, PreflightOverride, ReadingAction, ReadingBody, ReferenceList, ReferenceSnapshot, RestartList, RestartRecord, Route, RouteBody, SupervisionTree, Targets,
   UpgradeReceipt, VehicleCommand, VehicleSnapshot, LinkReport, TrackList,
@@ -181,6 +181,12 @@ export async function restartPlugin(vehicle: number, payload: string | null): Pr
 /** Where the last frame of a camera is; `count` makes the address new, so that the browser asks again. */
 export function pictureUrl(vehicle: number, payload: string, count: number): string {
   return new URL(`api/v1/vehicles/${vehicle}/payloads/${encodeURIComponent(payload)}/frame?n=${count}`, document.baseURI).href;
+}
+
+/** Marks alerts as seen, for all pages. That they are comes as an event. */
+export async function postAcknowledged(events: readonly number[]): Promise<void> {
+  const body: AcknowledgeBody = { events: [...events] };
+  await call('POST', 'events/acknowledge', body);
 }
 
 /** Events after a sequence number, oldest first, as far back as the server keeps them. */

@@ -101,6 +101,7 @@ impl Caller {
             detail: format!("{}: {e}", program.display()),
         })?;
         let process = Arc::new(process);
+        process.ask_to_be_ahead();
         let _ = shared.process.set(Arc::clone(&process));
         let share = ShareWatch::new(shared.limits.cpu_share);
         let mut caller = Self {

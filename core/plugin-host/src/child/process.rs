@@ -10,6 +10,7 @@ use rustix::io::Errno;
 use rustix::net::{AddressFamily, SocketFlags, SocketType};
 use rustix::pipe::PipeFlags;
 use rustix::process::{Pid, PidfdFlags};
+use skein_realtime::Precedence;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
@@ -76,6 +77,11 @@ impl ChildProcess {
             socket: ours,
             errors,
         })
+    }
+
+    /// Puts the thread ahead that makes its calls; those that a plugin starts are ordinary ones.
+    pub(crate) fn ask_to_be_ahead(&self) {
+        skein_realtime::ask_for(self.pid.cast_signed(), Precedence::Plugin);
     }
 
     /// Its id, while it is there.

@@ -12,7 +12,7 @@ use super::snapshot::NodeRole;
 use super::wire::{Batch, Card, Kind, VehicleReport, key, origin_of};
 use crate::board::{Board, VehicleCell};
 use crate::observer;
-use crate::snapshot::{EventRecord, VehicleSnapshot};
+use crate::snapshot::{EventKind, EventRecord, VehicleSnapshot};
 use skein_domain::{Intent, LinkHealth, NodeId, NodeTime, VehicleId};
 use skein_failover::Term;
 use std::collections::{BTreeMap, BTreeSet};
@@ -282,7 +282,9 @@ impl SwarmState {
         let mut events: Vec<EventRecord> = Vec::new();
         while events.len() < EVENTS_MOST {
             match self.events.try_recv() {
-                Ok(event) if event.node.is_none() => events.push(event.as_ref().clone()),
+                Ok(event) if event.node.is_none() && !matches!(event.kind, EventKind::Acknowledged { .. }) => {
+                    events.push(event.as_ref().clone());
+                }
                 Ok(_) | Err(tokio::sync::broadcast::error::TryRecvError::Lagged(_)) => {}
                 Err(_) => break,
             }

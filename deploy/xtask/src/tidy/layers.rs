@@ -5,7 +5,7 @@ use crate::workspace::{Package, Workspace};
 
 /// The crates of `core` from the binary to the words; each may depend on what stands below it.
 /// Names of crates that are not built yet keep their place.
-const ORDER: [&str; 21] = [
+const ORDER: [&str; 22] = [
     "skein",
     "skein-api",
     "skein-ros2",
@@ -23,6 +23,7 @@ const ORDER: [&str; 21] = [
     "skein-plugin-abi",
     "skein-sim",
     "skein-config",
+    "skein-realtime",
     "skein-failover",
     "skein-flight",
     "skein-safety",

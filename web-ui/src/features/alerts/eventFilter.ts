@@ -20,13 +20,13 @@ export const EVERYTHING: EventFilter = { least: 'info', kind: 'all', about: 'all
 export function shows(entry: LogEntry, filter: EventFilter, targets: ReadonlySet<number>): boolean {
   if (SEVERITY_RANK[entry.severity] < SEVERITY_RANK[filter.least]) return false;
   if (filter.kind !== 'all' && entry.kind !== filter.kind) return false;
-  if (filter.about === 'swarm' && entry.vehicle !== null) return false;
-  if (filter.about === 'targets' && (entry.vehicle === null || (targets.size > 0 && !targets.has(entry.vehicle)))) return false;
+  if (filter.about === 'swarm' && entry.vehicles.length > 0) return false;
+  if (filter.about === 'targets' && (entry.vehicles.length === 0 || (targets.size > 0 && !entry.vehicles.some((id) => targets.has(id))))) return false;
   const text = `${entry.text} ${entry.kind.replaceAll('_', ' ')} ${entry.severity}`.toLowerCase();
   return filter.search
     .toLowerCase()
     .split(/\s+/)
-    .every((word) => word === '' || (/^\d+$/.test(word) && Number(word) === entry.vehicle) || text.includes(word));
+    .every((word) => word === '' || (/^\d+$/.test(word) && entry.vehicles.includes(Number(word))) || text.includes(word));
 }
 
 /** The kinds there are, by name. */
