@@ -136,7 +136,10 @@ mod tests {
 
     #[test]
     fn a_thread_is_put_behind_all_and_only_that_thread() {
-        assert_eq!(in_thread(|| (put_behind_all(0).is_ok(), policy())), (true, libc::SCHED_IDLE));
+        assert_eq!(
+            in_thread(|| (put_behind_all(0).is_ok(), policy())),
+            (true, libc::SCHED_IDLE)
+        );
         assert_eq!(policy(), libc::SCHED_OTHER);
         assert!(put_behind_all(i32::MAX).is_err());
     }

@@ -409,7 +409,26 @@ async fn a_fault_is_seen_on_the_stream_and_in_the_health() {
         "{:#?}",
         watch.events
     );
+    seen_by_one_is_seen_by_all(&swarm, &rest, &mut watch).await;
     swarm.stop().await;
+}
+
+/// An alert that one page acknowledges is acknowledged on the others, on those too that are opened later.
+async fn seen_by_one_is_seen_by_all(swarm: &Swarm, rest: &Rest, watch: &mut Watch) {
+    let alert = |event: &&Value| event["severity"] == "warning" || event["severity"] == "critical";
+    let seq = watch.events.iter().find(alert).expect("the fault is an alert")["seq"].clone();
+    let acknowledge = || rest.ask("POST", "/api/v1/events/acknowledge", Some(json!({ "events": [seq] })));
+    assert_eq!(acknowledge().await, (200, json!({ "alerts": 1 })));
+    assert_eq!(acknowledge().await, (200, json!({ "alerts": 0 })), "once is enough");
+    let told = |w: &Watch| {
+        let of_it = |event: &&Value| event["kind"]["kind"] == "acknowledged" && event["kind"]["events"] == json!([seq]);
+        w.events.iter().filter(of_it).count() == 1
+    };
+    watch.until("the acknowledgement", told).await;
+    Watch::open(swarm)
+        .await
+        .until("the acknowledgement in what has been", told)
+        .await;
 }
 
 /// Every socket of this process, with all its nodes and vehicles, is bound to loopback.

@@ -10,6 +10,24 @@ export type Accepted = {
 accepted: boolean, };
 
 /**
+ * Which alerts an operator has seen.
+ */
+export type AcknowledgeBody = { 
+/**
+ * Their numbers.
+ */
+events: number[], };
+
+/**
+ * What came of it.
+ */
+export type Acknowledged = { 
+/**
+ * How many of them are alerts that are still kept and that nobody had seen before.
+ */
+alerts: number, };
+
+/**
  * A supervised actor or plugin instance.
  */
 export type ActorHealth = { 
@@ -779,7 +797,15 @@ payload: string, } | { "kind": "plugin",
 /**
  * Its name.
  */
-plugin: string, } | { "kind": "swarm" } | { "kind": "notice" };
+plugin: string, } | { "kind": "swarm" } | { "kind": "overrun", 
+/**
+ * By how much, in seconds.
+ */
+by_s: number, } | { "kind": "overrun_ended" } | { "kind": "acknowledged", 
+/**
+ * Their numbers, at this node.
+ */
+events: number[], } | { "kind": "notice" };
 
 /**
  * Events after a given one.
