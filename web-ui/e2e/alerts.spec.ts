@@ -33,8 +33,14 @@ test('a plugin that crashes while one looks is seen, heard and acknowledged', as
   await expect(alert).toBeVisible();
   await expect(sound).not.toHaveAttribute('data-played', '1');
   expect(await findings(page)).toEqual([]);
+  // Who comes later is told of it as well, until somebody has acknowledged it.
+  const later = await page.context().newPage();
+  await open(later, program.url, VEHICLES);
+  await later.getByRole('link', { name: 'Alerts' }).click();
+  await expect(later.getByTestId('alert').filter({ hasText: 'radio' }).first()).toBeVisible();
   await alert.getByRole('button', { name: /^Acknowledge/ }).click();
-  await expect(page.getByTestId('alert').filter({ hasText: 'radio' })).toHaveCount(0);
+  for (const one of [page, later]) await expect(one.getByTestId('alert').filter({ hasText: 'radio' })).toHaveCount(0);
+  await later.close();
 
   const log = page.getByRole('list', { name: 'Event log' });
   await page.getByRole('searchbox', { name: 'Search events' }).fill('1 radio');
