@@ -19,6 +19,8 @@ export type LogEntry = {
   /** Wall-clock ms from which on it holds no more by itself; null for what stays until somebody has seen it. */
   endsAt: number | null;
   acknowledged: boolean;
+  /** Of a former run of the server: of vehicles that are no more. */
+  former: boolean;
 };
 
 export type EventLog = {
@@ -53,6 +55,12 @@ export function happening(record: EventRecord, at: number): Happening {
   return { key: `s${record.seq}`, vehicle, severity, kind: record.kind.kind, text, at, endsAt };
 }
 
+/** The server began anew, its sequence numbers too. What was said before is kept to be read, wants nobody's look and is repeated by nothing. */
+export function restarted(log: EventLog, run: number): EventLog {
+  const before = (e: LogEntry): LogEntry => ({ ...e, key: `o${run}-${e.key}`, signature: `${run}|${e.signature}`, acknowledged: true, former: true });
+  return { entries: log.entries.map((e) => (e.former ? e : before(e))), lastSeq: 0 };
+}
+
 /** Adds one; a repeat is counted on the entry it repeats and moves that to the top. */
 export function add(log: EventLog, h: Happening, seq = 0): EventLog {
   const lastSeq = Math.max(log.lastSeq, seq);
@@ -67,7 +75,7 @@ export function add(log: EventLog, h: Happening, seq = 0): EventLog {
   }
   const entry: LogEntry = {
     key: h.key, signature, vehicle: h.vehicle, severity: h.severity, kind: h.kind, text: h.text,
-    count: 1, firstAt: h.at, lastAt: h.at, endsAt: h.endsAt, acknowledged,
+    count: 1, firstAt: h.at, lastAt: h.at, endsAt: h.endsAt, acknowledged, former: false,
   };
   return { lastSeq, entries: bounded([entry, ...log.entries]) };
 }

@@ -1,7 +1,7 @@
 // The event log as the page holds it: what the server says, and what this page itself noticed.
 
 import type { EventRecord, Severity } from '../protocol/types';
-import { EMPTY_LOG, acknowledge, acknowledgeAll, add, happening, locked, outstanding, pass } from './eventLog';
+import { EMPTY_LOG, acknowledge, acknowledgeAll, add, happening, locked, outstanding, pass, restarted } from './eventLog';
 
 /** Events older than this when the page opens are history: they want no acknowledgement. */
 const HISTORY_MS = 60_000;
@@ -27,11 +27,9 @@ export class Journal {
     return this.log.entries[0]?.key ?? key;
   }
 
-  /** The server began anew: its sequence numbers do too. */
+  /** The server began anew. */
   restart(): void {
-    const entries = this.log.entries.map((e) => ({ ...e, key: e.key.replace(/^s/, `o${this.#nextNotice}-`) }));
-    this.#nextNotice++;
-    this.log = { entries, lastSeq: 0 };
+    this.log = restarted(this.log, this.#nextNotice++);
   }
 
   /** What is over by itself wants nobody's look any more. */

@@ -135,7 +135,7 @@ export class Painter {
     this.#projection = session.fleet.projection;
     this.#underlay.lay(ctx, view, this.#ratio, now, this.#paintLowest);
     if (map.layers.trails) this.#trails.paintSince(ctx, view, palette, session.fleet);
-    const scene = { fleet: session.fleet, now, selected: targets.selected, marking: this.#marking };
+    const scene = { fleet: session.fleet, now, selected: targets.marked, marking: this.#marking };
     this.#paintUnder(ctx, palette, scene);
     paintVehicles(ctx, view, palette, scene);
     if (map.layers.tracks) paintTracks(ctx, view, palette, this.tracksSeen(), (track) => t('Track {track}', { track }));
@@ -228,7 +228,7 @@ export class Painter {
     const { session, targets } = this.console;
     return session.rows
       .filter((row) => !Number.isNaN(row.heightM))
-      .map((row) => ({ heightM: row.heightM, level: row.level, leader: row.leader, selected: targets.selected.has(row.id) }));
+      .map((row) => ({ heightM: row.heightM, level: row.level, leader: row.leader, selected: targets.marked.has(row.id) }));
   }
 
   fences(): PlacedFences {

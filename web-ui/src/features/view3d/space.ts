@@ -132,7 +132,7 @@ export class Space {
     const underWay = carry(session.fleet, now);
     this.#moveCamera();
     const scene: FleetScene = {
-      fleet: session.fleet, now, selected: targets.selected, marking: (index) => markingOf(session, index),
+      fleet: session.fleet, now, selected: targets.marked, marking: (index) => markingOf(session, index),
     };
     this.model.build(this.orbit, scene);
     this.drawer.draw(this.model, this.orbit, this.#palette);
