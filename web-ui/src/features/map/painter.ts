@@ -183,7 +183,7 @@ export class Painter {
     }
     // Under the vehicles: where they were last is what an operator needs most then.
     if (session.everLive && !session.canCommand) paintHatching(ctx, view, palette);
-    if (layers.links) paintLinks(ctx, view, palette, { north: 0, east: 0 }, session.hello?.node ?? 'this node', drawnLinks(session, scene.now));
+    if (layers.links) paintLinks(ctx, view, palette, { north: 0, east: 0 }, session.hello?.node ?? t('this node'), drawnLinks(session, scene.now));
     if (layers.slots) paintSlots(ctx, view, palette, fleet);
     if (layers.motion) paintMotion(ctx, view, palette, fleet);
     this.#paintAnchors(ctx, palette);
@@ -205,7 +205,7 @@ export class Painter {
     const { fleet } = this.console.session;
     const i = fleet.indexOf(id);
     if (i < 0 || !fleet.has(i, FLAG.position)) return null;
-    return { north: fleet.shownNorthM[i] ?? 0, east: fleet.shownEastM[i] ?? 0, up: fleet.shownAltitudeM[i] ?? 0, words: `vehicle ${id}` };
+    return { north: fleet.shownNorthM[i] ?? 0, east: fleet.shownEastM[i] ?? 0, up: fleet.shownAltitudeM[i] ?? 0, words: t('vehicle {id}', { id }) };
   };
 
   /** The legs that are measured now. */

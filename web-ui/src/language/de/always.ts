@@ -87,4 +87,9 @@ export const always = {
   'and {count} more': 'und {count} weitere', 'Target it': 'Zum Ziel machen', 'Target these {count}': 'Diese {count} zu Zielen machen', 'Show preflight': 'Vorflug zeigen',
   'outcome unknown': 'Ausgang unbekannt', 'no receipt': 'keine Quittung', 'connection lost': 'Verbindung verloren', 'the server restarted': 'der Server wurde neu gestartet', 'Commands given': 'Gegebene Befehle', '{age} ago': 'vor {age}', 'No command was given from this page yet.': 'Von dieser Seite wurde noch kein Befehl gegeben.',
   'Keep holding': 'Weiter halten', 'Hold for {seconds} seconds to confirm': 'Zum Bestätigen {seconds} Sekunden halten',
+  // what is wrong with the connection
+  '{missed} events did not reach this page': '{missed} Ereignisse haben diese Seite nicht erreicht', 'connection to the server lost: {reason}': 'Verbindung zum Server verloren: {reason}', 'connection to the server is back': 'Verbindung zum Server ist wieder da',
+  'the server was restarted': 'der Server wurde neu gestartet', 'earlier events could not be fetched': 'frühere Ereignisse waren nicht zu bekommen', 'the server closed the connection': 'der Server hat die Verbindung geschlossen',
+  'the server does not answer': 'der Server antwortet nicht', 'a text message is not JSON': 'eine Textnachricht ist kein JSON', 'the server did not understand this page: {why}': 'der Server hat diese Seite nicht verstanden: {why}',
+  'no answer from the server': 'keine Antwort vom Server', 'the server cannot be reached': 'der Server ist nicht zu erreichen', 'the server answered {status}': 'der Server antwortete {status}',
 } as const;
