@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { EventRecord, Severity } from '../protocol/types';
-import { EMPTY_LOG, KEPT_ENTRIES, REPEAT_WITHIN_MS, acknowledge, acknowledgeAll, add, happening, locked, outstanding, pass } from './eventLog';
+import { EMPTY_LOG, KEPT_ENTRIES, REPEAT_WITHIN_MS, acknowledge, acknowledgeAll, add, happening, locked, outstanding, pass, restarted } from './eventLog';
 import type { EventLog, Happening } from './eventLog';
 
 let next = 0;
@@ -68,6 +68,24 @@ describe('the log', () => {
   it('knows the greatest sequence number it took', () => {
     const l = add(add(EMPTY_LOG, event('a', 'info', 0), 7), event('b', 'info', 0), 5);
     expect(l.lastSeq).toBe(7);
+  });
+});
+
+describe('when the server began anew', () => {
+  it('what its former run said stays to be read and wants nobody to look, and the new run counts for itself', () => {
+    const before = restarted(add(EMPTY_LOG, event('motors stopped', 'critical', 0), 41), 1);
+    expect(before.lastSeq).toBe(0);
+    expect(before.entries.map((e) => [e.text, e.former])).toEqual([['motors stopped', true]]);
+    expect(outstanding(before)).toEqual([]);
+    const after = add(before, event('motors stopped', 'critical', 10), 1);
+    expect(after.entries.map((e) => [e.count, e.former])).toEqual([[1, false], [1, true]]);
+    expect(outstanding(after)).toHaveLength(1);
+  });
+
+  it('twice, no two entries have the same key', () => {
+    const entry = (): Happening => ({ ...event('x', 'warning', 0), key: 's1' });
+    const twice = restarted(add(restarted(add(EMPTY_LOG, entry(), 1), 1), entry(), 1), 2);
+    expect(new Set(twice.entries.map((e) => e.key)).size).toBe(2);
   });
 });
 
