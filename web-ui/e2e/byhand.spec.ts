@@ -2,7 +2,7 @@
 
 import type { Locator, Page } from '@playwright/test';
 import { findings } from './accessibility';
-import { button, card, expect, hold, open, plotted, summary, test } from './console';
+import { button, card, expect, hold, open, plotted, selectAll, summary, test } from './console';
 import { Program } from './program';
 
 const VEHICLES = 2;
@@ -74,8 +74,10 @@ async function stands(page: Page, id: number): Promise<void> {
 
 async function up(page: Page): Promise<void> {
   await open(page, program.url, VEHICLES);
+  await selectAll(page);
   await hold(page, `Take off ${VEHICLES}`);
   await expect(summary(page)).toContainText(`${VEHICLES} of ${VEHICLES} done`, { timeout: FLIGHT_MS });
+  await button(page, 'Clear').click();
 }
 
 test('a vehicle flies while the dead-man is held, and stands when it is not', async ({ page }) => {
@@ -84,7 +86,7 @@ test('a vehicle flies while the dead-man is held, and stands when it is not', as
   await page.getByRole('tab', { name: 'By hand' }).click();
 
   await test.step('whom and with what is said before', async () => {
-    await expect(page.getByTestId('hand-why')).toContainText('Choose one vehicle');
+    await expect(page.getByTestId('hand-why')).toContainText('Select one vehicle first');
     await expect(button(page, 'Fly by hand')).toBeDisabled();
     await button(page, /^Target 1,/).click();
     await expect(page.getByTestId('hand-pad')).toContainText('No gamepad');

@@ -44,6 +44,11 @@ export async function open(page: Page, url: string, vehicles: number): Promise<v
   await expect(page.getByTestId('armed').filter({ hasText: 'disarmed, ready' })).toHaveCount(vehicles, { timeout: 60_000 });
 }
 
+/** Selects every vehicle: what moves them is offered for nobody else. */
+export async function selectAll(page: Page): Promise<void> {
+  await button(page, /^Select all \d+$/).click();
+}
+
 /** Holds a guarded button with the mouse until what it does goes out to the server. */
 export async function hold(page: Page, which: string | RegExp | Locator): Promise<void> {
   const target = typeof which === 'string' || which instanceof RegExp ? button(page, which) : which;

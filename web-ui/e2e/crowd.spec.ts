@@ -24,9 +24,9 @@ test('one of two hundred is stopped in an emergency while all stream', { tag: '@
 
   await page.keyboard.press('/');
   await page.keyboard.type(`${ONE}`);
-  await page.keyboard.press('Enter');
+  await button(page, 'Target these 1').click();
   await expect(page.getByTestId('targets')).toContainText('1 selected');
-  await page.keyboard.press('Escape');
+  await page.getByRole('searchbox', { name: /^Find vehicles/ }).press('Escape');
   await hold(page, 'Arm 1');
   const before = await page.evaluate(() => [window.__skein!.framesTaken(), window.__skein!.framesDrawn()]);
   await button(page, /^EMERGENCY STOP/).click();

@@ -36,6 +36,8 @@ for (const [width, height] of [[1440, 900], [390, 844]] as const) {
       await page.mouse.up();
     };
     await expect(page.getByTestId('armed').filter({ hasText: 'disarmed, ready' })).toHaveCount(VEHICLES, { timeout: FLIGHT_MS });
+    await expect(page.getByRole('button', { name: /^Take off/ })).toBeDisabled();
+    await page.getByRole('button', { name: /^Select all/ }).click();
     await press(/^Take off/);
     await expect(page.getByTestId('count-air')).toHaveText(`${VEHICLES}`, { timeout: FLIGHT_MS });
     await expect(page.getByTestId('flight-state').filter({ hasText: /Holding|Following|Leading/ })).toHaveCount(VEHICLES, { timeout: FLIGHT_MS });

@@ -1,7 +1,7 @@
 // The fleet on one page and a vehicle on its own: sorted, grouped, searched, told in charts; a vehicle gone silent looks so.
 
 import { findings } from './accessibility';
-import { button, expect, hold, open, summary, test } from './console';
+import { button, expect, hold, open, selectAll, summary, test } from './console';
 import { Program } from './program';
 
 const VEHICLES = 4;
@@ -36,9 +36,13 @@ test('the table is sorted, grouped and searched, and makes targets', { tag: '@lo
   await page.keyboard.press('/');
   await page.keyboard.type('2-3');
   await expect(page.locator('[data-row]')).toHaveCount(2);
+  // Typing selects nothing: Enter goes to the button that does.
+  await page.keyboard.press('Enter');
+  await expect(page.getByTestId('targets')).toContainText('nothing selected');
+  await expect(button(page, 'Target these 2')).toBeFocused();
   await page.keyboard.press('Enter');
   await expect(page.getByTestId('targets')).toContainText('2 selected');
-  await page.keyboard.press('Escape');
+  await page.getByRole('searchbox', { name: /^Find vehicles/ }).press('Escape');
   await expect(page.locator('[data-row]')).toHaveCount(VEHICLES);
   expect(await findings(page)).toEqual([]);
   await button(page, 'Cards').click();
@@ -48,6 +52,12 @@ test('the table is sorted, grouped and searched, and makes targets', { tag: '@lo
 
 test('a command says what it will do and to whom before it is given', async ({ page }) => {
   const told = page.getByTestId('forecast');
+  await expect(told).toContainText('Select vehicles first');
+  for (const name of ['Arm', 'Disarm', 'Take off']) await expect(button(page, name)).toBeDisabled();
+  // What brings to safety is for all where nothing is selected, and marks them on the map.
+  await button(page, `Hold all ${VEHICLES}`).hover();
+  await expect(told).toContainText('Stop and hold the position');
+  await selectAll(page);
   await button(page, `Take off ${VEHICLES}`).hover();
   await expect(told).toHaveText('Arm if need be, climb to 10 m and hold there: 1–4');
   await page.getByRole('spinbutton', { name: 'Take-off height' }).fill('14');
@@ -99,7 +109,7 @@ for (const [width, height] of [[390, 844], [1024, 768], [1920, 1080]] as const) 
       await expect(page.getByRole('navigation', { name: 'Pages' })).toBeVisible();
       expect(await findings(page), where).toEqual([]);
       expect(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), where).toBe(true);
-      for (const name of [/^HOLD ALL/, /^RETURN ALL/, /^LAND ALL/, /^EMERGENCY STOP/, /^Take off/, /^Hold \d/, /^Land \d/, /^Return \d/]) {
+      for (const name of [/^HOLD ALL/, /^RETURN ALL/, /^LAND ALL/, /^EMERGENCY STOP/, /^Take off/, /^Hold (all )?\d/, /^Land (all )?\d/, /^Return (all )?\d/]) {
         const box = (await button(page, name).boundingBox())!;
         expect(box.x + box.width, `${where} ${String(name)}`).toBeLessThanOrEqual(width);
         expect(box.y + box.height, `${where} ${String(name)}`).toBeLessThanOrEqual(height);
@@ -132,8 +142,14 @@ test('a vehicle has a page: charts that move, its events, its facts, what it car
   await expect(own.locator('[data-instance="payload-2-gimbal"]')).toBeVisible();
   expect(await findings(page)).toEqual([]);
 
-  await button(page, 'Target only 2').click();
-  await expect(page.getByTestId('targets')).toContainText('1 selected');
+  // Whose page is opened is whom the commands are for, and its payloads too.
+  await expect(page.getByTestId('targets')).toContainText('1 selected 2');
+  await expect(own.getByRole('button', { name: 'Take control' })).toBeEnabled();
+  await button(page, /^Target 3,/).click();
+  await expect(page.getByTestId('targets')).toContainText('2 selected');
+  await expect(own.getByRole('button', { name: 'Take control' })).toBeDisabled();
+  await button(page, 'Target only 2').first().click();
+  await expect(page.getByTestId('targets')).toContainText('1 selected 2');
   await hold(page, 'Take off 1');
   await expect(summary(page)).toContainText('1 of 1 done', { timeout: 60_000 });
   const height = own.locator('figure').filter({ hasText: 'Height above launch' }).locator('figcaption b');
@@ -142,6 +158,7 @@ test('a vehicle has a page: charts that move, its events, its facts, what it car
 
   await page.getByRole('link', { name: 'Vehicle after this' }).click();
   await expect(page.getByRole('region', { name: 'Vehicle 3' })).toBeVisible();
+  await expect(page.getByTestId('targets')).toContainText('1 selected 3');
   await page.keyboard.press('k');
   await expect(own).toBeVisible();
   await button(page, 'Land 1').click();

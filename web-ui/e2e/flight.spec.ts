@@ -1,7 +1,7 @@
 // An operator flies the swarm through the page: take-off, formation, refusals, route, hold, landing. One flight, step by step.
 
 import type { Page } from '@playwright/test';
-import { button, card, expect, hold, largestSlotError, open, plotted, smallestDistance, summary, test } from './console';
+import { button, card, expect, hold, largestSlotError, open, plotted, selectAll, smallestDistance, summary, test } from './console';
 import { Program } from './program';
 
 const VEHICLES = 4;
@@ -20,6 +20,7 @@ test('the swarm takes off, flies in formation behind its leader and lands', asyn
     await open(page, program.url, VEHICLES);
     const posts: string[] = [];
     page.on('request', (request) => request.method() === 'POST' && posts.push(request.url()));
+    await selectAll(page);
     await button(page, `Take off ${VEHICLES}`).click({ delay: 150 });
     await expect(page.getByText('Keep holding')).toBeVisible();
     await expect(page.getByText('Keep holding')).toBeHidden();
@@ -58,6 +59,7 @@ async function formWedge(page: Page): Promise<void> {
   await hold(page, `Form wedge ${VEHICLES}`);
   await expect(page.getByText(/Wedge of 4 behind 1: \d+ s to form, never closer than \d+\.\d m/)).toBeVisible();
   await expect(page.getByTestId('formation-flown')).toContainText('Wedge of 4, 5 m apart, behind 1');
+  await expect(page.getByTestId('doing')).toContainText(/^Wedge of 4, 5 m apart, behind 1: (forming, \d+ s more|in its places)/);
   // The slots themselves move into place: only when the spacing is there too is the wedge flown.
   await expect.poll(() => smallestDistance(page), { timeout: FLIGHT_MS }).toBeGreaterThan(4.5);
   await expect.poll(() => largestSlotError(page, VEHICLES - 1), { timeout: FLIGHT_MS }).toBeLessThan(1);
@@ -71,6 +73,7 @@ async function formWedge(page: Page): Promise<void> {
 
 async function refusals(page: Page): Promise<void> {
   // A vehicle in the air is not armed again: the vehicle's own reason comes back to its card.
+  await button(page, 'Clear').click();
   await button(page, /^Target 2,/).click();
   await expect(page.getByTestId('targets')).toContainText('1 selected');
   await hold(page, 'Arm 1');
@@ -78,6 +81,7 @@ async function refusals(page: Page): Promise<void> {
   await expect(card(page, 2)).toContainText(/Arm refused: cannot arm while following/);
   await page.keyboard.press('Escape');
   await expect(page.getByTestId('targets')).toContainText('nothing selected');
+  await selectAll(page);
   // Closer together than the coordinator flies: the order is refused, the formation stays.
   await page.getByRole('spinbutton', { name: 'Spacing' }).fill('1');
   await expect(page.getByText('Closest together: 1.0 m')).toBeVisible();
@@ -101,7 +105,8 @@ async function route(page: Page): Promise<void> {
     await canvas.click({ position });
   }
   await expect(page.getByRole('spinbutton', { name: 'Point 2 east' })).toBeVisible();
-  await hold(page, /^Fly route of 2 points/);
+  await hold(page, /^Fly route of 2 points.*: 1 and 3 behind$/);
+  await expect(page.getByTestId('doing')).toContainText('flies a route of 2 points');
   await expect(page.getByText('Route of 2 points taken up')).toBeVisible();
   await expect(page.getByText(/1 has flown a route of 2 points/)).toBeVisible({ timeout: FLIGHT_MS });
   const end = (await plotted(page)).find((v) => v.id === 1)!;

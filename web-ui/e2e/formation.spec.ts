@@ -4,7 +4,7 @@
 import { readFileSync } from 'node:fs';
 import type { Page } from '@playwright/test';
 import { findings } from './accessibility';
-import { button, card, expect, hold, largestSlotError, open, plotted, summary, test } from './console';
+import { button, card, expect, hold, largestSlotError, open, plotted, selectAll, summary, test } from './console';
 import { Program } from './program';
 
 const VEHICLES = 4;
@@ -58,6 +58,9 @@ test('a shape is drawn, moved by keys, read from a file and saved', async ({ pag
 test('shapes with parameters, places by hand, and a formation about a place', { tag: '@long' }, async ({ page }) => {
   await open(page, program.url, VEHICLES);
   await test.step('before take-off a shape is previewed for the targets', async () => {
+    await expect(page.getByTestId('preview-said')).toHaveText('Select vehicles first');
+    await expect(button(page, 'Form wedge')).toBeDisabled();
+    await selectAll(page);
     await choose(page, 'Helix');
     await field(page, 'Rise per turn (0: automatic)').fill('12');
     await expect.poll(async () => (await slots(page)).length).toBe(VEHICLES);
@@ -216,6 +219,6 @@ async function aboutPlace(page: Page): Promise<void> {
   await page.getByRole('tab', { name: 'Route' }).click();
   await expect(page.getByText('This formation has no leader vehicle')).toBeVisible();
   await page.getByRole('tab', { name: 'Formation' }).click();
-  await button(page, 'End').click();
+  await button(page, `End ${VEHICLES}`).click();
   await expect(page.getByTestId('formation-flown')).toContainText('No formation is flown');
 }

@@ -20,6 +20,7 @@ test.describe('where the browser wants German', () => {
     await expect(page.locator('html')).toHaveAttribute('lang', 'de');
     await expect(page.getByTestId('count-all')).toHaveText(`${VEHICLES}`, { timeout: 60_000 });
     await expect(button(page, `ALLE ${VEHICLES} HALTEN`)).toBeVisible();
+    await button(page, /^Alle \d+ auswählen$/).click();
     await button(page, /^Starten/).hover();
     await expect(page.getByTestId('forecast')).toContainText('auf 10 m steigen und dort halten');
     const pages = page.getByRole('navigation', { name: 'Seiten' });

@@ -3,7 +3,7 @@
 import { gzipSync } from 'node:zlib';
 import type { Page } from '@playwright/test';
 import { findings } from './accessibility';
-import { button, card, expect, hold, open, plotted, summary, test } from './console';
+import { button, card, expect, hold, open, plotted, selectAll, summary, test } from './console';
 import { Program } from './program';
 
 const VEHICLES = 3;
@@ -105,6 +105,7 @@ test('what a camera sees of the ground and what is tracked is on the map', { tag
   const seen = () => page.evaluate(() => window.__skein!.groundSeen());
   const tracks = () => page.evaluate(() => window.__skein!.tracksSeen());
   const gimbal = `${program.url}/api/v1/vehicles/2/payloads/gimbal/command`;
+  await selectAll(page);
   await hold(page, `Take off ${VEHICLES}`);
   await expect(summary(page)).toContainText(`${VEHICLES} of ${VEHICLES} done`, { timeout: 60_000 });
   expect(await seen()).toEqual([]);
@@ -152,6 +153,7 @@ test('one vehicle is followed and the targets stay as they were', { tag: '@long'
     return Math.hypot(x - middleX, y - middleY);
   };
   await expect.poll(fromMiddle).toBeLessThan(1.5);
+  await selectAll(page);
   await hold(page, `Take off ${VEHICLES}`);
   await expect(summary(page)).toContainText(`${VEHICLES} of ${VEHICLES} done`, { timeout: 60_000 });
   await expect.poll(fromMiddle).toBeLessThan(1.5);
@@ -189,6 +191,7 @@ test('the map is never without its ground while it changes its size', { tag: '@l
 
 test('between the frames of the socket a vehicle is drawn where it has got to', { tag: '@long' }, async ({ page }) => {
   await open(page, program.url, VEHICLES);
+  await selectAll(page);
   await hold(page, `Take off ${VEHICLES}`);
   await expect(summary(page)).toContainText(`${VEHICLES} of ${VEHICLES} done`, { timeout: 60_000 });
   const { northM, eastM } = await vehicle(page, 1);

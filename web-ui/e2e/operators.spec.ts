@@ -51,7 +51,7 @@ test('two operators share the fleet', { tag: '@long' }, async ({ page: anna, bro
     await sit(ben, 'Ben');
     for (const page of [anna, ben]) {
       await expect(page.getByTestId('hands')).toHaveCount(0);
-      await expect(share(page)).toHaveText(`Take ${VEHICLES}`);
+      await expect(share(page)).toHaveText('Take');
     }
   });
 
@@ -91,7 +91,7 @@ test('two operators share the fleet', { tag: '@long' }, async ({ page: anna, bro
   });
 
   await test.step("what is Anna's refuses Ben, and the page says so before", async () => {
-    await button(ben, /^Target 1,/).click();
+    // The page of 1 has selected it.
     await button(ben, 'Take off 1').hover();
     await expect(ben.getByTestId('forecast')).toContainText('likely refused: 1 in the hands of Anna: 1');
     await button(ben, 'Hold 1').hover();

@@ -52,7 +52,7 @@ for (const [width, height] of [[1024, 768], [768, 1024], [390, 844]] as const) {
     await expect(page.getByRole('tab', { name: 'Fleet' })).toBeVisible();
     expect(await findings(page)).toEqual([]);
     expect(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth)).toBe(true);
-    for (const name of [/^HOLD ALL/, /^RETURN ALL/, /^LAND ALL/, /^EMERGENCY STOP/, /^Arm/, /^Take off/, /^Hold \d/, /^Land/, /^Return/]) {
+    for (const name of [/^HOLD ALL/, /^RETURN ALL/, /^LAND ALL/, /^EMERGENCY STOP/, /^Arm/, /^Take off/, /^Hold all \d/, /^Land all/, /^Return all/]) {
       const box = (await button(page, name).boundingBox())!;
       expect(box.x).toBeGreaterThanOrEqual(0);
       expect(box.x + box.width).toBeLessThanOrEqual(width);
@@ -67,7 +67,10 @@ for (const [width, height] of [[1024, 768], [768, 1024], [390, 844]] as const) {
 test('payloads: the camera\'s picture, the gimbal obeys, a restart is seen', async ({ page }) => {
   await page.getByRole('tab', { name: 'Payloads' }).click();
   const panel = page.getByTestId('payload-panel');
-  await expect(panel).toContainText('uav-2');
+  await expect(panel).toContainText('Select a vehicle to see and command what it carries.');
+  await panel.getByRole('button', { name: /^2 uav-2/ }).click();
+  await expect(page.getByTestId('targets')).toContainText('1 selected 2');
+  await expect(panel.getByRole('button', { name: 'Take control' })).toBeEnabled();
   const picture = panel.getByRole('img', { name: /camera/ });
   await expect.poll(() => picture.evaluate((img: HTMLImageElement) => img.naturalWidth), { timeout: 20_000 }).toBeGreaterThan(100);
   const gimbal = panel.locator('[data-instance="payload-2-gimbal"]');
@@ -89,14 +92,17 @@ test('payloads: the camera\'s picture, the gimbal obeys, a restart is seen', asy
 
 test('targets: by number, by click on the map, by box, and said in words', { tag: '@long' }, async ({ page }) => {
   const targets = page.getByTestId('targets');
-  await expect(targets).toContainText(`All ${VEHICLES}`);
+  await expect(targets).toContainText('nothing selected');
   await page.keyboard.press('/');
   await page.keyboard.type('1-2');
   await expect(page.locator('[data-vehicle]')).toHaveCount(2);
   await page.keyboard.press('Enter');
+  await expect(targets).toContainText('nothing selected');
+  await expect(button(page, 'Target these 2')).toBeFocused();
+  await page.keyboard.press('Space');
   await expect(targets).toContainText('2 selected');
   await expect(button(page, 'Land 2')).toBeVisible();
-  await page.keyboard.press('Escape');
+  await page.getByRole('searchbox', { name: /^Find vehicles/ }).press('Escape');
   await expect(page.locator('[data-vehicle]')).toHaveCount(VEHICLES);
 
   const third = (await plotted(page)).find((v) => v.id === 3)!;
@@ -114,6 +120,26 @@ test('targets: by number, by click on the map, by box, and said in words', { tag
   await page.mouse.move(box.x + Math.max(...all.map((v) => v.x)) + 25, box.y + Math.max(...all.map((v) => v.y)) + 25, { steps: 4 });
   await page.mouse.up();
   await expect(targets).toContainText(`${VEHICLES} selected`);
+});
+
+test('what is typed in a field reaches neither the keys of the console nor the targets', async ({ page }) => {
+  const posts: string[] = [];
+  page.on('request', (request) => request.method() === 'POST' && posts.push(request.url()));
+  await button(page, /^Target 2,/).click();
+  // The field is on another page: what is typed before it is there does nothing else either.
+  await page.goto(`${program.url}/#vehicle/3`);
+  await expect(page.getByTestId('targets')).toContainText('1 selected 3');
+  await page.setViewportSize({ width: 1024, height: 768 });
+  await page.locator('section.vehicle-page').focus();
+  await page.keyboard.press('/');
+  await page.keyboard.type('hold tlr');
+  const search = page.getByRole('searchbox', { name: /^Find vehicles/ });
+  await expect(search).toBeFocused();
+  for (const key of ['h', 't', 'Enter', 'Escape', 'Escape', 'k', 'Enter', ' ']) await page.keyboard.press(key);
+  await expect(search).toBeFocused();
+  await expect(page.getByTestId('targets')).toContainText('1 selected 3');
+  await expect(page.getByTestId('count-all')).toHaveText(`${VEHICLES}`);
+  expect(posts).toEqual([]);
 });
 
 test('the keyboard alone arms a vehicle and disarms it', async ({ page }) => {

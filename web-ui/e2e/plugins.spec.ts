@@ -5,7 +5,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import type { Locator, Page } from '@playwright/test';
 import { findings } from './accessibility';
-import { button, card, expect, hold, open, summary, test } from './console';
+import { button, card, expect, hold, open, selectAll, summary, test } from './console';
 import { Program, install } from './program';
 import type { PluginHealth, VehicleSnapshot } from '../src/protocol/types';
 
@@ -76,7 +76,7 @@ test('what fails again and again is given up in its open panel, refuses with the
   const is = gimbal.getByTestId('instance-status');
   await expect(is).toHaveText('Running');
   await gimbal.getByRole('button', { name: 'Take control' }).first().click();
-  await expect(page.getByText('gimbal take control: taken up')).toBeVisible();
+  await expect(page.getByText('gimbal Take control: taken up')).toBeVisible();
 
   await crash(page);
   // Once is forgiven: it is back by itself, the panel stays what it was and says what happened.
@@ -155,6 +155,7 @@ test('a new plugin is found, a file that is none is named with its fault, and wh
 
 test('a model is upgraded in flight, stays if the next does not come up, is rolled back and started anew', { tag: '@long' }, async ({ page }) => {
   await alike(page);
+  await selectAll(page);
   await hold(page, `Take off ${ALIKE}`);
   await expect(summary(page)).toContainText(`${ALIKE} of ${ALIKE} done`, { timeout: FLIGHT_MS });
   await page.getByRole('link', { name: 'Plugins' }).click();

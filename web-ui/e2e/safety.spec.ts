@@ -3,7 +3,7 @@
 
 import type { Page } from '@playwright/test';
 import { findings } from './accessibility';
-import { button, card, expect, hold, open, summary, test } from './console';
+import { button, card, expect, hold, open, selectAll, summary, test } from './console';
 import { Program } from './program';
 
 const VEHICLES = 3;
@@ -76,6 +76,7 @@ test('a red preflight item refuses the take-off, and the refusal leads to it', a
   await load(page, [feature('elsewhere', 'inclusion', await rectangle(page, 0.0005, 0.01))]);
   await hold(page, 'Put 1 zone in force');
   await expect.poll(async () => (await zones(page)).length).toBe(1);
+  await selectAll(page);
   await hold(page, `Take off ${VEHICLES}`);
   await expect(summary(page)).toContainText(`${VEHICLES} of ${VEHICLES} refused`);
   await button(page, 'Show preflight').click();
@@ -139,6 +140,10 @@ test('the emergency stop takes two steps', async ({ page }) => {
     await hold(page, 'Arm 1');
     await expect(card(page, 2).getByTestId('armed')).toHaveText('armed');
     await unlock.click();
+    // That of all stands apart and wants to be held: a click on it stops nobody.
+    await button(page, `Not only these: hold to stop all ${VEHICLES}`).click();
+    await expect(dialog).toBeVisible();
+    expect(posts).not.toContain('/api/v1/emergency-stop');
     await button(page, /^STOP MOTORS OF 1 SELECTED/).click();
     await expect(dialog).toBeHidden();
     await expect(page.getByText('Emergency stop sent to 2')).toBeVisible();

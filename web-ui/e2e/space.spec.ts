@@ -2,7 +2,7 @@
 
 import type { Page } from '@playwright/test';
 import { findings } from './accessibility';
-import { button, expect, hold, open, plotted, summary, test } from './console';
+import { button, expect, hold, open, plotted, selectAll, summary, test } from './console';
 import type {} from '../src/features/view3d/hook';
 import { Program } from './program';
 
@@ -100,6 +100,7 @@ test('height is seen: a climb goes up in the picture, a fence is as high as it i
   await page.getByRole('application').focus();
   await page.keyboard.press('-');
   const before = await positions(page);
+  await selectAll(page);
   await hold(page, `Take off ${VEHICLES}`);
   await expect(summary(page)).toContainText(`${VEHICLES} of ${VEHICLES} done`, { timeout: FLIGHT_MS });
   const after = await positions(page);

@@ -3,7 +3,7 @@
 
 import type { Locator, Page } from '@playwright/test';
 import { findings } from './accessibility';
-import { button, card, expect, hold, open, plotted, summary, test } from './console';
+import { button, card, expect, hold, open, plotted, selectAll, summary, test } from './console';
 import { Program } from './program';
 
 const VEHICLES = 2;
@@ -32,6 +32,7 @@ test('in feet and knots a fleet is flown', { tag: '@long' }, async ({ page }) =>
   await open(page, program.url, VEHICLES);
 
   await test.step('the height of before is the same in another unit', async () => {
+    await selectAll(page);
     await expect(field(page, 'Take-off height')).toHaveValue('10');
     await expect(figure(page, 1, 'Height')).toHaveText(/^-?\d+\.\d m$/);
     await choose(page, /^Aviation/);
@@ -75,6 +76,7 @@ test('in feet and knots a fleet is flown', { tag: '@long' }, async ({ page }) =>
   });
 
   await test.step('the map measures in feet', async () => {
+    await button(page, 'Clear').click();
     for (const id of [1, 2]) await button(page, new RegExp(`^Target ${id},`)).click();
     await page.getByRole('application').focus();
     await page.keyboard.press('m');

@@ -65,9 +65,9 @@ async function fleet(page: Page, turn: number): Promise<void> {
     await page.keyboard.press('/');
     await page.keyboard.type(`${(turn % 40) + 1}-${(turn % 40) + 9}`);
     await expect(page.locator('[data-row]')).toHaveCount(9);
-    await page.keyboard.press('Enter');
+    await button(page, 'Target these 9').click();
     await expect(page.getByTestId('targets')).toContainText('9 selected');
-    await page.keyboard.press('Escape');
+    await page.getByRole('searchbox', { name: /^Find vehicles/ }).press('Escape');
     await button(page, 'Clear').click();
   });
 }
@@ -79,6 +79,8 @@ async function vehicle(page: Page, turn: number): Promise<void> {
   await expect(page.getByRole('region', { name: `Vehicle ${id}` }).locator('canvas')).toHaveCount(6);
   await page.waitForTimeout(LOOK_MS);
   await link(page, 'Map').click();
+  // Its page has selected it.
+  await button(page, 'Clear').click();
 }
 
 async function alerts(page: Page): Promise<void> {
@@ -126,10 +128,12 @@ async function panels(page: Page): Promise<void> {
 const command = (name: string): Gesture => ({
   name,
   does: async (page) => {
+    await button(page, /^Select all/).click();
     await hold(page, `${name} ${VEHICLES}`);
     await button(page, 'Each vehicle').click();
     await page.waitForTimeout(LOOK_MS);
     await button(page, 'Less').click();
+    await button(page, 'Clear').click();
   },
 });
 

@@ -153,6 +153,7 @@ async function console_(browser, name, width, height) {
   const page = await browser.newPage({ viewport: { width, height } });
   await page.goto(address);
   await page.getByRole('tab', { name: 'Payloads' }).click();
+  await page.getByTestId('payload-panel').getByRole('button', { name: /^2 / }).click();
   await wait(2 * SETTLE_MS);
   await page.screenshot({ path: join(folder, `${name}.png`) });
   await page.close();

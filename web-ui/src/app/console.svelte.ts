@@ -47,7 +47,14 @@ export class Console {
   constructor() {
     callAs(this.operator.id);
     this.session.onFrame(() => this.history.take(this.session.fleet, (index) => this.session.rowAt(index)?.heightM ?? NaN, performance.now()));
-    this.session.onRestart(() => this.history.clear());
+    // A vehicle of the new run with the same number need not be the same vehicle.
+    this.session.onRestart(() => {
+      this.history.clear();
+      this.targets.clear();
+      this.emergency.restart();
+      this.formation.restart();
+      if (this.map.followed !== null) this.map.setCamera('free');
+    });
   }
 }
 

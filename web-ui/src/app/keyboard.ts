@@ -5,7 +5,8 @@ import type { Console } from './console.svelte';
 
 export function obey(event: KeyboardEvent, app: Console): void {
   const typing = event.target instanceof HTMLElement && event.target.matches('input, select, textarea');
-  if (event.key === 'Escape') leave(app, typing);
+  if (app.shortcuts.finding) event.preventDefault();
+  else if (event.key === 'Escape') leave(app, typing);
   else if (!typing) {
     const keys = app.shortcuts.keys.press(event, performance.now());
     if (keys === null) return;
@@ -40,14 +41,14 @@ function follow(keys: string, app: Console): void {
     case 'j':
       return step(app, 1);
     case '/':
-      return find(app);
+      return search(app);
     case 's':
       return void app.sound.toggle();
     case '?':
       app.shortcuts.shown = !app.shortcuts.shown;
       return;
     default:
-      document.querySelector<HTMLElement>(`[data-verb="${FOCUSES[keys] ?? ''}"]`)?.focus();
+      return find(FOCUSES[keys] ?? '');
   }
 }
 
@@ -59,17 +60,27 @@ function step(app: Console, by: 1 | -1): void {
   if (id !== undefined) app.navigation.showVehicle(id);
 }
 
-function find(app: Console): void {
-  app.navigation.side = 'fleet';
-  const focus = (): boolean => {
+/** Brings the button of a command into focus. Where it cannot be pressed nothing has the focus: Space must not press the one before. */
+function find(verb: string): void {
+  const button = document.querySelector<HTMLButtonElement>(`[data-verb="${verb}"]`);
+  button?.focus();
+  if (document.activeElement !== button && document.activeElement instanceof HTMLElement) document.activeElement.blur();
+}
+
+const LOOK_AGAIN_MS = 20;
+const LOOKS = 25;
+
+function search(app: Console): void {
+  const { navigation, shortcuts } = app;
+  navigation.side = 'fleet';
+  shortcuts.finding = true;
+  const look = (left: number): void => {
     const field = document.getElementById('fleet-search');
     field?.focus();
-    return field !== null;
+    // The field may be on a page that is not open: then it is opened first.
+    if (!field && left === LOOKS - 1) navigation.show('fleet');
+    if (field || left === 0) shortcuts.finding = false;
+    else setTimeout(() => look(left - 1), LOOK_AGAIN_MS);
   };
-  // The field may be on a page that is not open: then it is opened first.
-  queueMicrotask(() => {
-    if (focus()) return;
-    app.navigation.show('fleet');
-    setTimeout(focus, 50);
-  });
+  queueMicrotask(() => look(LOOKS));
 }

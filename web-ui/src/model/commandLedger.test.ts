@@ -2,8 +2,8 @@
 
 import { describe, expect, it } from 'vitest';
 import type { CommandProgress } from '../protocol/types';
-import { EMPTY, KEPT_BATCHES, latestOf, reduce, tally } from './commandLedger';
-import type { Action, Ledger } from './commandLedger';
+import { EMPTY, KEPT_BATCHES, latestOf, reduce, stillSaid, tally } from './commandLedger';
+import type { Action, Entry, Ledger, Phase } from './commandLedger';
 
 const EXECUTING: CommandProgress = { progress: 'executing' };
 const DONE: CommandProgress = { progress: 'done' };
@@ -102,6 +102,20 @@ describe('when the connection is lost', () => {
   it("after a restart of the server the new run's ids mean other commands", () => {
     const ledger = after(begin(1, [1]), taken(1, 9, [1]), { type: 'connection_lost' }, { type: 'server_restarted' }, progress(9, 1, DONE));
     expect(phases(ledger)).toEqual(['1 unknown: the server restarted']);
+    // And its vehicles are others: nothing of this is told beside them.
+    expect(ledger.batches.map(({ former }) => former)).toEqual([true]);
+    expect(reduce(ledger, begin(2, [1]), 9).batches.map(({ former }) => former)).toEqual([false, true]);
+  });
+});
+
+describe('what is still said', () => {
+  const entry = (phase: Phase): Entry => ({ vehicle: 1, phase, id: 1, detail: '', since: 1000 });
+
+  it('is what is under way, and what is over for as long as it takes to be read: longer what went wrong', () => {
+    const said = (now: number) => (['sent', 'executing', 'done', 'replaced', 'refused', 'unknown'] as const).filter((phase) => stillSaid(entry(phase), now));
+    expect(said(1000)).toHaveLength(6);
+    expect(said(20_000)).toEqual(['sent', 'executing', 'refused', 'unknown']);
+    expect(said(120_000)).toEqual(['sent', 'executing']);
   });
 });
 

@@ -2,6 +2,7 @@
 // the receipts of the REST call and the events of the stream may come in either order.
 
 import type { CommandProgress, CommandReceipt, Refusal } from '../protocol/types';
+import { t } from '../language/language.svelte';
 import { refusalText } from '../protocol/words';
 
 export type Phase = 'sending' | 'sent' | 'executing' | 'done' | 'refused' | 'replaced' | 'unknown';
@@ -29,6 +30,8 @@ export type Batch = {
   /** When it was given. */
   at: number;
   entries: readonly Entry[];
+  /** Given to a former run of the server: to vehicles that are no more. */
+  former: boolean;
 };
 
 type EarlyProgress = { id: number; vehicle: number; progress: CommandProgress };
@@ -60,7 +63,7 @@ export function reduce(ledger: Ledger, action: Action, now: number): Ledger {
     case 'begin': {
       const { key, label, detail } = action;
       const entries = action.vehicles.map((vehicle): Entry => ({ vehicle, phase: 'sending', id: null, detail: '', since: now }));
-      return { ...ledger, batches: [{ key, label, detail, at: now, entries }, ...ledger.batches].slice(0, KEPT_BATCHES) };
+      return { ...ledger, batches: [{ key, label, detail, at: now, entries, former: false }, ...ledger.batches].slice(0, KEPT_BATCHES) };
     }
     case 'receipts':
       return takeReceipts(ledger, action.key, action.receipts, now);
@@ -72,15 +75,15 @@ export function reduce(ledger: Ledger, action: Action, now: number): Ledger {
       return takeProgress(ledger, action, now);
     case 'connection_lost':
       // Nothing is known of what is under way until events come again; a late "done" still settles it.
-      return mapAll(ledger, (e) => (OPEN_PHASES.includes(e.phase) ? enter(e, 'unknown', 'connection lost', now) : e));
+      return mapAll(ledger, (e) => (OPEN_PHASES.includes(e.phase) ? enter(e, 'unknown', t('connection lost'), now) : e));
     case 'server_restarted':
       // Ids begin anew: no later event may be taken for one of these.
       return {
         early: [],
         batches: mapAll(ledger, (e) => {
           const open = OPEN_PHASES.includes(e.phase) || e.phase === 'unknown';
-          return { ...(open ? enter(e, 'unknown', 'the server restarted', now) : e), id: null };
-        }).batches,
+          return { ...(open ? enter(e, 'unknown', t('the server restarted'), now) : e), id: null };
+        }).batches.map((batch) => ({ ...batch, former: true })),
       };
   }
 }
@@ -105,7 +108,7 @@ function takeReceipts(ledger: Ledger, key: number, receipts: readonly CommandRec
       byVehicle.set(receipt.vehicle, entry);
     }
     const entries = [...byVehicle.values()].map((entry) =>
-      entry.phase === 'sending' ? enter(entry, 'unknown', 'no receipt', now) : entry,
+      entry.phase === 'sending' ? enter(entry, 'unknown', t('no receipt'), now) : entry,
     );
     return { ...batch, entries };
   });
@@ -151,6 +154,17 @@ function mapBatch(ledger: Ledger, key: number, change: (entry: Entry) => Entry):
 
 function mapAll(ledger: Ledger, change: (entry: Entry) => Entry): Ledger {
   return { ...ledger, batches: ledger.batches.map((b) => ({ ...b, entries: b.entries.map(change) })) };
+}
+
+/** What went well is said for so long after it, what went wrong so long that it is seen; the list of commands keeps both. */
+const WELL_SAID_MS = 15_000;
+const WRONG_SAID_MS = 60_000;
+
+/** Whether this is still to be said beside the vehicle and the commands: not what is over and was there to be read. */
+export function stillSaid(entry: Entry, now: number): boolean {
+  if (OPEN_PHASES.includes(entry.phase)) return true;
+  const well = entry.phase === 'done' || entry.phase === 'replaced';
+  return now - entry.since <= (well ? WELL_SAID_MS : WRONG_SAID_MS);
 }
 
 /** How many vehicles of a batch are in each phase. */

@@ -11,6 +11,7 @@ export class Commander {
   latest = $derived.by(() => {
     const map = new Map<number, { batch: Batch; entry: Entry }>();
     for (const batch of this.ledger.batches) {
+      if (batch.former) continue;
       for (const entry of batch.entries) {
         if (!map.has(entry.vehicle)) map.set(entry.vehicle, { batch, entry });
       }

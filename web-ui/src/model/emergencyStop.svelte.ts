@@ -92,6 +92,12 @@ export class EmergencyStop {
     this.ready = false;
   }
 
+  /** The server began anew: it knows neither the key nor whom anything was sent to. */
+  restart(): void {
+    this.lock();
+    this.outcome = null;
+  }
+
   #fail(what: string, error: unknown): void {
     const text = `${what}: ${error instanceof ApiError ? error.message : String(error)}`;
     this.outcome = { bad: true, text };

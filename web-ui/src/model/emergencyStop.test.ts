@@ -83,6 +83,20 @@ describe('EmergencyStop', () => {
     for (const at of locked) expect(at).toBeGreaterThanOrEqual(before);
   });
 
+  it('a server that began anew takes its key and what was said of it away', async () => {
+    const { stop } = made();
+    await stop.unlock();
+    vi.advanceTimersByTime(SETTLE_MS + 100);
+    await stop.stop('all', [1]);
+    expect(stop.outcome).not.toBeNull();
+    await stop.unlock();
+    stop.restart();
+    expect([stop.unlocked, stop.outcome]).toEqual([false, null]);
+    vi.advanceTimersByTime(SETTLE_MS + 100);
+    await stop.stop('all', [1]);
+    expect(sent).toHaveLength(3);
+  });
+
   it('an unlocking that is refused leaves it locked and is said', async () => {
     const { stop, notices } = made();
     answer = () => Response.json({ error: { code: 'x', message: 'no', detail: null } }, { status: 503 });

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { EventRecord, Severity } from '../protocol/types';
-import { CAUSED_WITHIN_MS, EMPTY_LOG, KEPT_ENTRIES, REPEAT_WITHIN_MS, acknowledge, add, happening, locked, outstanding, pass, take } from './eventLog';
+import { CAUSED_WITHIN_MS, EMPTY_LOG, KEPT_ENTRIES, REPEAT_WITHIN_MS, acknowledge, add, happening, locked, outstanding, pass, restarted, take } from './eventLog';
 import type { EventLog, Happening } from './eventLog';
 
 let next = 0;
@@ -118,6 +118,24 @@ describe('the log', () => {
     const record: EventRecord = { seq: 7, time: 0, node: null, vehicle: null, severity: 'info', kind: { kind: 'notice' }, text: 'a' };
     const l = add(take(EMPTY_LOG, record, 0), event('b', 'info', 0));
     expect([l.lastSeq, l.entries.map((e) => e.numbers)]).toEqual([7, [[], [7]]]);
+  });
+});
+
+describe('when the server began anew', () => {
+  it('what its former run said stays to be read and wants nobody to look, and the new run counts for itself', () => {
+    const before = restarted({ ...add(EMPTY_LOG, event('motors stopped', 'critical', 0)), lastSeq: 41 }, 1);
+    expect(before.lastSeq).toBe(0);
+    expect(before.entries.map((e) => [e.text, e.former])).toEqual([['motors stopped', true]]);
+    expect(outstanding(before)).toEqual([]);
+    const after = add(before, event('motors stopped', 'critical', 10));
+    expect(after.entries.map((e) => [e.count, e.former])).toEqual([[1, false], [1, true]]);
+    expect(outstanding(after)).toHaveLength(1);
+  });
+
+  it('twice, no two entries have the same key', () => {
+    const entry = (): Happening => ({ ...event('x', 'warning', 0), key: 's1' });
+    const twice = restarted(add(restarted(add(EMPTY_LOG, entry()), 1), entry()), 2);
+    expect(new Set(twice.entries.map((e) => e.key)).size).toBe(2);
   });
 });
 

@@ -25,6 +25,8 @@ export type LogEntry = {
   /** Wall-clock ms from which on it holds no more by itself; null for what stays until somebody has seen it. */
   endsAt: number | null;
   acknowledged: boolean;
+  /** Of a former run of the server: of vehicles that are no more. */
+  former: boolean;
 };
 
 export type EventLog = {
@@ -67,6 +69,12 @@ export function happening(record: EventRecord, at: number): Happening {
   return { key: `s${record.seq}`, vehicle, severity, kind: record.kind.kind, text, at, endsAt, seq: record.seq };
 }
 
+/** The server began anew, its sequence numbers too. What was said before is kept to be read, wants nobody's look and is repeated by nothing. */
+export function restarted(log: EventLog, run: number): EventLog {
+  const before = (e: LogEntry): LogEntry => ({ ...e, key: `o${run}-${e.key}`, signature: `${run}|${e.signature}`, numbers: [], acknowledged: true, former: true });
+  return { ...EMPTY_LOG, entries: log.entries.map((e) => (e.former ? e : before(e))) };
+}
+
 /** Takes what the server says, in the order of its numbers. */
 export function take(log: EventLog, record: EventRecord, at: number): EventLog {
   const taken = { ...add(log, happening(record, at)), lastSeq: record.seq };
@@ -103,6 +111,7 @@ export function add(log: EventLog, h: Happening): EventLog {
     endsAt: h.endsAt,
     // A warning that comes again after it was acknowledged wants a new look.
     acknowledged: !alert,
+    former: false,
   };
   return { ...log, entries: former ? [entry, ...log.entries.slice(0, at), ...log.entries.slice(at + 1)] : bounded([entry, ...log.entries]) };
 }

@@ -5,7 +5,7 @@ import { FLAG } from '../protocol/frame';
 import { ApiError, endFormation, previewFormation, putFormation, putRoute } from '../protocol/rest';
 import type { FormationAnchor, FormationControl, FormationPreview, FormationRequest, HeadingRequest, ReferenceSnapshot, Shape } from '../protocol/types';
 import { label } from '../protocol/words';
-import { anchorText, hasParameter, pathHeading, placed, requestOf } from './formationWords';
+import { anchorText, hasParameter, pathHeading, placed, requestOf, whyNobody } from './formationWords';
 import type { Place, Slot } from './formationWords';
 import type { Journal } from './journal.svelte';
 import { parseOffsets } from './offsets';
@@ -68,11 +68,16 @@ export class FormationDraft {
     this.route = new RouteDraft(() => this.startHeightM());
   }
 
-  /** Who would take part as far as this page can tell: the targets that are in the air and in the swarm's hands. */
-  members = $derived.by<VehicleRow[]>(() => {
+  #selected = $derived.by<VehicleRow[]>(() => {
     const wanted = new Set(this.#targets.ids);
-    return this.#session.rows.filter((row) => wanted.has(row.id) && AVAILABLE.has(row.flightState) && row.staleness !== 'lost');
+    return this.#session.rows.filter((row) => wanted.has(row.id));
   });
+
+  /** Who would take part as far as this page can tell: the targets that are in the air and in the swarm's hands. */
+  members = $derived.by<VehicleRow[]>(() => this.#selected.filter((row) => AVAILABLE.has(row.flightState) && row.staleness !== 'lost'));
+
+  /** Why nobody would; empty where somebody does. */
+  whyNobody = $derived.by<string>(() => (this.members.length > 0 ? '' : whyNobody(this.#selected)));
 
   leaderId = $derived.by<number | null>(() => {
     const ids = this.members.map((row) => row.id);
@@ -133,7 +138,7 @@ export class FormationDraft {
       anchor: this.#anchor(),
       control: this.control,
       leader: this.leader,
-      members: this.#targets.all ? null : this.#targets.ids,
+      members: this.#targets.ids,
     });
   }
 
@@ -256,6 +261,11 @@ export class FormationDraft {
   clearRoute(): void {
     this.route.clear();
     this.routeOutcome = null;
+  }
+
+  /** The server began anew: what it said to the last orders, and who was to lead, is over. The form stays. */
+  restart(): void {
+    this.leader = this.outcome = this.routeOutcome = null;
   }
 
   /** Height of the leader, or of whoever would be it, above the swarm's origin, to the half metre; null if nobody flies. */

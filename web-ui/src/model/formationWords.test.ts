@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { FormationSnapshot } from '../protocol/types';
-import { flownText, pathHeading, placed, requestOf } from './formationWords';
+import { doingText, flownText, pathHeading, placed, requestOf, whyNobody } from './formationWords';
 import type { FormationForm } from './formationWords';
 
 const FORM: FormationForm = {
@@ -48,12 +48,12 @@ it('a path looks along its first leg, a single point nowhere', () => {
   expect(pathHeading([{ north: 0, east: 0 }])).toBeNull();
 });
 
-describe('flownText', () => {
-  const flown = (part: Partial<FormationSnapshot>): FormationSnapshot => ({
-    request: requestOf(FORM), leader: 2, anchor: null, keeps_itself: false, max_speed_m_s: 5, members: [2, 3, 4], view_blocked: [], route: null,
-    route_finished: false, settled_at: 0, planned_min_distance_m: 4, intent_version: 1, ...part,
-  });
+const flown = (part: Partial<FormationSnapshot>): FormationSnapshot => ({
+  request: requestOf(FORM), leader: 2, anchor: null, keeps_itself: false, max_speed_m_s: 5, members: [2, 3, 4], view_blocked: [], route: null,
+  route_finished: false, settled_at: 0, planned_min_distance_m: 4, intent_version: 1, ...part,
+});
 
+describe('flownText', () => {
   it('names the leader, or what is gone by without one', () => {
     expect(flownText(flown({}))).toEqual({ shape: 'Wedge', rest: ' of 3, 5 m apart, behind 2' });
     const about = (anchor: FormationForm['anchor']) => flownText(flown({ leader: null, request: requestOf({ ...FORM, anchor }) })).rest;
@@ -70,6 +70,33 @@ describe('flownText', () => {
     const request = requestOf({ ...FORM, scale: 2, control: 'bearings' });
     expect(flownText(flown({ request, keeps_itself: true })).rest).toBe(
       ' of 3, 5 m apart, 2 times as large, behind 2, keeps itself by bearings',
+    );
+  });
+});
+
+describe('what the formation does now', () => {
+  const route = { waypoints: [1, 2, 3].map((north_m) => ({ north_m, east_m: 0, down_m: -10 })), speed_m_s: 4, corner_radius_m: 8 };
+  const does = (part: Partial<FormationSnapshot>, nowMs: number): string => doingText(flown(part), nowMs);
+
+  it('is to form for some time, then to stand in its places', () => {
+    expect(does({ settled_at: 12_500_000 }, 10_000)).toBe('Wedge of 3, 5 m apart, behind 2: forming, 3 s more');
+    expect(does({ settled_at: 12_500_000 }, 12_500)).toBe('Wedge of 3, 5 m apart, behind 2: in its places');
+  });
+
+  it('is to fly its route until it has', () => {
+    expect(does({ route }, 1)).toBe('Wedge of 3, 5 m apart, behind 2: flies a route of 3 points at 4 m/s');
+    expect(does({ route, route_finished: true }, 1)).toBe('Wedge of 3, 5 m apart, behind 2: has flown its route of 3 points');
+  });
+});
+
+describe('why nobody can take part', () => {
+  const one = (airborne: boolean, flightState: string, staleness = 'live') => ({ airborne, flightState, staleness });
+
+  it('is that nobody is selected, or is in the air, or is free', () => {
+    expect(whyNobody([])).toBe('Select vehicles first');
+    expect(whyNobody([one(false, 'idle'), one(false, 'arming')])).toBe('None of the 2 selected is in the air yet');
+    expect(whyNobody([one(true, 'taking_off'), one(true, 'taking_off'), one(true, 'following', 'lost'), one(false, 'idle')])).toBe(
+      'None of the 3 selected in the air is free: taking off, not heard',
     );
   });
 });

@@ -1,7 +1,7 @@
 // A formation in words, whether a vehicle leads it or not, and where a previewed one lies on the ground. Pure.
 
 import type { FormationAnchor, FormationRequest, FormationSnapshot, OffsetFrd, Shape } from '../protocol/types';
-import { label } from '../protocol/words';
+import { label, spoken } from '../protocol/words';
 import { idRanges } from './idRanges';
 import { said, t } from '../language/language.svelte';
 import { setText } from '../language/units.svelte';
@@ -38,6 +38,33 @@ export function flownText(flown: FormationSnapshot): { shape: string; rest: stri
   const blocked = flown.view_blocked.length === 0 ? '' : t('; no free view for {who}', { who: idRanges(flown.view_blocked) });
   const rest = `${t(' of {count}, {spacing} apart', { count: flown.members.length, spacing: setText('length', request.spacing_m) })}${scaled}, ${anchorText(request.anchor, flown.leader)}${kept}${blocked}`;
   return { shape: label(request.shape), rest };
+}
+
+/** What the formation does now, for the command bar: `Wedge of 4, 5 m apart, behind 1: in its places`. `nowMs` is on the node's clock. */
+export function doingText(flown: FormationSnapshot, nowMs: number): string {
+  const { shape, rest } = flownText(flown);
+  return `${shape}${rest}: ${doesText(flown, nowMs)}`;
+}
+
+function doesText({ route, route_finished, settled_at }: FormationSnapshot, nowMs: number): string {
+  const leftS = Math.ceil((settled_at / 1000 - nowMs) / 1000);
+  if (leftS > 0) return t('forming, {seconds} s more', { seconds: leftS });
+  if (!route) return t('in its places');
+  const speed = setText('speed', route.speed_m_s);
+  const count = route.waypoints.length;
+  return route_finished ? t('has flown its route of {count} points', { count }) : t('flies a route of {count} points at {speed}', { count, speed });
+}
+
+/** What is looked at of a vehicle that could take part. */
+export type Candidate = { airborne: boolean; flightState: string; staleness: string };
+
+/** Why none of the selected can take part in a formation. */
+export function whyNobody(selected: readonly Candidate[]): string {
+  if (selected.length === 0) return t('Select vehicles first');
+  const flying = selected.filter((one) => one.airborne);
+  if (flying.length === 0) return t('None of the {count} selected is in the air yet', { count: selected.length });
+  const states = new Set(flying.map((one) => (one.staleness === 'lost' ? t('not heard') : spoken(one.flightState))));
+  return t('None of the {count} selected in the air is free: {states}', { count: flying.length, states: [...states].join(', ') });
 }
 
 /** An offset turned to a heading (radians clockwise from north): metres north and east. */

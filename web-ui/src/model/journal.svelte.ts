@@ -3,7 +3,7 @@
 
 import { postAcknowledged } from '../protocol/rest';
 import type { EventRecord, Severity } from '../protocol/types';
-import { EMPTY_LOG, acknowledge, add, locked, outstanding, pass, take } from './eventLog';
+import { EMPTY_LOG, acknowledge, add, locked, outstanding, pass, restarted, take } from './eventLog';
 
 export class Journal {
   log = $state.raw(EMPTY_LOG);
@@ -24,11 +24,9 @@ export class Journal {
     return this.log.entries[0]?.key ?? key;
   }
 
-  /** The server began anew: its sequence numbers do too, and what the former run complained of is history. */
+  /** The server began anew. */
   restart(): void {
-    const entries = this.log.entries.map((e) => ({ ...e, key: e.key.replace(/^s/, `o${this.#nextNotice}-`), numbers: [], acknowledged: true }));
-    this.#nextNotice++;
-    this.log = { ...EMPTY_LOG, entries };
+    this.log = restarted(this.log, this.#nextNotice++);
   }
 
   /** What is over by itself wants nobody's look any more. */

@@ -3,6 +3,7 @@
 import type { ActorStatus, VehicleInfo } from '../protocol/types';
 import { LEVEL } from './severity';
 import type { Level } from './severity';
+import { said, t } from '../language/language.svelte';
 
 export type PluginSummary = { text: string; level: Level };
 
@@ -15,12 +16,12 @@ export function pluginSummary(info: Pick<VehicleInfo, 'actor' | 'model' | 'paylo
   const payloads = info.payloads ?? [];
   const all = [
     { name: 'control', status: info.actor.status },
-    { name: 'model', status: info.model.status },
+    { name: said('model'), status: info.model.status },
     ...payloads.map((payload) => ({ name: payload.name, status: payload.health.status })),
   ];
   const wrong = all.filter((one) => one.status !== 'running').sort((a, b) => LEVELS[b.status] - LEVELS[a.status]);
   const worst = wrong[0];
-  if (!worst) return { text: `${payloads.length + 1} running`, level: LEVEL.normal };
+  if (!worst) return { text: t('{count} running', { count: payloads.length + 1 }), level: LEVEL.normal };
   const others = wrong.length > 1 ? ` +${wrong.length - 1}` : '';
-  return { text: `${worst.name} ${WORDS[worst.status]}${others}`, level: LEVELS[worst.status] };
+  return { text: `${worst.name === 'control' ? said(`control ${WORDS[worst.status]}`) : `${worst.name} ${said(WORDS[worst.status])}`}${others}`, level: LEVELS[worst.status] };
 }

@@ -10,6 +10,7 @@ import { Fleet } from '../telemetry/fleet';
 import type { Commander } from './commander.svelte';
 import type { Journal } from './journal.svelte';
 import { VehicleRow } from './vehicleRow.svelte';
+import { t } from '../language/language.svelte';
 
 /** How often the list is brought up to date. */
 const TICK_MS = 250;
@@ -84,7 +85,7 @@ export class Session {
       control: (vehicles) => this.#onControl(vehicles),
       swarm: (swarm) => (this.swarm = swarm),
       event: (event) => (this.#historyLoaded ? this.#takeEvent(event) : this.#waiting.push(event)),
-      gap: (missed) => journal.notice('warning', 'stream', `${missed} events did not reach this page`),
+      gap: (missed) => journal.notice('warning', 'stream', t('{missed} events did not reach this page', { missed })),
       unreadable: (why) => journal.notice('warning', 'stream', why),
       stickRefused: (vehicle, refusal) => {
         for (const listener of this.#stickListeners) listener(vehicle, refusal);
@@ -182,7 +183,7 @@ export class Session {
       this.lostAt = performance.now();
       this.latencyMs = null;
       this.commander.dispatch({ type: 'connection_lost' });
-      if (this.everLive) this.journal.notice('warning', 'connection', `connection to the server lost: ${state.reason}`);
+      if (this.everLive) this.journal.notice('warning', 'connection', t('connection to the server lost: {reason}', { reason: state.reason }));
     }
   }
 
@@ -206,7 +207,7 @@ export class Session {
       this.#serverRestarted();
       this.fleet.take(buffer, performance.now());
     }
-    if (this.everLive && this.lostAt !== null) this.journal.notice('info', 'connection', 'connection to the server is back');
+    if (this.everLive && this.lostAt !== null) this.journal.notice('info', 'connection', t('connection to the server is back'));
     this.hasFrame = true;
     this.everLive = true;
     this.lostAt = null;
@@ -227,7 +228,7 @@ export class Session {
     this.fleet.setOrigin(this.info.frame?.origin ?? null);
     this.journal.restart();
     this.commander.dispatch({ type: 'server_restarted' });
-    this.journal.notice('advisory', 'connection', 'the server was restarted');
+    this.journal.notice('advisory', 'connection', t('the server was restarted'));
     for (const listener of this.#restartListeners) listener();
   }
 
@@ -236,7 +237,7 @@ export class Session {
       const { events } = await getEvents(this.journal.log.lastSeq);
       for (const event of events) this.#takeEvent(event);
     } catch {
-      this.journal.notice('advisory', 'connection', 'earlier events could not be fetched');
+      this.journal.notice('advisory', 'connection', t('earlier events could not be fetched'));
     }
     this.#firstLoad = false;
     this.#historyLoaded = true;

@@ -16,9 +16,9 @@ export const SHORTCUTS: readonly Shortcut[] = [
   { keys: 'g c', words: 'Preflight checks', group: 'Go to' },
   { keys: 'g a', words: 'Alerts and events', group: 'Go to' },
   { keys: 'g p', words: 'Plugins and supervision', group: 'Go to' },
-  { keys: 'k', words: 'Page of the vehicle before this', group: 'Go to' },
-  { keys: 'j', words: 'Page of the vehicle after this', group: 'Go to' },
-  { keys: '/', words: 'Find vehicles: 3, 1-4, a name, a state; Enter makes them the targets', group: 'Choose' },
+  { keys: 'k', words: 'Page of the vehicle before this, which it selects', group: 'Go to' },
+  { keys: 'j', words: 'Page of the vehicle after this, which it selects', group: 'Go to' },
+  { keys: '/', words: 'Find vehicles: 3, 1-4, a name, a state; Enter goes to the button that selects them', group: 'Choose' },
   { keys: 'Escape', words: 'Lock the emergency stop, leave a tool, clear the targets', group: 'Choose' },
   { keys: 't', words: 'Take off', group: 'Command' },
   { keys: 'h', words: 'Hold', group: 'Command' },
@@ -64,6 +64,8 @@ export class Keys {
 export class Shortcuts {
   /** The list is open. */
   shown = $state(false);
+  /** The search field is on its way: what is typed until it is there is meant for it and does nothing else. */
+  finding = false;
   readonly keys = new Keys();
 }
 

@@ -1,28 +1,45 @@
-// Whom commands are for: the one visible set of targets. Nothing selected means every vehicle, and the page says so in words.
-// Must never change by itself: a vehicle that is lost stays selected.
+// Whom commands are for: the one visible set of targets, the same for every button of the page. Nothing selected means nobody, but for what
+// brings vehicles to safety, which then reaches all and says so. Must never change by itself while the same server runs: a vehicle that is
+// lost stays selected.
 
 import { SvelteSet } from 'svelte/reactivity';
 import type { Targets as WireTargets } from '../protocol/types';
 import type { VehicleRow } from './vehicleRow.svelte';
 
+/** Whom a command reaches where nothing is selected. */
+export type Unselected = 'nobody' | 'all';
+
+export type Reach = { ids: readonly number[]; wire: WireTargets; all: boolean };
+
 export class Targets {
   readonly selected = new SvelteSet<number>();
-  readonly #rows: () => readonly VehicleRow[];
+  readonly #rows: () => readonly Pick<VehicleRow, 'id'>[];
+  #pointed = $state.raw<ReadonlySet<number> | null>(null);
 
-  constructor(rows: () => readonly VehicleRow[]) {
+  constructor(rows: () => readonly Pick<VehicleRow, 'id'>[]) {
     this.#rows = rows;
   }
 
-  /** Nothing is selected: commands go to the whole fleet. */
-  all = $derived.by(() => this.selected.size === 0);
+  none = $derived.by(() => this.selected.size === 0);
 
   /** Ids of the targets in ascending order. */
-  ids = $derived.by(() =>
-    this.all ? this.#rows().map((row) => row.id) : [...this.selected].sort((a, b) => a - b),
-  );
+  ids = $derived.by(() => [...this.selected].sort((a, b) => a - b));
 
-  /** Whether commands would reach every vehicle, by selection or for want of one: then they are guarded as fleet-wide. */
-  wholeFleet = $derived.by(() => this.all || this.ids.length >= this.#rows().length);
+  everyone = $derived.by(() => this.#rows().map((row) => row.id));
+
+  /** Whom the map and the list of heights mark: whom the button before the finger acts on, else the targets. */
+  marked = $derived.by<ReadonlySet<number>>(() => this.#pointed ?? this.selected);
+
+  /** Whom a command reaches. */
+  reach(unselected: Unselected): Reach {
+    if (this.none && unselected === 'all') return { ids: this.everyone, wire: 'all', all: true };
+    return { ids: this.ids, wire: { vehicles: this.ids }, all: !this.none && this.everyone.every((id) => this.selected.has(id)) };
+  }
+
+  /** This vehicle alone is selected. */
+  isOnly(id: number): boolean {
+    return this.selected.size === 1 && this.selected.has(id);
+  }
 
   toggle(id: number): void {
     if (!this.selected.delete(id)) this.selected.add(id);
@@ -43,8 +60,8 @@ export class Targets {
     this.selected.clear();
   }
 
-  /** As the server is told. */
-  wire(): WireTargets {
-    return this.all ? 'all' : { vehicles: this.ids };
+  /** A button that acts on these is before the finger; null: none is any more. */
+  point(ids: readonly number[] | null): void {
+    this.#pointed = ids && new Set(ids);
   }
 }

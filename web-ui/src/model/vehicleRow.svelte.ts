@@ -75,7 +75,7 @@ export class VehicleRow {
     readonly id: number,
     readonly index: number,
   ) {
-    this.name = `vehicle ${id}`;
+    this.name = t('vehicle {id}', { id });
   }
 
   /** Brings every field up to date. While the server is not heard (`heard` false) no new problem is found: the page has one, not

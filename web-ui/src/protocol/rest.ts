@@ -1,5 +1,7 @@
 // The REST side: one function per call, typed bodies, one error type. Must never retry: a command sent twice is two commands.
 
+import { t } from '../language/language.svelte';
+
 import type {
   AcknowledgeBody, CameraViewList, CommandBody, CommandReceipt, CommandReceipts, Console, ControlAction, ControlBody, ControlReceipt, ControlReceipts, EmergencyKey,
   EmergencyStopBody, ErrorBody, EventList, FenceAnswer, FenceFileBody, FencePlan, FencePlanBody, FormationPreview, FormationReceipt, FormationRequest, ImportedFencePlan, OverrideBody, ParameterBody,
@@ -45,7 +47,7 @@ async function call(method: string, path: string, body?: unknown, secret?: strin
     response = await fetch(new URL(`api/v1/${path}`, document.baseURI), init);
   } catch (error) {
     const timedOut = error instanceof DOMException && error.name === 'TimeoutError';
-    throw new ApiError(0, timedOut ? 'timeout' : 'unreachable', timedOut ? 'no answer from the server' : 'the server cannot be reached');
+    throw new ApiError(0, timedOut ? 'timeout' : 'unreachable', timedOut ? t('no answer from the server') : t('the server cannot be reached'));
   }
   if (!response.ok) throw await errorOf(response);
   return response;
@@ -56,7 +58,7 @@ async function errorOf(response: Response): Promise<ApiError> {
     const { error } = (await response.json()) as ErrorBody;
     return new ApiError(response.status, error.code, error.message, error.detail);
   } catch {
-    return new ApiError(response.status, 'http', `the server answered ${response.status}`);
+    return new ApiError(response.status, 'http', t('the server answered {status}', { status: response.status }));
   }
 }
 

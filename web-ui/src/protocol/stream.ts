@@ -3,6 +3,7 @@
 
 import { waitMs } from './backoff';
 import type { ClientMessage, ErrorDetail, EventRecord, FleetInfo, Refusal, ServerMessage, SwarmSnapshot, VehicleControl, VehicleSafety } from './types';
+import { t } from '../language/language.svelte';
 
 /** The server's greeting. */
 export type Hello = Extract<ServerMessage, { type: 'hello' }>;
@@ -107,7 +108,7 @@ export class Stream {
       if (socket === this.#socket) this.#message(message.data as string | ArrayBuffer);
     };
     socket.onclose = () => {
-      if (socket === this.#socket) this.#lost(this.#greeted ? 'the server closed the connection' : 'the server does not answer');
+      if (socket === this.#socket) this.#lost(this.#greeted ? t('the server closed the connection') : t('the server does not answer'));
     };
   }
 
@@ -122,7 +123,7 @@ export class Stream {
     try {
       message = JSON.parse(data) as ServerMessage;
     } catch {
-      this.listener.unreadable('a text message is not JSON');
+      this.listener.unreadable(t('a text message is not JSON'));
       return;
     }
     switch (message.type) {
@@ -150,7 +151,7 @@ export class Stream {
       case 'error': {
         const refused = refusedStick(message.error);
         if (refused) this.listener.stickRefused(refused.vehicle, refused.refusal);
-        else this.listener.unreadable(`the server did not understand this page: ${message.error.message}`);
+        else this.listener.unreadable(t('the server did not understand this page: {why}', { why: message.error.message }));
         break;
       }
       default:

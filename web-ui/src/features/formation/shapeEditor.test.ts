@@ -9,7 +9,7 @@ import { placeText } from './placeWords';
 import { numbers } from './someShapes';
 
 function board(text = ''): { form: FormationDraft; editor: ShapeEditor } {
-  const form = new FormationDraft({ rows: [] } as unknown as Session, { ids: [], all: true } as unknown as Targets, {} as Journal, () => []);
+  const form = new FormationDraft({ rows: [] } as unknown as Session, { ids: [] } as unknown as Targets, {} as Journal, () => []);
   form.offsetsText = text;
   return { form, editor: new ShapeEditor(form) };
 }
@@ -108,7 +108,7 @@ describe('ShapeEditor', () => {
     const { form, editor } = board('0,0,0\n-5,2,-1');
     form.shape = 'free';
     expect(form.missing).toBe('');
-    const four = new FormationDraft({ rows: [] } as unknown as Session, { ids: [1, 2, 3, 4], all: true } as unknown as Targets, {} as Journal, () => []);
+    const four = new FormationDraft({ rows: [] } as unknown as Session, { ids: [1, 2, 3, 4] } as unknown as Targets, {} as Journal, () => []);
     four.shape = 'free';
     four.offsetsText = form.offsetsText;
     expect([four.wouldTakePart, four.missing]).toEqual([4, 'Places missing: 2']);

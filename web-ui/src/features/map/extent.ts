@@ -19,7 +19,7 @@ export function followedBounds(console: Console): Bounds {
   const { fleet, info } = session;
   const bounds = noBounds();
   const leader = info.formation?.leader ?? null;
-  const chosen = targets.selected.size > 0 ? [...targets.selected] : leader !== null ? [leader] : targets.ids;
+  const chosen = targets.selected.size > 0 ? [...targets.selected] : leader !== null ? [leader] : targets.everyone;
   for (const id of map.followed === null ? chosen : [map.followed]) {
     const index = fleet.indexOf(id);
     if (index >= 0 && fleet.has(index, FLAG.position)) include(bounds, fleet.shownNorthM[index] ?? 0, fleet.shownEastM[index] ?? 0);

@@ -3,6 +3,7 @@
 
 import { LIVE_BELOW_MS, STALE_FROM_MS } from '../../telemetry/staleness';
 import type { Staleness } from '../../telemetry/staleness';
+import { t } from '../../language/language.svelte';
 
 /** Worse is greater, as with levels of urgency. */
 export type Quality = 0 | 1 | 2 | 3;
@@ -35,15 +36,15 @@ export function faultText(c: LinkCondition): string {
     case 0:
       return '';
     case 3:
-      return 'link lost';
+      return t('link lost');
     default:
       break;
   }
   const roundTrip = Math.max(orZero(c.roundTripMs), orZero(c.nodeRoundTripMs));
-  if (c.staleness === 'stale') return `nothing heard for ${STALE_FROM_MS / 1000} s`;
-  if (c.lossPercent >= FAIR_LOSS_PERCENT) return `loss ${c.lossPercent} %`;
-  if (roundTrip >= FAIR_ROUND_TRIP_MS) return `round trip ${Math.round(roundTrip)} ms`;
-  return `nothing heard for ${LIVE_BELOW_MS / 1000} s`;
+  if (c.staleness === 'stale') return t('nothing heard for {seconds} s', { seconds: STALE_FROM_MS / 1000 });
+  if (c.lossPercent >= FAIR_LOSS_PERCENT) return t('loss {percent} %', { percent: c.lossPercent });
+  if (roundTrip >= FAIR_ROUND_TRIP_MS) return t('round trip {ms} ms', { ms: Math.round(roundTrip) });
+  return t('nothing heard for {seconds} s', { seconds: LIVE_BELOW_MS / 1000 });
 }
 
 function orZero(value: number): number {

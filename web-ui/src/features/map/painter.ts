@@ -135,7 +135,7 @@ export class Painter {
     this.#projection = session.fleet.projection;
     this.#underlay.lay(ctx, view, this.#ratio, now, this.#paintLowest);
     if (map.layers.trails) this.#trails.paintSince(ctx, view, palette, session.fleet);
-    const scene = { fleet: session.fleet, now, selected: targets.selected, marking: this.#marking };
+    const scene = { fleet: session.fleet, now, selected: targets.marked, marking: this.#marking };
     this.#paintUnder(ctx, palette, scene);
     paintVehicles(ctx, view, palette, scene);
     if (map.layers.tracks) paintTracks(ctx, view, palette, this.tracksSeen(), (track) => t('Track {track}', { track }));
@@ -183,7 +183,7 @@ export class Painter {
     }
     // Under the vehicles: where they were last is what an operator needs most then.
     if (session.everLive && !session.canCommand) paintHatching(ctx, view, palette);
-    if (layers.links) paintLinks(ctx, view, palette, { north: 0, east: 0 }, session.hello?.node ?? 'this node', drawnLinks(session, scene.now));
+    if (layers.links) paintLinks(ctx, view, palette, { north: 0, east: 0 }, session.hello?.node ?? t('this node'), drawnLinks(session, scene.now));
     if (layers.slots) paintSlots(ctx, view, palette, fleet);
     if (layers.motion) paintMotion(ctx, view, palette, fleet);
     this.#paintAnchors(ctx, palette);
@@ -205,7 +205,7 @@ export class Painter {
     const { fleet } = this.console.session;
     const i = fleet.indexOf(id);
     if (i < 0 || !fleet.has(i, FLAG.position)) return null;
-    return { north: fleet.shownNorthM[i] ?? 0, east: fleet.shownEastM[i] ?? 0, up: fleet.shownAltitudeM[i] ?? 0, words: `vehicle ${id}` };
+    return { north: fleet.shownNorthM[i] ?? 0, east: fleet.shownEastM[i] ?? 0, up: fleet.shownAltitudeM[i] ?? 0, words: t('vehicle {id}', { id }) };
   };
 
   /** The legs that are measured now. */
@@ -228,7 +228,7 @@ export class Painter {
     const { session, targets } = this.console;
     return session.rows
       .filter((row) => !Number.isNaN(row.heightM))
-      .map((row) => ({ heightM: row.heightM, level: row.level, leader: row.leader, selected: targets.selected.has(row.id) }));
+      .map((row) => ({ heightM: row.heightM, level: row.level, leader: row.leader, selected: targets.marked.has(row.id) }));
   }
 
   fences(): PlacedFences {

@@ -13,6 +13,6 @@ export function toggleMeasuring({ map, targets }: Console): void {
   }
   map.tool = 'measure';
   map.measure.clear();
-  if (targets.all || targets.ids.length < 2 || targets.ids.length > MOST_TARGETS) return;
+  if (targets.ids.length < 2 || targets.ids.length > MOST_TARGETS) return;
   for (const id of targets.ids) map.measure.add({ kind: 'vehicle', id });
 }

@@ -1,6 +1,7 @@
 // What stands in a generated form, and the command that comes of it. Pure.
 
 import type { Field, Form } from './schemaForm';
+import { t } from '../../language/language.svelte';
 
 /** What the operator typed or chose, by the field's path. Numbers are as shown, in the unit of the field; a text stays a text. */
 export type Values = Readonly<Record<string, unknown>>;
@@ -48,23 +49,23 @@ function valueOf(field: Field, typed: unknown): Read {
     case 'json':
       return jsonOf(field, typed);
     default:
-      if (typed === null || typed === undefined) return field.required ? { problem: 'is needed' } : {};
+      if (typed === null || typed === undefined) return field.required ? { problem: t('is needed') } : {};
       return { value: typed };
   }
 }
 
 function numberOf(field: Field, typed: unknown): Read {
-  if (typeof typed !== 'number' || Number.isNaN(typed)) return field.required ? { problem: 'is needed' } : {};
-  if (field.kind === 'integer' && !Number.isInteger(typed)) return { problem: 'is a whole number' };
-  if (field.min !== null && typed < field.min) return { problem: `is ${round(field.min)} at least` };
-  if (field.max !== null && typed > field.max) return { problem: `is ${round(field.max)} at most` };
+  if (typeof typed !== 'number' || Number.isNaN(typed)) return field.required ? { problem: t('is needed') } : {};
+  if (field.kind === 'integer' && !Number.isInteger(typed)) return { problem: t('is a whole number') };
+  if (field.min !== null && typed < field.min) return { problem: t('is {limit} at least', { limit: round(field.min) }) };
+  if (field.max !== null && typed > field.max) return { problem: t('is {limit} at most', { limit: round(field.max) }) };
   return { value: field.scale === 1 ? typed : typed / field.scale };
 }
 
 function variantOf(field: Field, typed: unknown): Read {
   const { key, values } = (typed ?? {}) as { key?: string; values?: Values };
   const chosen = field.variants.find((variant) => variant.key === key);
-  if (!chosen) return field.required ? { problem: 'is needed' } : {};
+  if (!chosen) return field.required ? { problem: t('is needed') } : {};
   const { command, problems } = build(chosen, { ...initialOf(chosen), ...values });
   const first = Object.entries(problems)[0];
   return first ? { problem: `${first[0]} ${first[1]}` } : { value: command };
@@ -72,11 +73,11 @@ function variantOf(field: Field, typed: unknown): Read {
 
 function jsonOf(field: Field, typed: unknown): Read {
   const text = typeof typed === 'string' ? typed.trim() : '';
-  if (text === '') return field.required ? { problem: 'is needed' } : {};
+  if (text === '') return field.required ? { problem: t('is needed') } : {};
   try {
     return { value: JSON.parse(text) as unknown };
   } catch {
-    return { problem: 'is no JSON' };
+    return { problem: t('is no JSON') };
   }
 }
 

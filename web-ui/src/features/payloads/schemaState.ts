@@ -3,6 +3,7 @@
 import { label, spoken } from '../../protocol/words';
 import type { Line } from './stateLines';
 import { unitOf } from './units';
+import { t } from '../../language/language.svelte';
 
 const MOST_LINES = 24;
 
@@ -32,7 +33,7 @@ function line(name: string, value: unknown): Line {
 
 function valueText(value: unknown, unit: string, scale: number): string {
   if (value === null || value === undefined || value === '') return '–';
-  if (typeof value === 'boolean') return value ? 'yes' : 'no';
+  if (typeof value === 'boolean') return value ? t('yes') : t('no');
   if (typeof value === 'number') {
     const shown = value * scale;
     const digits = Number.isInteger(value) && scale === 1 ? 0 : Math.abs(shown) < 10 ? 2 : 1;

@@ -19,6 +19,7 @@ import { ruleText } from '../../language/units.svelte';
 import type { Drawer } from './drawer';
 import { Orbit } from './orbit';
 import { SpaceModel } from './spaceModel';
+import { t } from '../../language/language.svelte';
 
 export class Space {
   readonly orbit = new Orbit();
@@ -132,7 +133,7 @@ export class Space {
     const underWay = carry(session.fleet, now);
     this.#moveCamera();
     const scene: FleetScene = {
-      fleet: session.fleet, now, selected: targets.selected, marking: (index) => markingOf(session, index),
+      fleet: session.fleet, now, selected: targets.marked, marking: (index) => markingOf(session, index),
     };
     this.model.build(this.orbit, scene);
     this.drawer.draw(this.model, this.orbit, this.#palette);
@@ -234,6 +235,6 @@ export class Space {
     ctx.textBaseline = 'alphabetic';
     ctx.fillStyle = this.#palette.label;
     const { gridStepM } = this.model;
-    ctx.fillText(`grid ${ruleText(gridStepM, gridStepM / 5)}, fine ${ruleText(gridStepM / 5, gridStepM / 5)}`, 14, this.orbit.height - 16);
+    ctx.fillText(t('grid {step}, fine {fine}', { step: ruleText(gridStepM, gridStepM / 5), fine: ruleText(gridStepM / 5, gridStepM / 5) }), 14, this.orbit.height - 16);
   }
 }

@@ -28,7 +28,7 @@ export const fleet = {
   'above its launch place': 'über seinem Startplatz', Setpoints: 'Sollwerte', 'charge that the way home and the landing cost, with the reserve': 'Ladung für Heimweg und Landung mit Reserve', 'Home needs': 'Heimweg',
   'time until it must return if it goes on as now': 'Zeit, bis es umkehren muss, wenn es so weiterfliegt', 'round trip between node and vehicle, share of frames lost': 'Laufzeit zwischen Knoten und Fahrzeug, Anteil verlorener Rahmen',
   'Link, loss': 'Laufzeit, Verlust', 'plugin restarted {times}': 'Plugin {times} neu gestartet', 'actor restarted {times}': 'Aktor {times} neu gestartet', once: 'einmal', '{count} times': '{count}-mal', 'battery –': 'Akku –',
-  'Vehicle {id}': 'Fahrzeug {id}', 'Back to the fleet': 'Zurück zur Flotte', 'Vehicle before this': 'Voriges Fahrzeug', 'Vehicle after this': 'Nächstes Fahrzeug', 'Only {id} is the target': 'Nur {id} ist Ziel', 'Target only {id}': 'Nur {id} zum Ziel',
+  'Vehicle {id}': 'Fahrzeug {id}', 'Back to the fleet': 'Zurück zur Flotte', 'Vehicle before this': 'Voriges Fahrzeug', 'Vehicle after this': 'Nächstes Fahrzeug', 'Target only {id}': 'Nur {id} zum Ziel',
   'Map: show {id} there': 'Karte: {id} dort zeigen', 'There is no vehicle {id} here.': 'Hier gibt es kein Fahrzeug {id}.', 'Not heard for {age}: everything below is as it was then.': 'Seit {age} nicht gehört: alles hier unten ist von damals.',
   Does: 'Tut', 'Mode, motors': 'Modus, Motoren', 'Round trip, loss': 'Laufzeit, Verlust', 'Coordinated by': 'Koordiniert von', Clock: 'Uhr', 'does not fit': 'passt nicht', fits: 'passt',
   'Height above launch': 'Höhe über Start', 'Distance to its place': 'Abstand zu seinem Platz', 'Round trip of the link': 'Laufzeit der Verbindung', 'Frames lost': 'Verlorene Rahmen',
@@ -42,4 +42,6 @@ export const fleet = {
   'How urgent': 'Wie dringend', All: 'Alle', 'Advisory and worse': 'Hinweis und schlimmer', 'Warning and worse': 'Warnung und schlimmer', 'About whom': 'Über wen', 'About anybody': 'Über alle', 'About the targets': 'Über die Ziele', 'About no one vehicle': 'Über kein einzelnes',
   'Which kind': 'Welche Art', 'Every kind': 'Jede Art', 'Show all': 'Alle zeigen', 'Event log': 'Ereignisprotokoll', '{count} of {all}': '{count} von {all}', 'No event fits.': 'Kein Ereignis passt.', 'Nothing yet.': 'Noch nichts.',
   'Page of vehicle {id}': 'Seite von Fahrzeug {id}', '{count} times since {time}': '{count}-mal seit {time}', 'because {cause}': 'weil: {cause}', 'Which events': 'Welche Ereignisse', 'All events': 'Alle Ereignisse', Important: 'Wichtige', 'Of the targets': 'Der Ziele', 'All acknowledged': 'Alles bestätigt', 'Acknowledge {count}': '{count} bestätigen', Seen: 'Gesehen',
+  'before the restart': 'vor dem Neustart',
+  'vehicle {id}': 'Fahrzeug {id}', '{count} running': '{count} laufen', 'nothing heard for {seconds} s': 'seit {seconds} s nichts gehört', 'loss {percent} %': '{percent} % Verlust', 'round trip {ms} ms': 'Laufzeit {ms} ms', 'grid {step}, fine {fine}': 'Gitter {step}, fein {fine}',
 } as const;

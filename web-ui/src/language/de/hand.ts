@@ -3,7 +3,7 @@
 export const hand = {
   'By hand': 'Von Hand', 'Fly by hand': 'Von Hand fliegen', 'Fly {name} by hand': '{name} von Hand fliegen',
   'End: {name} holds': 'Beenden: {name} hält', 'End: {name} stands and leads': 'Beenden: {name} steht und führt',
-  'Choose one vehicle as the target; with none chosen it is the leader of the formation.': 'Wählen Sie ein Fahrzeug als Ziel; ist keines gewählt, ist es der Führende der Formation.',
+  'Select one vehicle first: one alone is flown by hand.': 'Erst ein Fahrzeug auswählen: von Hand geflogen wird eines allein.', 'Select the leader, {leader}': 'Den Führer auswählen, {leader}',
   'No connection: nothing is sent.': 'Keine Verbindung: es wird nichts gesendet.', 'Somebody else has it: {name}': 'Jemand anders hat es: {name}', 'It is on the ground: let it take off first.': 'Es ist am Boden: lassen Sie es erst starten.',
   'Not flown by hand.': 'Nicht von Hand geflogen.', 'Not flown by hand any more: {why}': 'Nicht mehr von Hand geflogen: {why}', '{who} is told that it is to be flown by hand': '{who} wird gesagt, dass es von Hand geflogen wird',
   'This page is not looked at: nothing is sent, {who} stands': 'Diese Seite ist nicht im Blick: es wird nichts gesendet, {who} steht', 'Link lost: nothing is sent, {who} stands': 'Verbindung verloren: es wird nichts gesendet, {who} steht',

@@ -9,7 +9,7 @@ export const operators = {
   "in another operator's hands": 'in der Hand eines anderen Bedieners', 'the same, and not heard': 'ebenso, und nicht gehört',
   // the targets
   'Who has the targets in hand': 'Wer die Ziele in der Hand hat', '{count} yours': '{count} bei Ihnen', '{count} with {name}': '{count} bei {name}', '{count} with others': '{count} bei anderen', "{count} nobody's": '{count} bei niemandem',
-  'Take {count}': '{count} übernehmen', 'Ask for {count}': 'Um {count} bitten', 'asked for {count}': 'um {count} gebeten', 'Let go {count}': '{count} freigeben', 'Target your {count}': 'Ihre {count} zu Zielen machen',
+  Take: 'Übernehmen', 'Take {count}': '{count} übernehmen', 'Ask for {count}': 'Um {count} bitten', 'asked for {count}': 'um {count} gebeten', 'Let go {count}': '{count} freigeben', 'Target your {count}': 'Ihre {count} zu Zielen machen',
   'Only you command them then; hold, land, return and stop stay with everybody': 'Dann befehlen nur Sie ihnen; halten, landen, zurück und Nothalt bleiben allen',
   'Who has them is told that you ask': 'Wer sie hat, erfährt, dass Sie bitten', 'They go to who asked first, else to nobody': 'Sie gehen an den, der zuerst bat, sonst an niemanden',
   'Take, ask for or let go the targets': 'Ziele übernehmen, um sie bitten oder sie freigeben', 'Answer who asks for vehicles': 'Wer um Fahrzeuge bittet: antworten',

@@ -6,7 +6,7 @@ export const parameters = {
   'Find parameters by name': 'Parameter nach Namen finden', 'Changed here ({count})': 'Hier geändert ({count})', 'By prefix': 'Nach Vorsilbe', 'The vehicle is armed: nothing can be written.': 'Das Fahrzeug ist scharf: nichts kann geschrieben werden.',
   'The first ones are awaited.': 'Die ersten werden erwartet.', 'None is known yet.': 'Noch keiner ist bekannt.', 'No parameter fits.': 'Kein Parameter passt.',
   'List of parameters': 'Liste der Parameter', Name: 'Name', Value: 'Wert', Type: 'Typ', Change: 'Ändern', 'Change {name}': '{name} ändern', 'was {value}': 'war {value}', 'now {value}': 'jetzt {value}',
-  whole: 'ganz', real: 'reell', 'As before: {value}': 'Wie vorher: {value}', Writing: 'Schreibt', 'Write {name}': '{name} schreiben', Close: 'Schließen',
+  whole: 'ganz', real: 'reell', 'As before: {value}': 'Wie vorher: {value}', Writing: 'Schreibt', 'Write {name} of {id}': '{name} von {id} schreiben', 'Something else is selected than {id}.': 'Etwas anderes als {id} ist ausgewählt.', Close: 'Schließen',
   '{name} is {value} now, was {before}': '{name} ist jetzt {value}, war {before}', '{name} is {value} now': '{name} ist jetzt {value}', 'Not written: {why}': 'Nicht geschrieben: {why}',
   'Type a value.': 'Einen Wert eingeben.', 'That is no number.': 'Das ist keine Zahl.', 'This parameter takes whole numbers.': 'Dieser Parameter nimmt ganze Zahlen.', 'That is more than 32 bits hold.': 'Das ist mehr, als 32 Bit fassen.',
   'Not read yet.': 'Noch nicht gelesen.', 'Asking the autopilot': 'Autopilot wird gefragt', 'Reading, {read} of {total}': 'Liest, {read} von {total}', 'All {total} read': 'Alle {total} gelesen', 'Read {read} of {total}: {why}': '{read} von {total} gelesen: {why}',
