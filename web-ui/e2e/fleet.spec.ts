@@ -16,6 +16,13 @@ test.beforeEach(async ({ page }) => {
   await open(page, program.url, VEHICLES);
 });
 
+test('a demonstration says on every page that it is simulated', async ({ page }) => {
+  for (const where of ['map', 'fleet', 'vehicle/1', 'preflight', 'alerts', 'plugins', 'links']) {
+    await page.goto(`${program.url}/#${where}`);
+    await expect(page.getByTestId('reality'), where).toHaveText('SIM');
+  }
+});
+
 test('the table is sorted, grouped and searched, and makes targets', { tag: '@long' }, async ({ page }) => {
   await page.getByRole('link', { name: 'Fleet' }).click();
   const table = page.getByRole('table', { name: 'Vehicles' });

@@ -3268,6 +3268,10 @@ node: NodeId | null,
  */
 name: string, 
 /**
+ * It is simulated, for all its node knows; who does not say so is real.
+ */
+simulated: boolean, 
+/**
  * MAVLink system id on its link.
  */
 system_id: SystemId, 
@@ -3412,6 +3416,10 @@ node: NodeId | null,
  * Its name from the adoption rule.
  */
 name: string, 
+/**
+ * It is simulated, for all its node knows; who does not say so is real.
+ */
+simulated: boolean, 
 /**
  * MAVLink system id on its link.
  */
