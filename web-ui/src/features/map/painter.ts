@@ -7,6 +7,7 @@ import { FLAG } from '../../protocol/frame';
 import { carry } from '../../telemetry/carry';
 import type { SwarmProjection } from '../../telemetry/geodesy';
 import { paintBase } from '../basemap/paintBase';
+import { paintWays } from '../goto/paintWays';
 import { legs } from '../measure/measure';
 import type { Leg, Spot } from '../measure/measure';
 import { paintMeasure } from '../measure/paintMeasure';
@@ -196,6 +197,7 @@ export class Painter {
     const { view } = map;
     paintDraftRoute(ctx, view, palette, formation.route.waypoints, this.#leaderPlace());
     if (formation.anchor === 'path') paintDraftRoute(ctx, view, palette, formation.path.waypoints, null);
+    if (map.tool === 'goto') paintWays(ctx, view, palette, this.console.goTo.ways());
     if (map.tool === 'measure') paintMeasure(ctx, view, palette, this.measured(), this.#firstMeasured());
     if (this.box) paintBox(ctx, palette, this.box.x0, this.box.y0, this.box.x1, this.box.y1);
   }

@@ -1,6 +1,10 @@
 // German for the map and the plans: formation, route, fences, preflight.
 
 export const plans = {
+  // going to a place
+  'Send the targets to a place': 'Ziele an einen Ort schicken', 'Send the targets to a place (on a touch screen: rest a finger on it)': 'Ziele an einen Ort schicken (auf einem Touchscreen: Finger darauf ruhen lassen)',
+  'Click where the targets are to go.': 'Klicken, wohin die Ziele fliegen sollen.', 'Fly there': 'Hinfliegen', 'up to {length}, arranged as they are': 'bis zu {length}, angeordnet wie jetzt',
+  'Flies there around what is closed and holds; who is in a formation leaves it': 'Fliegt um Gesperrtes herum dorthin und hält; wer in einer Formation ist, verlässt sie',
   // map
   'Map tools': 'Werkzeuge der Karte', 'Zoom in': 'Näher', 'Zoom in (+)': 'Näher (+)', 'Zoom out': 'Weiter weg', 'Zoom out (-)': 'Weiter weg (-)',
   'Keep all vehicles in view': 'Alle Fahrzeuge im Bild halten', 'Keep all in view (F)': 'Alle im Bild halten (F)', 'Follow the targets or the leader': 'Den Zielen oder dem Führer folgen',
