@@ -1,5 +1,8 @@
 // Build and unit-test set-up. The result goes into `dist`, which the Rust program embeds: URLs are relative, nothing is
 // inlined (the page runs under `default-src 'self'`, so no data: URL and no inline script would be let through).
+import { readFileSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { brotliCompressSync, gzipSync } from 'node:zlib';
 import { svelte } from '@sveltejs/vite-plugin-svelte';
 import type { Plugin } from 'vite';
 import { defineConfig } from 'vitest/config';
@@ -15,9 +18,31 @@ const withoutWebAssembly: Plugin = {
   load: (id) => (id === '\0absent-decoder' ? 'export default null; export const zstd = { init: async () => {} };' : null),
 };
 
+/** A file that hardly becomes smaller is sent as it is. */
+const WORTH_IT = 0.9;
+
+/** Lays `name.br` and `name.gz` beside what the build wrote: the program sends them as they lie and packs nothing itself. Gzip as well, since a browser
+ *  takes brotli over plain HTTP from its own machine only. */
+const compressed: Plugin = {
+  name: 'compressed',
+  apply: 'build',
+  writeBundle: {
+    order: 'post',
+    handler({ dir }, bundle) {
+      for (const name of Object.keys(bundle)) {
+        const file = join(dir ?? '', name);
+        const plain = readFileSync(file);
+        for (const [ending, packed] of [['br', brotliCompressSync(plain)], ['gz', gzipSync(plain, { level: 9 })]] as const) {
+          if (packed.length < plain.length * WORTH_IT) writeFileSync(`${file}.${ending}`, packed);
+        }
+      }
+    },
+  },
+};
+
 export default defineConfig({
   base: './',
-  plugins: [svelte()],
+  plugins: [svelte(), compressed],
   build: {
     outDir: 'dist',
     emptyOutDir: true,

@@ -41,7 +41,7 @@ function fleetInfo() {
     vehicles: vehicles.map((v) => ({
       id: v.id, name: `uav-${v.id}`, system_id: v.id, plugin: 'generic-uav', plugin_version: '0.1.0', state_detail: '',
       home: { latitude_deg: project(...v.home)[0], longitude_deg: project(...v.home)[1], altitude_amsl_m: 488 },
-      node: null, payloads: [], degraded: [],
+      node: null, simulated: true, payloads: [], degraded: [],
       actor: health(`vehicle-${v.id}`, 1), model: health(`model-${v.id}`, v.model),
     })),
   };

@@ -16,6 +16,13 @@ test.beforeEach(async ({ page }) => {
   await open(page, program.url, VEHICLES);
 });
 
+test('a demonstration says on every page that it is simulated', async ({ page }) => {
+  for (const where of ['map', 'fleet', 'vehicle/1', 'preflight', 'alerts', 'plugins', 'links']) {
+    await page.goto(`${program.url}/#${where}`);
+    await expect(page.getByTestId('reality'), where).toHaveText('SIM');
+  }
+});
+
 test('the table is sorted, grouped and searched, and makes targets', { tag: '@long' }, async ({ page }) => {
   await page.getByRole('link', { name: 'Fleet' }).click();
   const table = page.getByRole('table', { name: 'Vehicles' });
@@ -104,7 +111,7 @@ test('keys: a list of them, pages by two of them', { tag: '@long' }, async ({ pa
 for (const [width, height] of [[390, 844], [1024, 768], [1920, 1080]] as const) {
   test(`every page keeps the commands in reach at ${width} by ${height}`, { tag: '@long' }, async ({ page }) => {
     await page.setViewportSize({ width, height });
-    for (const where of ['fleet', 'vehicle/2', 'preflight', 'alerts', 'plugins', 'missions', 'tracks', 'video', 'replay']) {
+    for (const where of ['fleet', 'vehicle/2', 'preflight', 'alerts', 'plugins', 'links']) {
       await page.goto(`${program.url}/#${where}`);
       await expect(page.getByRole('navigation', { name: 'Pages' })).toBeVisible();
       expect(await findings(page), where).toEqual([]);
@@ -118,16 +125,6 @@ for (const [width, height] of [[390, 844], [1024, 768], [1920, 1080]] as const) 
     }
   });
 }
-
-test('a page that has nothing to show yet says what belongs there and where to go until then', { tag: '@long' }, async ({ page }) => {
-  const pages = page.getByRole('navigation', { name: 'Pages' });
-  for (const [name, way, to] of [['Missions', 'To the map', '#map'], ['Tracks', 'To the map', '#map'], ['Video', 'To the fleet', '#fleet'], ['Replay', 'To the event log', '#alerts']] as const) {
-    await pages.getByRole('link', { name }).click();
-    await expect(page.getByRole('region', { name })).toContainText('This program');
-    await page.getByRole('region', { name }).getByRole('link', { name: way }).click();
-    await expect(page).toHaveURL(new RegExp(`${to}$`));
-  }
-});
 
 // The last one: a vehicle that has landed is not at once ready for the next.
 test('a vehicle has a page: charts that move, its events, its facts, what it carries', { tag: '@long' }, async ({ page }) => {

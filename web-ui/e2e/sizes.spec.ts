@@ -36,6 +36,8 @@ test('the counters are whole from 360 px to 4K', { tag: '@long' }, async ({ page
   vehicles.push(Program.vehicles(11, 1, sendTo), Program.vehicles(1, 21, sendTo));
   await page.goto(program.url);
   await expect(page.getByTestId('count-all')).toHaveText('12', { timeout: 60_000 });
+  // Vehicles of which nobody says that they are simulated count as real, wherever they are heard.
+  await expect(page.getByTestId('reality')).toHaveText('REAL');
   vehicles[1]!.kill('SIGKILL');
   const counters = page.getByRole('group', { name: 'Fleet counters' });
   await expect(counters).toContainText('1 lost');

@@ -1,4 +1,5 @@
 //! The dashboard, embedded as it was built into `web-ui/dist`. Without a built dashboard there is a page that says how to build it.
+//! The build lays packed twins (`.br`, `.gz`) beside its files; who takes one gets it as it lies, everybody else the plain file.
 //!
 //! Must never do: read files at run time, or serve anything that was not there when the program was built.
 
@@ -46,9 +47,8 @@ pub async fn dashboard(method: Method, uri: Uri, headers: HeaderMap) -> Result<R
     } else {
         path.trim_start_matches('/')
     };
-    // The folder is kept in the repository by a file that is no part of the dashboard.
-    match Dashboard::get(name).filter(|_| !name.starts_with('.')) {
-        Some(file) => Ok(answer(name, file, &headers)),
+    match file(name, &headers) {
+        Some((file, encoding)) => Ok(answer(name, file, encoding, &headers)),
         None if name == "index.html" => Ok(html(NOT_BUILT.as_bytes().to_vec())),
         None => Err(ApiError::not_found(&uri)),
     }
@@ -59,7 +59,36 @@ fn is_api(path: &str) -> bool {
     path == "/api" || path.starts_with("/api/")
 }
 
-fn answer(name: &str, file: EmbeddedFile, headers: &HeaderMap) -> Response {
+/// How a twin is packed and how its name ends; the smaller one first.
+const TWINS: [(&str, &str); 2] = [("br", ".br"), ("gzip", ".gz")];
+
+/// A file of the dashboard, packed in a way that the asker takes where there is one.
+fn file(name: &str, headers: &HeaderMap) -> Option<(EmbeddedFile, Option<&'static str>)> {
+    // A twin has no name of its own, and the folder is kept in the repository by a file that is no part of the dashboard.
+    if name.starts_with('.') || TWINS.iter().any(|(_, ending)| name.ends_with(ending)) {
+        return None;
+    }
+    let packed = TWINS
+        .iter()
+        .filter(|(encoding, _)| takes(headers, encoding))
+        .find_map(|(encoding, ending)| Some((Dashboard::get(&format!("{name}{ending}"))?, Some(*encoding))));
+    packed.or_else(|| Some((Dashboard::get(name)?, None)))
+}
+
+/// Whether `Accept-Encoding` names an encoding and does not refuse it. One that is not named is not meant by `*` here: plain always serves.
+fn takes(headers: &HeaderMap, encoding: &str) -> bool {
+    let named = headers.get_all(header::ACCEPT_ENCODING).iter();
+    named
+        .filter_map(|value| value.to_str().ok())
+        .flat_map(|value| value.split(','))
+        .any(|one| {
+            let (name, weight) = one.split_once(';').unwrap_or((one, ""));
+            let weight = weight.trim().strip_prefix("q=").map_or(Ok(1.0), str::parse::<f32>);
+            name.trim().eq_ignore_ascii_case(encoding) && weight.is_ok_and(|weight| weight > 0.0)
+        })
+}
+
+fn answer(name: &str, file: EmbeddedFile, encoding: Option<&'static str>, headers: &HeaderMap) -> Response {
     let hash: String = file
         .metadata
         .sha256_hash()
@@ -84,6 +113,15 @@ fn answer(name: &str, file: EmbeddedFile, headers: &HeaderMap) -> Response {
     response
         .headers_mut()
         .insert(header::CACHE_CONTROL, HeaderValue::from_static(caching));
+    // Whoever keeps answers between here and the browser must not hand a packed one to somebody who cannot unpack it.
+    response
+        .headers_mut()
+        .insert(header::VARY, HeaderValue::from_static("accept-encoding"));
+    if let Some(encoding) = encoding {
+        response
+            .headers_mut()
+            .insert(header::CONTENT_ENCODING, HeaderValue::from_static(encoding));
+    }
     // The page's own policy, of every file: a worker obeys that of its own answer, and with a 304 a browser puts the headers of this answer in
     // the place of those it has kept.
     response.headers_mut().insert(

@@ -399,6 +399,8 @@ pub struct VehicleInfo {
     pub node: Option<NodeId>,
     /// Its name.
     pub name: String,
+    /// It is simulated, for all its node knows; who does not say so is real.
+    pub simulated: bool,
     /// MAVLink system id on its link.
     pub system_id: SystemId,
     /// Name of the UAV-model plugin that flies it.

@@ -116,6 +116,7 @@ fn fleet_info(snapshot: &FleetSnapshot, node: &NodeHandle) -> FleetInfo {
         id: vehicle.id,
         node: vehicle.node,
         name: vehicle.name.clone(),
+        simulated: vehicle.simulated,
         system_id: vehicle.system_id,
         plugin: vehicle.plugin.clone(),
         plugin_version: vehicle.plugin_version.clone(),

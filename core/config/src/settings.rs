@@ -50,6 +50,8 @@ pub struct NodeSettings {
     pub control_rate_hz: f64,
     /// Snapshots per second for screens and metrics.
     pub snapshot_rate_hz: f64,
+    /// All vehicles of this node are simulated. It is said on every screen, and changes nothing of how they are flown.
+    pub simulated: bool,
 }
 
 impl Default for NodeSettings {
@@ -58,6 +60,7 @@ impl Default for NodeSettings {
             name: "skein".into(),
             control_rate_hz: 50.0,
             snapshot_rate_hz: 20.0,
+            simulated: false,
         }
     }
 }

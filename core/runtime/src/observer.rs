@@ -92,7 +92,7 @@ fn vehicles(board: &Board, peers: &PeerSnapshot, leader: Option<VehicleId>, now:
     let cells = board.cells();
     let mut all: Vec<VehicleSnapshot> = cells
         .iter()
-        .filter_map(|cell| vehicle(cell, peers, leader, now))
+        .filter_map(|cell| vehicle(board, cell, peers, leader, now))
         .map(|vehicle| VehicleSnapshot { node, ..vehicle })
         .collect();
     if let Some(swarm) = &board.swarm {
@@ -105,6 +105,7 @@ fn vehicles(board: &Board, peers: &PeerSnapshot, leader: Option<VehicleId>, now:
 }
 
 pub(crate) fn vehicle(
+    board: &Board,
     cell: &VehicleCell,
     peers: &PeerSnapshot,
     leader: Option<VehicleId>,
@@ -123,6 +124,7 @@ pub(crate) fn vehicle(
         id: cell.id,
         node: None,
         name: cell.name.clone(),
+        simulated: telemetry.simulated || board.config.node.simulated,
         system_id: cell.system_id,
         plugin: model.plugin.clone(),
         plugin_version: model.version.clone(),

@@ -45,6 +45,9 @@ pub struct VehicleSnapshot {
     pub node: Option<NodeId>,
     /// Its name from the adoption rule.
     pub name: String,
+    /// It is simulated, for all its node knows; who does not say so is real.
+    #[serde(default)]
+    pub simulated: bool,
     /// MAVLink system id on its link.
     pub system_id: SystemId,
     /// Name of the UAV-model plugin that flies it.

@@ -133,6 +133,8 @@ fn configuration(arguments: &DemoArguments, layout: &Layout) -> NodeConfig {
         ..NodeConfig::default()
     };
     config.node.name = "demo".into();
+    // Of autopilots that are there already only they themselves know.
+    config.node.simulated = arguments.listen.is_empty();
     config.dds.domain_id = own_domain();
     config.web.listen = SocketAddr::from(([127, 0, 0, 1], port));
     config.coordinator.take_off_stagger_s = layout.take_off_stagger_s;

@@ -8,6 +8,7 @@ import { Commander } from '../model/commander.svelte';
 import { Control } from '../model/control.svelte';
 import { EmergencyStop } from '../model/emergencyStop.svelte';
 import { FormationDraft } from '../model/formationDraft.svelte';
+import { GoTo } from '../model/goTo.svelte';
 import { HandFlight } from '../model/handFlight.svelte';
 import { History } from '../model/history';
 import { Journal } from '../model/journal.svelte';
@@ -32,6 +33,7 @@ export class Console {
   readonly watch = new Watch(this.session);
   readonly emergency = new EmergencyStop(this.journal);
   readonly formation = new FormationDraft(this.session, this.targets, this.journal, () => this.watch.references);
+  readonly goTo = new GoTo(this.session, this.targets, this.commander);
   readonly hand = new HandFlight(this.session, this.commander, this.control);
   readonly presence = new Presence(this.session);
   readonly navigation = new Navigation();

@@ -9,15 +9,8 @@ export type Side = 'fleet' | Plan | Record;
 export const WIDE = '(min-width: 1360px)';
 
 /** What fills the middle of the screen. */
-export const PAGES = ['map', 'fleet', 'preflight', 'alerts', 'plugins', 'links', 'missions', 'tracks', 'video', 'replay'] as const;
-/** Pages of which the program has nothing to show yet. */
-export const EMPTY_PAGES = ['missions', 'tracks', 'video', 'replay'] as const;
-export type EmptyPageName = (typeof EMPTY_PAGES)[number];
+export const PAGES = ['map', 'fleet', 'preflight', 'alerts', 'plugins', 'links'] as const;
 export type Page = (typeof PAGES)[number] | 'vehicle' | 'parameters';
-
-export function isEmptyPage(page: Page): page is EmptyPageName {
-  return EMPTY_PAGES.some((name) => name === page);
-}
 
 /** A page as it stands in the address: `#fleet`, `#vehicle/3`, `#vehicle/3/parameters`; anything else is the map. */
 export function pageOf(hash: string): { page: Page; vehicle: number | null } {

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { EMPTY_PAGES, isEmptyPage, pageOf } from './navigation.svelte';
+import { pageOf } from './navigation.svelte';
 
 describe('the page in the address', () => {
   it('is read, and the map stands for whatever is not known', () => {
@@ -10,10 +10,5 @@ describe('the page in the address', () => {
     for (const hash of ['', '#', '#map', '#nowhere', '#vehicle/', '#vehicle/x', '#vehicle/1234567', '#vehicle/1/nowhere', '#vehicle/parameters']) {
       expect(pageOf(hash)).toEqual({ page: 'map', vehicle: null });
     }
-  });
-
-  it('knows the pages that have nothing to show yet', () => {
-    for (const name of EMPTY_PAGES) expect(isEmptyPage(pageOf(`#${name}`).page)).toBe(true);
-    expect(isEmptyPage(pageOf('#map').page)).toBe(false);
   });
 });

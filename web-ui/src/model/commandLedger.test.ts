@@ -87,8 +87,13 @@ describe('a command', () => {
 
 describe('when the call fails', () => {
   it('an answer means refused, no answer means unknown', () => {
-    expect(phases(after(begin(1, [1]), { type: 'failed', key: 1, certain: true, message: 'no such path' }))).toEqual(['1 refused: no such path']);
-    expect(phases(after(begin(1, [1]), { type: 'failed', key: 1, certain: false, message: 'no answer' }))).toEqual(['1 unknown: no answer']);
+    expect(phases(after(begin(1, [1]), { type: 'failed', key: 1, vehicles: [1], certain: true, message: 'no such path' }))).toEqual(['1 refused: no such path']);
+    expect(phases(after(begin(1, [1]), { type: 'failed', key: 1, vehicles: [1], certain: false, message: 'no answer' }))).toEqual(['1 unknown: no answer']);
+  });
+
+  it('a call that failed for one vehicle says nothing of the others', () => {
+    const failed = after(begin(1, [1, 2]), { type: 'failed', key: 1, vehicles: [1], certain: true, message: 'no such path' });
+    expect(phases(failed).map((phase) => phase.trim())).toEqual(['1 refused: no such path', expect.stringMatching(/^2 sending/)]);
   });
 });
 

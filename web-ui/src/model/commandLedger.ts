@@ -46,7 +46,7 @@ export type Ledger = {
 export type Action =
   | { type: 'begin'; key: number; label: string; detail: string; vehicles: readonly number[] }
   | { type: 'receipts'; key: number; receipts: readonly CommandReceipt[] }
-  | { type: 'failed'; key: number; certain: boolean; message: string }
+  | { type: 'failed'; key: number; vehicles: readonly number[]; certain: boolean; message: string }
   | { type: 'progress'; id: number; vehicle: number; progress: CommandProgress }
   | { type: 'connection_lost' }
   | { type: 'server_restarted' };
@@ -69,7 +69,7 @@ export function reduce(ledger: Ledger, action: Action, now: number): Ledger {
       return takeReceipts(ledger, action.key, action.receipts, now);
     case 'failed':
       return mapBatch(ledger, action.key, (entry) =>
-        entry.phase === 'sending' ? enter(entry, action.certain ? 'refused' : 'unknown', action.message, now) : entry,
+        entry.phase === 'sending' && action.vehicles.includes(entry.vehicle) ? enter(entry, action.certain ? 'refused' : 'unknown', action.message, now) : entry,
       );
     case 'progress':
       return takeProgress(ledger, action, now);

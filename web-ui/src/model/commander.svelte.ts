@@ -1,7 +1,7 @@
 // Sends commands and keeps their life cycle for the screen. Must never retry or repeat a command by itself.
 
 import { ApiError, sendCommand } from '../protocol/rest';
-import type { EventRecord, Targets, VehicleCommand } from '../protocol/types';
+import type { CommandReceipt, EventRecord, Targets, VehicleCommand } from '../protocol/types';
 import { EMPTY, latestOf, reduce } from './commandLedger';
 import type { Action, Batch, Entry } from './commandLedger';
 
@@ -31,10 +31,30 @@ export class Commander {
     try {
       this.dispatch({ type: 'receipts', key, receipts: await sendCommand(targets, command) });
     } catch (error) {
-      const known = error instanceof ApiError;
-      // An answer says for certain that nothing was done; no answer says nothing.
-      this.dispatch({ type: 'failed', key, certain: known && error.status > 0, message: known ? error.message : String(error) });
+      this.#failed(key, vehicles, error);
     }
+  }
+
+  /** Sends each vehicle a command of its own, told as one. Gives the key of the batch when all have answered. */
+  async runEach(orders: readonly { vehicle: number; command: VehicleCommand }[], label: string, detail: string): Promise<number> {
+    const key = this.#nextKey++;
+    this.dispatch({ type: 'begin', key, label, detail, vehicles: orders.map((order) => order.vehicle) });
+    const send = async ({ vehicle, command }: (typeof orders)[number]): Promise<CommandReceipt[]> => {
+      try {
+        return await sendCommand({ vehicles: [vehicle] }, command);
+      } catch (error) {
+        this.#failed(key, [vehicle], error);
+        return [];
+      }
+    };
+    this.dispatch({ type: 'receipts', key, receipts: (await Promise.all(orders.map(send))).flat() });
+    return key;
+  }
+
+  #failed(key: number, vehicles: readonly number[], error: unknown): void {
+    const known = error instanceof ApiError;
+    // An answer says for certain that nothing was done; no answer says nothing.
+    this.dispatch({ type: 'failed', key, vehicles, certain: known && error.status > 0, message: known ? error.message : String(error) });
   }
 
   takeEvent(event: EventRecord): void {

@@ -19,6 +19,7 @@ export const UNKNOWN = '–';
 
 export class VehicleRow {
   present = $state(true);
+  simulated = $state(false);
   name = $state('');
   plugin = $state('');
   stateDetail = $state('');
@@ -110,6 +111,7 @@ export class VehicleRow {
     this.#refreshSafety(safety);
     if (info) {
       this.name = info.name;
+      this.simulated = info.simulated === true;
       this.plugin = `${info.plugin} ${info.plugin_version}`;
       this.stateDetail = info.state_detail;
       this.node = info.node ?? null;

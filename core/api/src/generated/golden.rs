@@ -65,6 +65,7 @@ pub(crate) fn unknown_vehicle(id: u16) -> VehicleSnapshot {
         id: VehicleId(id),
         node: None,
         name: format!("uav-{id}"),
+        simulated: false,
         system_id: SystemId(1),
         plugin: "generic-uav".to_owned(),
         plugin_version: "0.1.0".to_owned(),

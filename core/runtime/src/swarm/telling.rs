@@ -181,7 +181,7 @@ impl SwarmState {
     fn tell_sheets(&mut self, now: NodeTime) {
         let peers = self.board.peers.load_full();
         for cell in self.board.cells() {
-            let Some(sheet) = observer::vehicle(&cell, &peers, None, now) else {
+            let Some(sheet) = observer::vehicle(&self.board, &cell, &peers, None, now) else {
                 continue;
             };
             let Ok(packed) = pack(&without_motion(sheet)) else {

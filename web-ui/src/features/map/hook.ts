@@ -28,6 +28,8 @@ export type Hook = {
   firstVehicleMs(): number | null;
   /** Tiles of the operator's own base map that were drawn last. */
   baseTiles(): number;
+  /** Coasts and borders in the last picture. */
+  worldLines(): number;
   positions(): Plotted[];
   trailLength(id: number): number;
   /** Id of the vehicle at a place on the canvas, or null. */
@@ -63,6 +65,7 @@ export function installHook(app: Console, painter: Painter): () => void {
     framesDrawn: () => painter.frames,
     firstVehicleMs: () => painter.firstVehicleMs,
     baseTiles: () => painter.baseTiles,
+    worldLines: () => painter.worldLines,
     trailLength: (id) => fleet.trails.length(fleet.indexOf(id)),
     hitTest: (x, y) => fleet.ids[hitTest(view, fleet, x, y, 20)] ?? null,
     measured: () => painter.measured().map(({ distanceM, bearingDeg, riseM }) => ({ distanceM, bearingDeg, riseM })),

@@ -1,5 +1,6 @@
 // Fingers, mouse and keys on the map: drag pans, wheel and pinch zoom, a tap toggles a target, two taps follow it, a box adds many, and in
-// route mode a tap sets a waypoint and a drag moves one; the place tool takes one tap, the measuring tool as many as one likes. Must never send anything: it changes view, targets and drafts only.
+// route mode a tap sets a waypoint and a drag moves one; the place tool takes one tap, the measuring tool as many as one likes. A tap of the go-to tool,
+// or a finger that rests, says where to go. Must never send anything: it changes view, targets and drafts only.
 
 import type { Console } from '../../app/console.svelte';
 import type { RouteDraft } from '../../model/routeDraft.svelte';
@@ -9,6 +10,8 @@ import { hitTest, within } from './paintFleet';
 import { waypointAt } from './paintPlan';
 import type { Painter } from './painter';
 
+/** A finger that rests for so long on open ground means that place. */
+const LONG_PRESS_MS = 550;
 /** A pointer that moved less than this has tapped. */
 const TAP_PX = 5;
 const REACH_MOUSE_PX = 18;
@@ -22,6 +25,7 @@ export class Interaction {
   #fingers = new Map<number, Finger>();
   #mode: 'none' | 'pan' | 'box' | 'waypoint' = 'none';
   #waypoint = -1;
+  #resting: ReturnType<typeof setTimeout> | undefined;
   #tapped: { id: number; atMs: number } | null = null;
 
   constructor(
@@ -35,6 +39,7 @@ export class Interaction {
     this.canvas.setPointerCapture(event.pointerId);
     const { x, y } = this.#place(event);
     this.#fingers.set(event.pointerId, { x, y, startX: x, startY: y, moved: false });
+    clearTimeout(this.#resting);
     if (this.#fingers.size > 1) {
       this.#mode = 'pan';
       this.painter.box = null;
@@ -45,7 +50,26 @@ export class Interaction {
     this.#waypoint = drawn ? waypointAt(map.view, drawn.waypoints, x, y, this.#reach(event)) : -1;
     if (this.#waypoint >= 0) this.#mode = 'waypoint';
     else this.#mode = map.tool === 'box' || event.shiftKey ? 'box' : 'pan';
+    if (event.pointerType === 'touch' && map.tool === 'pan') this.#resting = setTimeout(() => this.#rest(event.pointerId), LONG_PRESS_MS);
   };
+
+  /** A finger has rested on a place: it means that place and nothing else. */
+  #rest(pointer: number): void {
+    const finger = this.#fingers.get(pointer);
+    const { map, session } = this.console;
+    if (!finger || finger.moved || hitTest(map.view, session.fleet, finger.x, finger.y, REACH_TOUCH_PX) >= 0) return;
+    this.#fingers.delete(pointer);
+    map.tool = 'goto';
+    this.#goTo(finger.x, finger.y);
+    this.#end();
+  }
+
+  #goTo(x: number, y: number): void {
+    const { map, goTo } = this.console;
+    // A map that moved by itself now would take the next place somewhere else.
+    map.camera = 'free';
+    goTo.put(this.#ground(x, y));
+  }
 
   pointermove = (event: PointerEvent): void => {
     const { x, y } = this.#place(event);
@@ -54,6 +78,7 @@ export class Interaction {
     if (!finger) return;
     if (!finger.moved && Math.hypot(x - finger.startX, y - finger.startY) < TAP_PX) return;
     finger.moved = true;
+    clearTimeout(this.#resting);
     if (this.#fingers.size >= 2) this.#pinch(finger, x, y);
     else if (this.#mode === 'pan') this.#pan(x - finger.x, y - finger.y);
     else if (this.#mode === 'box') this.painter.box = { x0: finger.startX, y0: finger.startY, x1: x, y1: y };
@@ -66,6 +91,7 @@ export class Interaction {
   pointerup = (event: PointerEvent): void => {
     const finger = this.#fingers.get(event.pointerId);
     this.#fingers.delete(event.pointerId);
+    clearTimeout(this.#resting);
     if (!finger || this.#fingers.size > 0) return;
     const { map, session, targets, formation } = this.console;
     if (this.#mode === 'box' && finger.moved) {
@@ -75,6 +101,8 @@ export class Interaction {
       map.camera = 'free';
       if (this.#mode !== 'waypoint') this.#drawn()?.add(this.#ground(finger.x, finger.y));
       if (map.tool === 'path') formation.preview = true;
+    } else if (!finger.moved && map.tool === 'goto') {
+      this.#goTo(finger.x, finger.y);
     } else if (!finger.moved && map.tool === 'place') {
       formation.place = this.#ground(finger.x, finger.y);
       formation.preview = true;
@@ -103,6 +131,7 @@ export class Interaction {
   }
 
   pointercancel = (event: PointerEvent): void => {
+    clearTimeout(this.#resting);
     this.#fingers.delete(event.pointerId);
     this.#end();
   };

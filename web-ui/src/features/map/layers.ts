@@ -13,6 +13,7 @@ export const LAYERS = [
   { key: 'plans', words: 'Routes' },
   { key: 'heights', words: 'Heights' },
   { key: 'grid', words: 'Grid' },
+  { key: 'world', words: 'Coasts and borders' },
 ] as const;
 
 export type Layer = (typeof LAYERS)[number]['key'];
@@ -20,7 +21,7 @@ export type LayerChoice = Record<Layer, boolean>;
 
 /** Links, ways and what cameras see are for a closer look; the rest is what one flies by. */
 const AT_FIRST: LayerChoice = {
-  labels: true, trails: true, slots: true, motion: false, links: false, cameras: false, tracks: true, fences: true, plans: true, heights: true, grid: true,
+  labels: true, trails: true, slots: true, motion: false, links: false, cameras: false, tracks: true, fences: true, plans: true, heights: true, grid: true, world: true,
 };
 const KEY = 'skein-layers';
 

@@ -1,6 +1,7 @@
 // What the map's controls and other panels share: view, camera, tool, layers. The drawing itself is outside of the framework.
 
 import type { BaseMap } from '../basemap/pictures';
+import { World } from '../basemap/world';
 import { MeasureDraft } from '../measure/measureDraft.svelte';
 import { keepChoice, loadChoice } from './layers';
 import type { Layer, LayerChoice } from './layers';
@@ -8,7 +9,7 @@ import { View, include, isEmpty, noBounds } from './view';
 
 /** Keeps all vehicles in view, keeps some centred, or stays where the operator put it. */
 export type Camera = 'fleet' | 'follow' | 'free';
-export type Tool = 'pan' | 'box' | 'route' | 'path' | 'place' | 'measure';
+export type Tool = 'pan' | 'box' | 'route' | 'path' | 'place' | 'measure' | 'goto';
 /** Seen from above, or in space. */
 export type Look = 'flat' | 'space';
 
@@ -24,6 +25,7 @@ export class MapState {
   layers = $state<LayerChoice>(loadChoice());
   /** The operator's own ground; kept as long as the page is open. */
   base = $state.raw<BaseMap | null>(null);
+  readonly world = new World(() => this.invalidate());
   /** The one vehicle that the camera follows; null: the targets or the leader. */
   followed = $state<number | null>(null);
   /** Where the pointer is, in words; empty when it is elsewhere. */

@@ -7,6 +7,9 @@ import { FLAG } from '../../protocol/frame';
 import { carry } from '../../telemetry/carry';
 import type { SwarmProjection } from '../../telemetry/geodesy';
 import { paintBase } from '../basemap/paintBase';
+import { paintWorld } from '../basemap/paintWorld';
+import { CLOSEST_SCALE } from '../basemap/world';
+import { paintWays } from '../goto/paintWays';
 import { legs } from '../measure/measure';
 import type { Leg, Spot } from '../measure/measure';
 import { paintMeasure } from '../measure/paintMeasure';
@@ -52,6 +55,8 @@ export class Painter {
   frames = 0;
   /** Tiles of the operator's own base map in the last picture. */
   baseTiles = 0;
+  /** Coasts and borders in the last picture. */
+  worldLines = 0;
   /** `performance.now()` when a vehicle was first on the canvas. */
   firstVehicleMs: number | null = null;
   box: SelectionBox | null = null;
@@ -164,6 +169,7 @@ export class Painter {
     const { view, layers, base } = map;
     const { projection } = session.fleet;
     paintGround(ctx, view, palette);
+    this.worldLines = layers.world && projection && view.scale <= CLOSEST_SCALE ? paintWorld(ctx, view, palette, map.world.lines(projection)) : 0;
     this.baseTiles = base && projection ? paintBase(ctx, view, this.#ratio, projection, base, palette) : 0;
     if (layers.grid) paintGrid(ctx, view, palette);
     if (layers.fences) paintFences(ctx, view, palette, this.fences());
@@ -196,6 +202,7 @@ export class Painter {
     const { view } = map;
     paintDraftRoute(ctx, view, palette, formation.route.waypoints, this.#leaderPlace());
     if (formation.anchor === 'path') paintDraftRoute(ctx, view, palette, formation.path.waypoints, null);
+    if (map.tool === 'goto') paintWays(ctx, view, palette, this.console.goTo.ways());
     if (map.tool === 'measure') paintMeasure(ctx, view, palette, this.measured(), this.#firstMeasured());
     if (this.box) paintBox(ctx, palette, this.box.x0, this.box.y0, this.box.x1, this.box.y1);
   }

@@ -2,8 +2,8 @@
 
 export type Bounds = { minNorth: number; maxNorth: number; minEast: number; maxEast: number };
 
-/** Pixels per metre. */
-export const MIN_SCALE = 0.005;
+/** Pixels per metre: from a country to a propeller. */
+export const MIN_SCALE = 0.0005;
 export const MAX_SCALE = 400;
 /** A fit shows at least this much ground, so that one vehicle does not fill the map. */
 const MIN_FIT_M = 30;

@@ -6,18 +6,6 @@ export const always = {
   ', not acknowledged:': ', nicht bestätigt:', Formation: 'Formation', Route: 'Route', Fences: 'Zäune', Payloads: 'Nutzlast', Nodes: 'Knoten',
   Events: 'Ereignisse', Commands: 'Befehle', 'Plugins and supervision': 'Plugins und Aufsicht', 'Plans and record': 'Pläne und Verlauf',
   Plans: 'Pläne', Record: 'Verlauf', 'Fleet, plans and record': 'Flotte, Pläne und Verlauf',
-  // pages that have nothing to show yet
-  Missions: 'Missionen', Tracks: 'Funde', Video: 'Video', Replay: 'Rückblick', 'To the map': 'Zur Karte', 'To the fleet': 'Zur Flotte', 'To the event log': 'Zum Ereignisprotokoll',
-  'A mission is loaded, checked, looked at and flown from here, with its progress over time.': 'Von hier wird eine Mission geladen, geprüft, angesehen und geflogen, mit ihrem Fortschritt über die Zeit.',
-  'This program flies no missions. A way of many points is flown by the leader of a formation: form one and draw its route on the map.':
-    'Dieses Programm fliegt keine Missionen. Einen Weg mit vielen Punkten fliegt der Führer einer Formation: eine bilden und ihre Route auf der Karte zeichnen.',
-  'What the payloads have found and follow stands here: where it is, how sure that is, and who sees it.': 'Hier steht, was die Nutzlasten gefunden haben und verfolgen: wo es ist, wie sicher das ist und wer es sieht.',
-  'This program does not look for any yet. Those that another program tells the node of are on the map.': 'Dieses Programm sucht noch nicht selbst. Was ein anderes Programm dem Knoten nennt, steht auf der Karte.',
-  'The pictures of all cameras stand here side by side, with the tracks drawn over them.': 'Hier stehen die Bilder aller Kameras nebeneinander, mit den Funden darüber gezeichnet.',
-  'This program sends no video. The newest picture of a camera is on the page of its vehicle.': 'Dieses Programm sendet kein Video. Das neueste Bild einer Kamera steht auf der Seite ihres Fahrzeugs.',
-  'A recorded flight is opened here and looked at with the whole console, forwards and backwards.': 'Hier wird ein aufgezeichneter Flug geöffnet und mit der ganzen Konsole betrachtet, vorwärts und rückwärts.',
-  'This program opens no recordings. What has happened since it started is in the event log, the last three minutes of a vehicle are on its page.':
-    'Dieses Programm öffnet keine Aufzeichnungen. Was seit seinem Start geschah, steht im Ereignisprotokoll, die letzten drei Minuten eines Fahrzeugs auf seiner Seite.',
   // settings
   Settings: 'Einstellungen', 'Close the settings': 'Einstellungen schließen', 'Kept in this browser.': 'Gilt in diesem Browser.', Theme: 'Farben',
   Dark: 'Dunkel', 'for a room or the night': 'für Innenräume und die Nacht', Light: 'Hell', 'for daylight': 'für Tageslicht', Sunlight: 'Sonnenlicht',

@@ -1,6 +1,7 @@
 // German for the fleet: list, table, a vehicle's page, alerts and events.
 
 export const fleet = {
+  REAL: 'ECHT', SIM: 'SIM', 'Real vehicles, for all the node knows': 'Echte Fahrzeuge, soweit der Knoten weiß', 'Simulated vehicles': 'Simulierte Fahrzeuge',
   // list, filter, groups
   Vehicles: 'Fahrzeuge', 'Vehicle list': 'Liste der Fahrzeuge', 'Vehicle cards': 'Karten der Fahrzeuge', 'Fleet table': 'Tabelle der Flotte',
   'Find vehicles by number, range, name or state': 'Fahrzeuge finden nach Nummer, Bereich, Name oder Zustand', '3, 1-4, name, state': '3, 1-4, Name, Zustand',
@@ -25,7 +26,7 @@ export const fleet = {
   'Target {id}, {name}': 'Ziel {id}, {name}', 'Page of': 'Seite von', 'Page of {id}, {name}': 'Seite von {id}, {name}', 'Show {id} on the map': '{id} auf der Karte zeigen', 'Show on the map': 'Auf der Karte zeigen',
   Leader: 'Führer', 'clock wrong': 'Uhr falsch', armed: 'scharf', ready: 'bereit', 'not ready': 'nicht bereit', 'disarmed, ready': 'entschärft, bereit', 'disarmed, not ready': 'entschärft, nicht bereit',
   'MOTORS STOPPED': 'MOTOREN AUS', 'in an emergency; arm it again to fly it': 'durch Nothalt; zum Fliegen neu schärfen', 'MOTORS STOPPED in an emergency; arm it again to fly it': 'MOTOREN AUS durch Nothalt; zum Fliegen neu schärfen',
-  'above its launch place': 'über seinem Startplatz', Setpoints: 'Sollwerte', 'charge that the way home and the landing cost, with the reserve': 'Ladung für Heimweg und Landung mit Reserve', 'Home needs': 'Heimweg',
+  'above its launch place': 'über seinem Startplatz', Setpoints: 'Sollwerte', 'Home needs': 'Heimweg',
   'time until it must return if it goes on as now': 'Zeit, bis es umkehren muss, wenn es so weiterfliegt', 'round trip between node and vehicle, share of frames lost': 'Laufzeit zwischen Knoten und Fahrzeug, Anteil verlorener Rahmen',
   'Link, loss': 'Laufzeit, Verlust', 'plugin restarted {times}': 'Plugin {times} neu gestartet', 'actor restarted {times}': 'Aktor {times} neu gestartet', once: 'einmal', '{count} times': '{count}-mal', 'battery –': 'Akku –',
   'Vehicle {id}': 'Fahrzeug {id}', 'Back to the fleet': 'Zurück zur Flotte', 'Vehicle before this': 'Voriges Fahrzeug', 'Vehicle after this': 'Nächstes Fahrzeug', 'Target only {id}': 'Nur {id} zum Ziel',

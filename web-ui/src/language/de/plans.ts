@@ -1,6 +1,10 @@
 // German for the map and the plans: formation, route, fences, preflight.
 
 export const plans = {
+  // going to a place
+  'Send the targets to a place': 'Ziele an einen Ort schicken', 'Send the targets to a place (on a touch screen: rest a finger on it)': 'Ziele an einen Ort schicken (auf einem Touchscreen: Finger darauf ruhen lassen)',
+  'Click where the targets are to go.': 'Klicken, wohin die Ziele fliegen sollen.', 'Fly there': 'Hinfliegen', 'up to {length}, arranged as they are': 'bis zu {length}, angeordnet wie jetzt',
+  'Flies there around what is closed and holds; who is in a formation leaves it': 'Fliegt um Gesperrtes herum dorthin und hält; wer in einer Formation ist, verlässt sie',
   // map
   'Map tools': 'Werkzeuge der Karte', 'Zoom in': 'Näher', 'Zoom in (+)': 'Näher (+)', 'Zoom out': 'Weiter weg', 'Zoom out (-)': 'Weiter weg (-)',
   'Keep all vehicles in view': 'Alle Fahrzeuge im Bild halten', 'Keep all in view (F)': 'Alle im Bild halten (F)', 'Follow the targets or the leader': 'Den Zielen oder dem Führer folgen',
@@ -8,7 +12,7 @@ export const plans = {
   'Select with a box': 'Mit einem Rahmen auswählen', 'Select with a box (Shift and drag)': 'Mit einem Rahmen auswählen (Umschalt und ziehen)',
   'Measure distance and bearing': 'Abstand und Peilung messen', 'Measure (M); between the targets, if there are some': 'Messen (M); zwischen den Zielen, wenn es welche gibt',
   Layers: 'Ebenen', 'View in space': 'Ansicht im Raum', 'View in space (V)': 'Ansicht im Raum (V)', 'Back to the map (V)': 'Zurück zur Karte (V)', 'Back to the map': 'Zurück zur Karte',
-  Labels: 'Beschriftung', Trails: 'Spuren', 'Slots and setpoints': 'Plätze und Sollwerte', 'Way of the next 3 s': 'Weg der nächsten 3 s', Links: 'Verbin\u00addungen', Routes: 'Routen', 'What cameras see': 'Was Kameras sehen', 'Track {track}': 'Fund {track}', Heights: 'Höhen', Grid: 'Gitter',
+  Labels: 'Beschriftung', Trails: 'Spuren', Tracks: 'Funde', 'Slots and setpoints': 'Plätze und Sollwerte', 'Way of the next 3 s': 'Weg der nächsten 3 s', Links: 'Verbin\u00addungen', Routes: 'Routen', 'What cameras see': 'Was Kameras sehen', 'Track {track}': 'Fund {track}', Heights: 'Höhen', Grid: 'Gitter', 'Coasts and borders': 'Küsten und Grenzen',
   '{height} high': '{height} hoch', good: 'gut', fair: 'mäßig', poor: 'schlecht', 'Click places or vehicles to measure between them.': 'Orte oder Fahrzeuge anklicken, um dazwischen zu messen.',
   'Click the next place or vehicle.': 'Nächsten Ort oder nächstes Fahrzeug anklicken.', 'together {length}': 'zusammen {length}', ', {rise} up': ', {rise} hoch',
   'Click where the formation is to be anchored.': 'Anklicken, wo die Formation verankert wird.',

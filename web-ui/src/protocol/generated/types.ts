@@ -3294,6 +3294,10 @@ node: NodeId | null,
  */
 name: string, 
 /**
+ * It is simulated, for all its node knows; who does not say so is real.
+ */
+simulated: boolean, 
+/**
  * MAVLink system id on its link.
  */
 system_id: SystemId, 
@@ -3438,6 +3442,10 @@ node: NodeId | null,
  * Its name from the adoption rule.
  */
 name: string, 
+/**
+ * It is simulated, for all its node knows; who does not say so is real.
+ */
+simulated: boolean, 
 /**
  * MAVLink system id on its link.
  */

@@ -1,0 +1,27 @@
+// What of the console is not before the eyes when it is opened. It is fetched when it is wanted, or ahead of that as soon as the swarm is seen:
+// over a thin link the vehicles come first, and later a link that is lost must not keep a panel away. Must never hold the map, the fleet, the
+// commands or the emergency stop.
+
+export const later = {
+  fleetPage: () => import('../features/fleet/FleetPage.svelte'),
+  vehiclePage: () => import('../features/fleet/VehiclePage.svelte'),
+  parametersPage: () => import('../features/parameters/ParametersPage.svelte'),
+  alertsPage: () => import('../features/alerts/AlertsPage.svelte'),
+  linksPage: () => import('../features/links/LinksPage.svelte'),
+  plugins: () => import('../features/plugins/PluginList.svelte'),
+  supervision: () => import('../features/supervision/SupervisionTree.svelte'),
+  preflight: () => import('../features/preflight/PreflightPanel.svelte'),
+  route: () => import('../features/formation/RoutePanel.svelte'),
+  hand: () => import('../features/byhand/HandPanel.svelte'),
+  fences: () => import('../features/fences/FencePanel.svelte'),
+  payloads: () => import('../features/payloads/PayloadPanel.svelte'),
+  swarm: () => import('../features/swarm/SwarmPanel.svelte'),
+  commands: () => import('../features/commands/CommandHistory.svelte'),
+  settings: () => import('./SettingsSheet.svelte'),
+  shortcuts: () => import('./ShortcutList.svelte'),
+};
+
+/** Fetches all of it. What does not come is asked for again when it is opened, and says so there. */
+export async function fetchAhead(): Promise<void> {
+  await Promise.allSettled(Object.values(later).map((load) => load()));
+}
