@@ -24,7 +24,7 @@ pub use operators::OperatorSettings;
 pub use ros2::Ros2Settings;
 pub use settings::{
     AdoptionRule, CoordinatorSettings, EndpointSettings, Escalation, FaultSettings, FenceSettings, Isolation,
-    LinkSettings, NodeConfig, NodeSettings, PayloadRule, PluginSettings, SafetySettings, WebSettings,
+    LinkSettings, NodeConfig, NodeSettings, OnStop, PayloadRule, PluginSettings, SafetySettings, WebSettings,
 };
 pub use swarm::{Apart, SwarmSettings, SwarmTransport, ZenohSettings};
 

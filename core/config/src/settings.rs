@@ -48,6 +48,23 @@ pub struct NodeSettings {
     pub control_rate_hz: f64,
     /// Snapshots per second for screens and metrics.
     pub snapshot_rate_hz: f64,
+    /// What the autopilots of vehicles in the air are asked for when the node stops.
+    pub on_stop: OnStop,
+}
+
+/// What the autopilots of vehicles in the air are asked for when the node stops.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OnStop {
+    /// To hold where they are.
+    #[default]
+    Hold,
+    /// To land where they are.
+    Land,
+    /// To return to where they took off.
+    Return,
+    /// Nothing: their setpoints end, and their own failsafe acts.
+    Leave,
 }
 
 impl Default for NodeSettings {
@@ -56,6 +73,7 @@ impl Default for NodeSettings {
             name: "skein".into(),
             control_rate_hz: 50.0,
             snapshot_rate_hz: 20.0,
+            on_stop: OnStop::default(),
         }
     }
 }

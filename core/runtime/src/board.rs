@@ -108,6 +108,8 @@ pub struct Board {
     pub emergency: Mutex<Option<EmergencyUnlock>>,
     /// A drill: the coordinator is not started again as long as this is set.
     pub coordinator_away: AtomicBool,
+    /// The node is stopping: nobody goes into OFFBOARD any more.
+    pub stopping: AtomicBool,
     /// What is tracked; replaced as a whole.
     pub tracks: ArcSwap<Vec<Track>>,
     /// The picture for screens.
@@ -165,6 +167,7 @@ impl Board {
             overrides: Mutex::default(),
             emergency: Mutex::default(),
             coordinator_away: AtomicBool::new(false),
+            stopping: AtomicBool::new(false),
             tracks: ArcSwap::default(),
             picture: ArcSwap::default(),
             // Each node of a swarm counts from elsewhere, so that a command can be told from another node's.

@@ -4,6 +4,7 @@ mod commands;
 mod control;
 mod coordination;
 mod parameters;
+mod parting;
 mod stick;
 mod trajectories;
 

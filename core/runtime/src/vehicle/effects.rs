@@ -12,6 +12,7 @@ use skein_domain::{
     AutopilotCommand, FlightLimits, FlightState, NodeTime, Refusal, RequestId, Setpoint, VehicleCommand,
 };
 use skein_safety::avoidance::{Change, NeighbourId};
+use std::sync::atomic::Ordering;
 
 /// A refusal of the same kind is told again after so long, in seconds: at 50 setpoints a second the log would hold nothing else.
 const REFUSAL_REPEAT_S: f64 = 2.0;
@@ -169,6 +170,10 @@ impl VehicleState {
             .is_some_and(|entry| entry.airborne);
         let checked = if self.pilot && command == AutopilotCommand::EnterOffboard {
             Err(Refusal::PilotInControl)
+        } else if self.board.stopping.load(Ordering::Acquire) && command == AutopilotCommand::EnterOffboard {
+            Err(Refusal::NotPermitted {
+                detail: "the node is stopping".into(),
+            })
         } else if self.cell.is_stopped() && command != AutopilotCommand::Disarm {
             Err(emergency::stopped())
         } else {
