@@ -1,6 +1,6 @@
 //! The settings themselves, one struct per table of the file. `default.toml` says what each key is for.
 
-use crate::{DdsSettings, LinkKind, OperatorSettings, Ros2Settings, SwarmSettings, SystemIdSet};
+use crate::{DdsSettings, LinkKind, OperatorSettings, ResumeSettings, Ros2Settings, SwarmSettings, SystemIdSet};
 use serde::{Deserialize, Serialize};
 use skein_domain::{EnergySettings, FenceZone, LadderSettings, PreflightSettings};
 use std::net::SocketAddr;
@@ -28,6 +28,8 @@ pub struct NodeConfig {
     pub safety: SafetySettings,
     /// How the coordinator moves the swarm.
     pub coordinator: CoordinatorSettings,
+    /// What is done with its vehicles in the air after it was killed.
+    pub resume: ResumeSettings,
     /// The web API and dashboard.
     pub web: WebSettings,
     /// The swarm on ROS 2.

@@ -5,6 +5,7 @@ mod control;
 mod coordination;
 mod parameters;
 mod parting;
+mod resume;
 mod stick;
 mod trajectories;
 

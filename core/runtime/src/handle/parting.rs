@@ -59,6 +59,7 @@ impl NodeHandle {
             );
             say(Severity::Critical, text);
         }
+        self.board.resume.forget();
     }
 
     /// Asks the autopilot of one vehicle; gives the mode it is to be in, or nothing if it is not asked for one.
