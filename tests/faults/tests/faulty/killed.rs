@@ -99,6 +99,12 @@ impl Field {
         let wedge = json!({"shape": "wedge", "spacing_m": 6.0});
         self.put(reqwest::Method::PUT, "formation", wedge).await;
         self.until("formed", |fleet| flies(fleet, count)).await;
+        // The disk has its own time.
+        eventually(patience(), "the formation on the disk", async || {
+            let kept = std::fs::read_to_string(self.folder.path().join("node.resume"));
+            kept.is_ok_and(|text| text.contains("wedge")).then_some(())
+        })
+        .await;
     }
 
     /// The end that nobody can be ready for, and after a while another beginning.
