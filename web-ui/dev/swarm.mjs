@@ -37,6 +37,7 @@ function fleetInfo() {
   return {
     type: 'fleet', frame: { origin }, formation, faults_enabled: false, actors: [health('coordinator', 1)],
     dead_man: { state: process.env.DEAD_MAN ?? 'off', warns_after_s: process.env.DEAD_MAN ? 20 : null },
+    resume: null,
     unadopted: [{ system_id: 99, endpoint: 'sitl', why: 'no adoption rule fits system id 99' }],
     vehicles: vehicles.map((v) => ({
       id: v.id, name: `uav-${v.id}`, system_id: v.id, plugin: 'generic-uav', plugin_version: '0.1.0', state_detail: '',

@@ -4,7 +4,7 @@
 use crate::error::ApiError;
 use crate::protocol::{
     AcknowledgeBody, CommandBody, ControlBody, CoordinatorBody, EmergencyStopBody, FenceFileBody, FencePlanBody,
-    OverrideBody, ParameterBody, ReadingBody, RouteBody,
+    OverrideBody, ParameterBody, ReadingBody, ResumeBody, RouteBody,
 };
 use axum::Json;
 use axum::body::Bytes;
@@ -250,6 +250,12 @@ impl MakesSense for ParameterBody {
     /// Its range only the autopilot knows.
     fn check(&self, place: &Place<'_>) -> Result<(), ApiError> {
         place.field("value").number(self.value, f64::MIN, f64::MAX)
+    }
+}
+
+impl MakesSense for ResumeBody {
+    fn check(&self, _: &Place<'_>) -> Result<(), ApiError> {
+        Ok(())
     }
 }
 

@@ -5,6 +5,7 @@ mod carried;
 mod control;
 mod formations;
 mod parameters;
+mod resume;
 mod safety;
 mod swarm;
 mod trajectories;
@@ -154,6 +155,7 @@ pub(crate) fn all() -> Vec<Endpoint> {
     all.extend(trajectories::trajectories());
     all.extend(safety::safety());
     all.extend(swarm::swarm());
+    all.extend(resume::resume());
     all.extend(carried::plugins());
     all.extend(carried::payloads());
     all.extend(carried::instances());

@@ -9,8 +9,8 @@ use crate::protocol::{
     Accepted, AcknowledgeBody, Acknowledged, CameraViewList, ClientMessage, CommandBody, CommandReceipts, ControlBody,
     ControlReceipts, ControlState, CoordinatorBody, EmergencyStopBody, ErrorBody, EventList, FenceFileBody,
     FencePlanBody, FormationAnswer, FormationPreview, Health, ImportedFencePlan, LinkReport, OverrideBody,
-    ParameterBody, PayloadList, PluginList, ReadingBody, ReferenceList, RestartList, RouteBody, ServerMessage,
-    SupervisionTree, TrackList, TrajectoriesEnded, TrajectoryList, VehicleList, VersionInfo,
+    ParameterBody, PayloadList, PluginList, ReadingBody, ReferenceList, RestartList, ResumeBody, RouteBody,
+    ServerMessage, SupervisionTree, TrackList, TrajectoriesEnded, TrajectoryList, VehicleList, VersionInfo,
 };
 use crate::wire::{self, Field, Header, Record, flag};
 use skein_config::PayloadRule;
@@ -120,6 +120,7 @@ fn plans_and_safety(found: &mut Declarations<'_>) {
     found.visit::<EmergencyKey>();
     found.visit::<EmergencyStopBody>();
     found.visit::<RouteBody>();
+    found.visit::<ResumeBody>();
     found.visit::<Accepted>();
     found.visit::<Fault>();
 }

@@ -27,6 +27,7 @@ mod picture;
 mod preflight;
 pub mod protocol;
 mod references;
+mod resume;
 mod routes;
 mod safety_view;
 mod server;

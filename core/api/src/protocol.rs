@@ -27,7 +27,7 @@ use skein_runtime::snapshot::{
 };
 use skein_runtime::{
     CommandReceipt, ControlAction, ControlReceipt, PayloadSnapshot, PluginInfo, ReferenceSnapshot, RestartRecord,
-    SwarmSnapshot, Targets,
+    ResumeQuestion, SwarmSnapshot, Targets,
 };
 use ts_rs::TS;
 
@@ -349,6 +349,16 @@ pub struct FleetInfo {
     pub faults_enabled: bool,
     /// Whether an operator has to give signs of life, and does.
     pub dead_man: DeadMan,
+    /// What an operator is asked after the node ended in flight and has started again.
+    pub resume: Option<ResumeQuestion>,
+}
+
+/// The answer to what an operator is asked after a restart in flight.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, TS, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ResumeBody {
+    /// The vehicles that were taken back fly on; if not, they go on holding, and what was flown is forgotten.
+    pub fly_on: bool,
 }
 
 /// The operator's dead-man's switch.

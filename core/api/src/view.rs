@@ -135,5 +135,6 @@ fn fleet_info(snapshot: &FleetSnapshot, node: &NodeHandle) -> FleetInfo {
         actors: snapshot.actors.clone(),
         faults_enabled: node.config().faults.enabled,
         dead_man: safety_view::dead_man(node),
+        resume: snapshot.resume.clone(),
     }
 }

@@ -104,6 +104,7 @@ impl NodeConfig {
         let mut ranges = vec![
             ("node.control_rate_hz", node.control_rate_hz, 5.0, 200.0),
             ("node.snapshot_rate_hz", node.snapshot_rate_hz, 0.5, 50.0),
+            ("resume.within_s", self.resume.within_s, 1.0, 600.0),
             ("link.lost_after_s", link.lost_after_s, 0.2, 60.0),
             ("link.setpoint_valid_s", link.setpoint_valid_s, 0.02, 0.5),
             ("link.hold_for_s", link.hold_for_s, 0.0, 60.0),

@@ -12,6 +12,7 @@ mod ids;
 mod ladder_settings;
 mod operators;
 mod preflight_settings;
+mod resume;
 mod ros2;
 pub mod settings;
 mod swarm;
@@ -21,10 +22,12 @@ pub use dds::{DdsPeer, DdsPeerError, DdsSettings, LinkKind};
 pub use fences::{FenceFault, FenceFileError, ImportedFences, parse_fences, read_fence_file, to_geojson};
 pub use ids::SystemIdSet;
 pub use operators::OperatorSettings;
+pub use resume::{ResumeSettings, ResumeThen};
 pub use ros2::Ros2Settings;
 pub use settings::{
     AdoptionRule, CoordinatorSettings, EndpointSettings, Escalation, FaultSettings, FenceSettings, Isolation,
-    LinkSettings, NewcomerSettings, NodeConfig, NodeSettings, PayloadRule, PluginSettings, SafetySettings, WebSettings,
+    LinkSettings, NewcomerSettings, NodeConfig, NodeSettings, OnStop, PayloadRule, PluginSettings, SafetySettings,
+    WebSettings,
 };
 pub use swarm::{Apart, SwarmSettings, SwarmTransport, ZenohSettings};
 
@@ -90,7 +93,9 @@ impl NodeConfig {
                 }
             }
             let swarm = &mut config.swarm;
-            let files = swarm.secret_file.iter_mut().chain(&mut swarm.state_file);
+            let files = (swarm.secret_file.iter_mut())
+                .chain(&mut swarm.state_file)
+                .chain(&mut config.resume.file);
             for file in config.safety.fence_files.iter_mut().chain(files) {
                 if file.is_relative() {
                     *file = folder.join(&*file);
@@ -99,6 +104,7 @@ impl NodeConfig {
             if let (Some(id), Some(node), None) = (&swarm.id, swarm.node, &swarm.state_file) {
                 swarm.state_file = Some(folder.join(format!("{id}-{node}.term.json")));
             }
+            config.resume.file.get_or_insert_with(|| path.with_extension("resume"));
         }
         config.fences().map_err(|source| ConfigError::Fences {
             path: path.to_owned(),

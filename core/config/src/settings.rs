@@ -1,6 +1,6 @@
 //! The settings themselves, one struct per table of the file. `default.toml` says what each key is for.
 
-use crate::{DdsSettings, LinkKind, OperatorSettings, Ros2Settings, SwarmSettings, SystemIdSet};
+use crate::{DdsSettings, LinkKind, OperatorSettings, ResumeSettings, Ros2Settings, SwarmSettings, SystemIdSet};
 use serde::{Deserialize, Serialize};
 use skein_domain::{EnergySettings, FenceZone, LadderSettings, PreflightSettings};
 use std::net::SocketAddr;
@@ -30,6 +30,8 @@ pub struct NodeConfig {
     pub safety: SafetySettings,
     /// How the coordinator moves the swarm.
     pub coordinator: CoordinatorSettings,
+    /// What is done with its vehicles in the air after it was killed.
+    pub resume: ResumeSettings,
     /// The web API and dashboard.
     pub web: WebSettings,
     /// The swarm on ROS 2.
@@ -52,6 +54,23 @@ pub struct NodeSettings {
     pub snapshot_rate_hz: f64,
     /// All vehicles of this node are simulated. It is said on every screen, and changes nothing of how they are flown.
     pub simulated: bool,
+    /// What the autopilots of vehicles in the air are asked for when the node stops.
+    pub on_stop: OnStop,
+}
+
+/// What the autopilots of vehicles in the air are asked for when the node stops.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OnStop {
+    /// To hold where they are.
+    #[default]
+    Hold,
+    /// To land where they are.
+    Land,
+    /// To return to where they took off.
+    Return,
+    /// Nothing: their setpoints end, and their own failsafe acts.
+    Leave,
 }
 
 impl Default for NodeSettings {
@@ -61,6 +80,7 @@ impl Default for NodeSettings {
             control_rate_hz: 50.0,
             snapshot_rate_hz: 20.0,
             simulated: false,
+            on_stop: OnStop::default(),
         }
     }
 }

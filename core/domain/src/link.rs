@@ -153,6 +153,10 @@ pub trait VehicleLink: Send + Sync + 'static {
     /// Send a setpoint now and hold it valid until `expires`.
     fn stream(&self, now: NodeTime, setpoint: LocalSetpoint, expires: NodeTime);
 
+    /// The autopilot's failsafe acts because this node's setpoints had ended: they may be sent all the same, and it goes back to OFFBOARD by itself.
+    /// Of no avail after an emergency stop, or where the stream was given up.
+    fn resume_stream(&self);
+
     /// End the stream on purpose (after landing, or when the pilot has taken over).
     fn stop_stream(&self, now: NodeTime);
 

@@ -211,6 +211,10 @@ impl VehicleLink for DdsLink {
         inner.flush();
     }
 
+    fn resume_stream(&self) {
+        self.inner.lock().session.resume_stream();
+    }
+
     fn stop_stream(&self, now: NodeTime) {
         let mut inner = self.inner.lock();
         inner.session.stop_stream(now);

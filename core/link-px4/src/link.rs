@@ -341,6 +341,10 @@ impl VehicleLink for Px4Link {
         inner.flush();
     }
 
+    fn resume_stream(&self) {
+        self.inner.lock().core.resume_stream();
+    }
+
     fn stop_stream(&self, now: NodeTime) {
         let mut inner = self.inner.lock();
         inner.core.stop_stream(now);

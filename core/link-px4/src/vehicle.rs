@@ -357,6 +357,11 @@ impl VehicleCore {
         }
     }
 
+    /// Setpoints may be sent again although the autopilot's failsafe took the vehicle out of OFFBOARD.
+    pub fn resume_stream(&mut self) {
+        self.stream.handed_back();
+    }
+
     /// Ends the stream on purpose.
     pub fn stop_stream(&mut self, now: NodeTime) {
         let action = self.stream.stop();

@@ -13,6 +13,7 @@ use crate::paired::PairedLink;
 use crate::payload::PayloadCell;
 use crate::plugin_life::LifeRecord;
 use crate::references::References;
+use crate::resume::Resume;
 use crate::snapshot::{ActorHealth, Avoidance, FleetSnapshot, RestartRecord, UnadoptedVehicle};
 use crate::swarm::SwarmShare;
 use crate::vehicle::{HeldRoute, Itinerary, VehicleMessage, Watch};
@@ -26,8 +27,9 @@ use skein_domain::payload::{CoordinatorCapability, Track};
 use skein_domain::preflight::{PreflightItem, PreflightOverride};
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{
-    AnchorReference, Clock, EnergyState, FlightLimits, FlightState, Geodetic, Intent, LadderState, LandedState,
-    LinkHealth, NodeId, NodeTime, PositionNed, Setpoint, SwarmFrame, SystemId, Telemetry, VehicleId,
+    AnchorReference, Clock, CommandId, EnergyState, FlightLimits, FlightState, Geodetic, Intent, LadderState,
+    LandedState, LinkHealth, NodeId, NodeTime, PositionNed, Setpoint, SwarmFrame, SystemId, Telemetry, VehicleCommand,
+    VehicleId,
 };
 use skein_link_px4::Sightings;
 use skein_plugin_host::{Catalog, Runners};
@@ -108,6 +110,10 @@ pub struct Board {
     pub emergency: Mutex<Option<EmergencyUnlock>>,
     /// A drill: the coordinator is not started again as long as this is set.
     pub coordinator_away: AtomicBool,
+    /// The node is stopping: nobody goes into OFFBOARD any more.
+    pub stopping: AtomicBool,
+    /// What was flown when the node was killed, and who of it is taken back.
+    pub resume: Resume,
     /// What is tracked; replaced as a whole.
     pub tracks: ArcSwap<Vec<Track>>,
     /// The picture for screens.
@@ -130,13 +136,18 @@ impl Board {
         let max_speed_m_s = config.safety.max_speed_m_s;
         let node = config.swarm.id.as_ref().and(config.swarm.node).map(NodeId);
         let swarm = node.map(|node| SwarmShare::new(node, config.swarm.observer));
+        let (events, now) = (EventLog::default(), clock.now());
+        let resume = Resume::open(&config, &events, now);
+        let mut control = ControlTable::new(node.unwrap_or(NodeId(0)));
+        resume.hand_back(&mut control, now);
         Self {
             swarm,
             config,
             clock,
             gate: ArcSwap::from_pointee(gate),
             fence_plan: Mutex::new(fence_plan),
-            events: EventLog::default(),
+            events,
+            resume,
             catalog,
             runners,
             payload_runners,
@@ -153,7 +164,7 @@ impl Board {
             exchanging: tokio::sync::Mutex::default(),
             sightings: Sightings::new(),
             references: References::new(max_speed_m_s),
-            control: Mutex::new(ControlTable::new(node.unwrap_or(NodeId(0)))),
+            control: Mutex::new(control),
             relays: Relays::default(),
             anchor: Mutex::default(),
             own_tracks: Mutex::default(),
@@ -165,6 +176,7 @@ impl Board {
             overrides: Mutex::default(),
             emergency: Mutex::default(),
             coordinator_away: AtomicBool::new(false),
+            stopping: AtomicBool::new(false),
             tracks: ArcSwap::default(),
             picture: ArcSwap::default(),
             // Each node of a swarm counts from elsewhere, so that a command can be told from another node's.
@@ -349,6 +361,8 @@ pub struct VehicleCell {
     pub state: Mutex<PublishedState>,
     /// Its ladder of reactions and its charge.
     pub watch: Mutex<Watch>,
+    /// The command that it carries out, if one.
+    pub under_way: Mutex<Option<(CommandId, VehicleCommand)>>,
     /// A command in several legs that is being carried out.
     pub itinerary: Mutex<Option<Itinerary>>,
     /// Whether it is flown by hand, and the newest stick for it.
@@ -384,6 +398,7 @@ impl VehicleCell {
             tick_waiting: AtomicBool::new(false),
             state: Mutex::default(),
             watch: Mutex::default(),
+            under_way: Mutex::default(),
             itinerary: Mutex::default(),
             hand: Mutex::default(),
             route: Mutex::default(),

@@ -4,6 +4,8 @@ mod commands;
 mod control;
 mod coordination;
 mod parameters;
+mod parting;
+mod resume;
 mod stick;
 mod trajectories;
 

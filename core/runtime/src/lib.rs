@@ -30,12 +30,14 @@ mod preflight;
 mod pulse;
 mod references;
 pub mod restart;
+mod resume;
 mod returns;
 pub mod snapshot;
 pub mod steering;
 mod swarm;
 mod vehicle;
 mod ways;
+mod whole_file;
 mod wiring;
 
 pub use anchor::AnchorKeeper;
@@ -53,7 +55,8 @@ pub use preflight::PreflightAnswer;
 pub use references::{ReferenceReport, ReferenceSnapshot, References};
 pub use skein_plugin_host::Frame;
 pub use snapshot::{
-    EventKind, EventRecord, FleetSnapshot, PayloadSnapshot, PluginHealth, RestartRecord, Restored, VehicleSnapshot,
+    EventKind, EventRecord, FleetSnapshot, LeftVehicle, PayloadSnapshot, PluginHealth, RestartRecord, Restored,
+    ResumeQuestion, VehicleSnapshot,
 };
 pub use swarm::asks::{ApiAnswer, ApiRequest, ApiServer};
 pub use swarm::{

@@ -12,6 +12,7 @@ use crate::listening;
 use crate::observer::Observer;
 use crate::pulse::Pulse;
 use crate::restart::{Decision, NODE_LIMITS, RestartHistory};
+use crate::resume::{Keeper, KeeperArguments};
 use crate::snapshot::{ActorHealth, ActorStatus, EventKind};
 use crate::swarm::{Swarm, SwarmArguments, SwarmSetup};
 use crate::wiring::{self, WiringError};
@@ -163,6 +164,7 @@ enum Part {
     Pulse,
     Coordinator,
     Observer,
+    Keeper,
     Swarm,
     DdsLinks,
     Endpoint(usize),
@@ -252,7 +254,13 @@ impl NodeState {
         // The fleet first: endpoints report what they hear to it.
         let endpoints = (0..self.arguments.endpoints.len()).map(Part::Endpoint);
         let adapters = (0..self.arguments.adapters.len()).map(Part::Adapter);
-        let first = [Part::Fleet, Part::Coordinator, Part::Pulse, Part::Observer];
+        let first = [
+            Part::Fleet,
+            Part::Coordinator,
+            Part::Pulse,
+            Part::Observer,
+            Part::Keeper,
+        ];
         let swarm = self.arguments.swarm.as_ref().map(|_| Part::Swarm);
         let dds = self.arguments.dds.as_ref().map(|_| Part::DdsLinks);
         for part in first
@@ -273,6 +281,7 @@ impl NodeState {
             Part::Pulse => "pulse".into(),
             Part::Coordinator => "coordinator".into(),
             Part::Observer => "observer".into(),
+            Part::Keeper => "keeper".into(),
             Part::Swarm => "swarm".into(),
             Part::DdsLinks => "dds-links".into(),
             Part::Endpoint(i) => self
@@ -333,6 +342,12 @@ impl NodeState {
             }
             Part::Pulse => Ok(spawned(Pulse::spawn_linked(None, Pulse, board, parent).await)?.get_id()),
             Part::Observer => Ok(spawned(Observer::spawn_linked(None, Observer, board, parent).await)?.get_id()),
+            Part::Keeper => {
+                let arguments = KeeperArguments {
+                    handle: self.arguments.handle.clone(),
+                };
+                Ok(spawned(Keeper::spawn_linked(None, Keeper, arguments, parent).await)?.get_id())
+            }
             Part::Swarm => {
                 let arguments = SwarmArguments {
                     handle: self.arguments.handle.clone(),

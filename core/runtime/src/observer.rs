@@ -83,6 +83,7 @@ fn picture(board: &Board, sequence: u64) -> FleetSnapshot {
         actors,
         tracks: board.tracks.load().as_ref().clone(),
         swarm: board.swarm.as_ref().map(|swarm| swarm.picture.load().as_ref().clone()),
+        resume: board.resume.question(),
     }
 }
 

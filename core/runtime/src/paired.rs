@@ -414,6 +414,12 @@ impl VehicleLink for PairedLink {
         }
     }
 
+    fn resume_stream(&self) {
+        for one in &self.inner.lock().links {
+            one.link.resume_stream();
+        }
+    }
+
     fn stop_stream(&self, now: NodeTime) {
         for one in &self.inner.lock().links {
             one.link.stop_stream(now);

@@ -84,7 +84,7 @@ fn beat(board: &Board) {
         telemetry.simulated |= cell.simulated;
         if board.frame().is_none()
             && board.coordinates()
-            && let Some(place) = telemetry.home.or(telemetry.global)
+            && let Some(place) = board.resume.origin().or(telemetry.home).or(telemetry.global)
             && telemetry.local_frame.is_some()
             && board.fix_frame(place)
         {

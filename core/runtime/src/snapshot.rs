@@ -33,6 +33,30 @@ pub struct FleetSnapshot {
     pub tracks: Vec<Track>,
     /// The swarm this node is part of, if it is part of one.
     pub swarm: Option<SwarmSnapshot>,
+    /// What an operator is asked after this node ended in flight and has started again.
+    pub resume: Option<ResumeQuestion>,
+}
+
+/// Whether vehicles that were taken back after a restart of the node are to fly on.
+#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
+pub struct ResumeQuestion {
+    /// They hold where they are.
+    pub vehicles: Vec<VehicleId>,
+    /// Those that were not taken back.
+    pub left: Vec<LeftVehicle>,
+    /// A formation is flown on; else what each of them was commanded.
+    pub formation: bool,
+    /// Since when it is asked.
+    pub since: NodeTime,
+}
+
+/// A vehicle that was not taken back after a restart of the node.
+#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
+pub struct LeftVehicle {
+    /// Which.
+    pub vehicle: VehicleId,
+    /// Why.
+    pub why: String,
 }
 
 /// One vehicle at one moment.

@@ -10,6 +10,7 @@ mod model;
 mod parameters;
 mod period;
 mod route;
+mod taking_back;
 mod watch;
 
 pub use itinerary::Itinerary;
@@ -173,6 +174,9 @@ impl Actor for Vehicle {
                 reply,
             } => {
                 let by_operator = reply.is_some();
+                if by_operator && state.board.resume.commanded(state.cell.id) {
+                    state.refused_at = None;
+                }
                 let refusal = match state.permitted(&command, by_operator) {
                     Ok(()) => state.command(id, command, legs, not_before).await.err(),
                     Err(refusal) => Some(state.refuse(id, &command, refusal)),
@@ -263,6 +267,7 @@ impl VehicleState {
         }
         // Most of the time the model has said of the former leg that it is replaced; between two legs it had nothing to say.
         self.abandon_itinerary();
+        *self.cell.under_way.lock() = Some((id, command));
         if flown_id != id {
             let returns = matches!(command, VehicleCommand::Return);
             self.record_progress(id, command.name(), &CommandProgress::Executing);
@@ -327,6 +332,9 @@ impl VehicleState {
 
     /// Writes a command's progress to the event log.
     fn record_progress(&self, id: CommandId, name: &str, progress: &CommandProgress) {
+        if !matches!(progress, CommandProgress::Executing) {
+            self.cell.under_way.lock().take_if(|(under_way, _)| *under_way == id);
+        }
         let words = name.replace('_', " ");
         let (severity, text) = match progress {
             CommandProgress::Executing => (Severity::Info, format!("{}: {words} taken up", self.cell.name)),

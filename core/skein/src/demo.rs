@@ -89,8 +89,9 @@ pub async fn demo(arguments: DemoArguments) -> anyhow::Result<ExitCode> {
         }
         other => other,
     };
-    if let Some(simulation) = simulation {
-        simulation.stop();
+    match simulation {
+        Some(simulation) => simulation.stop(),
+        None => running.handle().part(|line| println!("{line}")).await,
     }
     running.stop().await;
     outcome

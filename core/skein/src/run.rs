@@ -37,8 +37,18 @@ pub async fn run(arguments: RunArguments) -> anyhow::Result<()> {
     }
     println!("Stop with Ctrl-C.");
     stop_asked().await?;
-    println!("Stopping. Vehicles in the air are left to their autopilots.");
-    running.stop().await;
+    println!("Stopping. Ctrl-C again ends at once.");
+    let stopped = async {
+        running.handle().part(|line| println!("{line}")).await;
+        running.stop().await;
+    };
+    tokio::select! {
+        () = stopped => {}
+        asked = stop_asked() => {
+            asked?;
+            println!("Ending at once.");
+        }
+    }
     Ok(())
 }
 

@@ -27,6 +27,7 @@ const RESTART_MS = 2000;
 const NO_INFO: FleetInfo = {
   frame: null, vehicles: [], unadopted: [], formation: null, actors: [], faults_enabled: false,
   dead_man: { state: 'off', warns_after_s: null },
+  resume: null,
 };
 
 export class Session {

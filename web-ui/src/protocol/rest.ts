@@ -5,7 +5,7 @@ import { t } from '../language/language.svelte';
 import type {
   AcknowledgeBody, CameraViewList, CommandBody, CommandReceipt, CommandReceipts, Console, ControlAction, ControlBody, ControlReceipt, ControlReceipts, EmergencyKey,
   EmergencyStopBody, ErrorBody, EventList, FenceAnswer, FenceFileBody, FencePlan, FencePlanBody, FormationPreview, FormationReceipt, FormationRequest, ImportedFencePlan, OverrideBody, ParameterBody,
-  ParameterList, ParameterReceipt, PreflightAnswer, PluginList, PreflightOverride, ReadingAction, ReadingBody, ReferenceList, ReferenceSnapshot, RestartList, RestartRecord, Route, RouteBody, SupervisionTree, Targets,
+  ParameterList, ParameterReceipt, PreflightAnswer, PluginList, PreflightOverride, ReadingAction, ReadingBody, ReferenceList, ReferenceSnapshot, ResumeBody, RestartList, RestartRecord, Route, RouteBody, SupervisionTree, Targets,
   UpgradeReceipt, VehicleCommand, VehicleSnapshot, LinkReport, TrackList,
 } from './types';
 
@@ -145,6 +145,12 @@ export async function operatorAlive(): Promise<void> {
 /** Has a node take the office of coordinator. */
 export async function makeCoordinator(node: number): Promise<void> {
   await call('POST', 'swarm/coordinator', { node });
+}
+
+/** The answer after the node ended in flight and has started again: whether the vehicles that it took back fly on. */
+export async function resume(flyOn: boolean): Promise<void> {
+  const body: ResumeBody = { fly_on: flyOn };
+  await call('POST', 'resume', body);
 }
 
 /** One vehicle, whole. */

@@ -200,7 +200,7 @@ impl SetpointStream {
         }
     }
 
-    /// The autopilot is in OFFBOARD again, by whoever's will: what a take-over barred may be sent again.
+    /// The autopilot is in OFFBOARD again, by whoever's will, or would be if setpoints came: what a take-over barred may be sent again.
     pub fn handed_back(&mut self) {
         if self.barred == Some(Barred::TakenOver) {
             self.barred = None;

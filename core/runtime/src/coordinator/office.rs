@@ -277,9 +277,19 @@ impl CoordinatorState {
         if !back || !interrupted.missing.iter().all(|id| available.contains(id)) {
             return;
         }
-        let text = "the swarm is together again: the formation is flown again".to_owned();
-        let named = interrupted.request.members.is_some();
-        self.begin_plan(myself, interrupted.request, Purpose::Regroup { text, named }, 0);
+        let text = "everybody is back: the formation is flown again".to_owned();
+        let mut request = interrupted.request;
+        let named = request.members.is_some();
+        // Whom an operator has taken out stays out.
+        let withdrawn = self.board.withdrawn.lock().clone();
+        let others = || {
+            coordination::available(&self.without_flights(peers))
+                .into_iter()
+                .filter(|id| !withdrawn.contains(id))
+                .collect()
+        };
+        request.members.get_or_insert_with(others);
+        self.begin_plan(myself, request, Purpose::Regroup { text, named }, 0);
     }
 
     /// An interrupted formation is about to fly again, with what was left of its route.

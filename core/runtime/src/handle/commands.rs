@@ -72,6 +72,12 @@ impl NodeHandle {
         receipts
     }
 
+    /// Commands this node's own vehicles once more, whoever has them in hand.
+    pub(crate) async fn command_again(&self, ids: &[VehicleId], command: VehicleCommand) {
+        let (orders, _) = self.orders(ids, command);
+        self.carry_out(orders).await;
+    }
+
     /// What is to be flown for a command, or why it cannot be.
     fn orders(&self, ids: &[VehicleId], command: VehicleCommand) -> (Vec<Order>, Vec<CommandReceipt>) {
         let stagger_s = match command {

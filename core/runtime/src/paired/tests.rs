@@ -91,6 +91,8 @@ impl VehicleLink for Scripted {
         self.0.lock().streamed.push(now);
     }
 
+    fn resume_stream(&self) {}
+
     fn stop_stream(&self, _: NodeTime) {
         self.0.lock().stopped += 1;
     }

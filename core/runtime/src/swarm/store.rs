@@ -2,10 +2,10 @@
 //!
 //! Must never do: leave a file half written; go on with one that cannot be read, as if there were none.
 
+use crate::whole_file;
 use skein_failover::Term;
-use std::fs::File;
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::io;
+use std::path::PathBuf;
 use thiserror::Error;
 
 /// Why the term is not known or not kept.
@@ -69,7 +69,10 @@ impl TermStore {
             return Ok(());
         }
         if let (Some(path), Some(term)) = (&self.path, term) {
-            write(path, term).map_err(|source| StoreError::Unwritable {
+            let written = serde_json::to_vec(&term)
+                .map_err(io::Error::from)
+                .and_then(|bytes| whole_file::replace(path, &bytes));
+            written.map_err(|source| StoreError::Unwritable {
                 path: path.clone(),
                 source,
             })?;
@@ -77,19 +80,6 @@ impl TermStore {
         self.kept = term;
         Ok(())
     }
-}
-
-/// Beside the old one, then in its place: whoever reads finds one or the other.
-fn write(path: &Path, term: Term) -> io::Result<()> {
-    let beside = path.with_extension("new");
-    let mut file = File::create(&beside)?;
-    file.write_all(&serde_json::to_vec(&term)?)?;
-    file.sync_all()?;
-    std::fs::rename(&beside, path)?;
-    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-        File::open(folder)?.sync_all()?;
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Carries out what a UAV model wants. The only place from which setpoints and requests reach a link, and each passes the gate.
 
 use super::VehicleState;
+use crate::board::{PeerEntry, PeerSnapshot};
 use crate::emergency;
 use crate::payload::{Asker, PayloadMessage};
 use crate::preflight::own_items;
@@ -9,9 +10,10 @@ use crate::steering;
 use skein_domain::exchange::{CommandProgress, Effect, Event, Severity};
 use skein_domain::setpoint::LocalSetpoint;
 use skein_domain::{
-    AutopilotCommand, FlightLimits, FlightState, NodeTime, Refusal, RequestId, Setpoint, VehicleCommand,
+    AutopilotCommand, FlightLimits, FlightState, NodeTime, PositionNed, Refusal, RequestId, Setpoint, VehicleCommand,
 };
 use skein_safety::avoidance::{Change, NeighbourId};
+use std::sync::atomic::Ordering;
 
 /// A refusal of the same kind is told again after so long, in seconds: at 50 setpoints a second the log would hold nothing else.
 const REFUSAL_REPEAT_S: f64 = 2.0;
@@ -169,6 +171,10 @@ impl VehicleState {
             .is_some_and(|entry| entry.airborne);
         let checked = if self.pilot && command == AutopilotCommand::EnterOffboard {
             Err(Refusal::PilotInControl)
+        } else if self.board.stopping.load(Ordering::Acquire) && command == AutopilotCommand::EnterOffboard {
+            Err(Refusal::NotPermitted {
+                detail: "the node is stopping".into(),
+            })
         } else if self.cell.is_stopped() && command != AutopilotCommand::Disarm {
             Err(emergency::stopped())
         } else {
@@ -259,6 +265,15 @@ impl VehicleState {
         self.record(severity, EventKind::Avoidance, text);
     }
 
+    /// Sends a setpoint that holds it at a place, off others and inside of the fences.
+    pub(super) fn hold_at(&self, place: PositionNed, entry: &PeerEntry, peers: &PeerSnapshot, now: NodeTime) {
+        let hold = steering::hold(&self.board.gate(), entry, place, &peers.surroundings, now);
+        if let Ok(local) = self.to_local(&hold) {
+            let valid_s = self.board.config.link.setpoint_valid_s;
+            self.cell.link.load().0.stream(now, local, now.plus_seconds(valid_s));
+        }
+    }
+
     fn to_local(&self, setpoint: &Setpoint) -> Result<LocalSetpoint, Refusal> {
         let frame = self.board.frame().ok_or(Refusal::NoSwarmFrame)?;
         let peers = self.board.peers.load();
@@ -289,11 +304,7 @@ impl VehicleState {
             && let Some(own) = entry.kinematics
         {
             let place = *self.refused_at.get_or_insert(own.position);
-            let hold = steering::hold(&self.board.gate(), entry, place, &peers.surroundings, now);
-            if let Ok(local) = self.to_local(&hold) {
-                let valid_s = self.board.config.link.setpoint_valid_s;
-                self.cell.link.load().0.stream(now, local, now.plus_seconds(valid_s));
-            }
+            self.hold_at(place, entry, &peers, now);
         }
         self.waiting.push(Event::Refused(refusal));
     }

@@ -16,6 +16,9 @@ impl VehicleState {
     pub(super) async fn period(&mut self) {
         let peers = self.board.peers.load_full();
         let running = self.ensure_model().await;
+        if self.takes_back(&peers) {
+            return;
+        }
         self.watch(&peers).await;
         self.tell_parameters();
         // Taken in any case: none waits for a model that is away.
@@ -105,7 +108,7 @@ impl VehicleState {
         }
     }
 
-    fn take_link_event(&mut self, event: LinkEvent, events: &mut Vec<Event>) {
+    pub(super) fn take_link_event(&mut self, event: LinkEvent, events: &mut Vec<Event>) {
         let name = &self.cell.name;
         match event {
             LinkEvent::Result { request, outcome } if request == EMERGENCY_REQUEST => self.tell_emergency(&outcome),

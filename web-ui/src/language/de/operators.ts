@@ -15,6 +15,10 @@ export const operators = {
   'Take, ask for or let go the targets': 'Ziele übernehmen, um sie bitten oder sie freigeben', 'Answer who asks for vehicles': 'Wer um Fahrzeuge bittet: antworten',
   // requests
   'Requests for vehicles': 'Bitten um Fahrzeuge', '{name} asks for {who}': '{name} bittet um {who}', 'Hand over': 'Übergeben', 'Not now': 'Jetzt nicht', 'and {count} more who ask': 'und {count} weitere, die bitten',
+  // after a restart of the node
+  'After the restart': 'Nach dem Neustart', 'Fly on': 'Weiterfliegen', 'Keep holding': 'Weiter halten', 'Not taken back: {who}': 'Nicht zurückgeholt: {who}',
+  'The node ended in flight and has started again. {who} hold; the formation is not flown on yet.': 'Der Knoten ist im Flug ausgefallen und neu gestartet. {who} halten; die Formation fliegt noch nicht weiter.',
+  'The node ended in flight and has started again. {who} hold; what they did is not flown on yet.': 'Der Knoten ist im Flug ausgefallen und neu gestartet. {who} halten; was sie taten, geht noch nicht weiter.',
   // what came of it
   'Taken in hand: {who}': 'Übernommen: {who}', 'Not taken in hand': 'Nicht übernommen', 'Asked for: {who}': 'Gebeten um: {who}', 'Not asked for': 'Nicht gebeten um', 'Let go: {who}': 'Freigegeben: {who}', 'Not let go': 'Nicht freigegeben',
   'Handed over to {name}: {who}': 'An {name} übergeben: {who}', 'Not handed over': 'Nicht übergeben', '{name} has taken over: {who}': '{name} hat übernommen: {who}', 'In your hands now: {who}': 'Jetzt in Ihrer Hand: {who}',

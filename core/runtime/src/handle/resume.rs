@@ -1,0 +1,25 @@
+//! The operator's answer after a restart of the node in flight.
+//!
+//! Must never do: answer by itself.
+
+use super::NodeHandle;
+use crate::resume;
+use skein_domain::Refusal;
+
+impl NodeHandle {
+    /// Vehicles that were taken back after a restart fly on, or what was flown is forgotten: they hold then, as after any hold.
+    ///
+    /// # Errors
+    /// When nothing is asked.
+    pub async fn resume(&self, fly_on: bool) -> Result<(), Refusal> {
+        let nothing = || Refusal::NotPermitted {
+            detail: "nothing waits to be flown on".into(),
+        };
+        self.board.resume.question().ok_or_else(nothing)?;
+        if !fly_on {
+            self.board.resume.end();
+            return Ok(());
+        }
+        resume::fly_on(self).await.then_some(()).ok_or_else(nothing)
+    }
+}

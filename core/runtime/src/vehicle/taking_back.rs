@@ -1,0 +1,62 @@
+//! A vehicle that this node flew until it ended: it gets setpoints that hold it where it is, until it is clear that it flies by them again or is
+//! left. Its model begins then, and finds it as it is.
+//!
+//! Must never do: ask for OFFBOARD.
+
+use super::VehicleState;
+use crate::board::PeerSnapshot;
+use crate::resume::judge::{Seen, Taking};
+use crate::snapshot::EventKind;
+use skein_domain::exchange::Severity;
+use skein_domain::link::LinkEvent;
+
+impl VehicleState {
+    /// Whether it is being taken back in this period.
+    pub(super) fn takes_back(&mut self, peers: &PeerSnapshot) -> bool {
+        let (id, now) = (self.cell.id, self.board.now());
+        let Some(entry) = peers.entry(id) else { return false };
+        let Some(taking) = self.board.resume.look(id, &Seen::of(entry), now) else {
+            return false;
+        };
+        self.hear_without_model();
+        match taking {
+            Taking::Awaited => true,
+            Taking::Holding { .. } => {
+                let link = self.cell.link.load_full();
+                link.0.resume_stream();
+                if let Some(own) = entry.kinematics.filter(|_| entry.link.connected) {
+                    let place = *self.refused_at.get_or_insert(own.position);
+                    self.hold_at(place, entry, peers, now);
+                }
+                true
+            }
+            Taking::Taken => {
+                self.refused_at = None;
+                let before = self.board.resume.before();
+                if before.is_some_and(|before| before.withdrawn.contains(&id)) {
+                    self.board.withdraw(&self.cell);
+                }
+                let text = format!("{}: taken back, it holds", self.cell.name);
+                self.record(Severity::Advisory, EventKind::Notice, text);
+                false
+            }
+            Taking::Left(_) => {
+                self.refused_at = None;
+                self.cell.link.load().0.stop_stream(now);
+                false
+            }
+        }
+    }
+
+    /// What its link has to say is told or waits for the model, but for changes of mode: on the way back they are no news.
+    fn hear_without_model(&mut self) {
+        let link = self.cell.link.load_full();
+        let mut events = std::mem::take(&mut self.waiting);
+        for event in link.0.take_events() {
+            if !matches!(event, LinkEvent::ModeChanged { .. }) {
+                self.take_link_event(event, &mut events);
+            }
+        }
+        self.waiting = events;
+    }
+}
