@@ -32,6 +32,7 @@ function distances(places: readonly { north: number; east: number }[]): number[]
 // Nobody flies in this one: it comes first, while all stand where they began.
 test('a shape is drawn, moved by keys, read from a file and saved', async ({ page }) => {
   await open(page, program.url, VEHICLES);
+  await selectAll(page);
   await choose(page, 'Free');
   await test.step('three places with the mouse', () => drawn(page));
   await test.step('keys move, choose, remove and take back', () => byKeys(page));

@@ -1,6 +1,7 @@
 // Number, height and trouble of each vehicle beside its sign, where there is room. For the map and the view in space alike: both say where
 // on the canvas a vehicle is.
 
+import { t } from '../../language/language.svelte';
 import { FLAG } from '../../protocol/frame';
 import { isAirborne } from '../../telemetry/carry';
 import { LabelRoom, toolsBox } from './labelRoom';
@@ -50,7 +51,7 @@ export function paintLabels(
     const id = fleet.ids[i] ?? 0;
     const { level, problem, height } = scene.marking(i);
     const leads = fleet.has(i, FLAG.leader);
-    const head = leads ? `${id} leader` : `${id}`;
+    const head = leads ? `${id} ${t('leader')}` : `${id}`;
     const rest = level >= 2 ? problem : short || !isAirborne(fleet, i) ? '' : height;
     const headWidth = widthOf(ctx, head, HEAD_FONT);
     const restWidth = rest ? widthOf(ctx, rest, FONT) + 6 : 0;

@@ -43,6 +43,6 @@ export const fleet = {
   'How urgent': 'Wie dringend', All: 'Alle', 'Advisory and worse': 'Hinweis und schlimmer', 'Warning and worse': 'Warnung und schlimmer', 'About whom': 'Über wen', 'About anybody': 'Über alle', 'About the targets': 'Über die Ziele', 'About no one vehicle': 'Über kein einzelnes',
   'Which kind': 'Welche Art', 'Every kind': 'Jede Art', 'Show all': 'Alle zeigen', 'Event log': 'Ereignisprotokoll', '{count} of {all}': '{count} von {all}', 'No event fits.': 'Kein Ereignis passt.', 'Nothing yet.': 'Noch nichts.',
   'Page of vehicle {id}': 'Seite von Fahrzeug {id}', '{count} times since {time}': '{count}-mal seit {time}', 'because {cause}': 'weil: {cause}', 'Which events': 'Welche Ereignisse', 'All events': 'Alle Ereignisse', Important: 'Wichtige', 'Of the targets': 'Der Ziele', 'All acknowledged': 'Alles bestätigt', 'Acknowledge {count}': '{count} bestätigen', Seen: 'Gesehen',
-  'before the restart': 'vor dem Neustart',
+  leader: 'Führer', 'before the restart': 'vor dem Neustart',
   'vehicle {id}': 'Fahrzeug {id}', '{count} running': '{count} laufen', 'nothing heard for {seconds} s': 'seit {seconds} s nichts gehört', 'loss {percent} %': '{percent} % Verlust', 'round trip {ms} ms': 'Laufzeit {ms} ms', 'grid {step}, fine {fine}': 'Gitter {step}, fein {fine}',
 } as const;
