@@ -976,7 +976,11 @@ faults_enabled: boolean,
 /**
  * Whether an operator has to give signs of life, and does.
  */
-dead_man: DeadMan, };
+dead_man: DeadMan, 
+/**
+ * What an operator is asked after the node ended in flight and has started again.
+ */
+resume: ResumeQuestion | null, };
 
 /**
  * The fleet at one moment.
@@ -1017,7 +1021,11 @@ tracks: Array<Track>,
 /**
  * The swarm this node is part of, if it is part of one.
  */
-swarm: SwarmSnapshot | null, };
+swarm: SwarmSnapshot | null, 
+/**
+ * What an operator is asked after this node ended in flight and has started again.
+ */
+resume: ResumeQuestion | null, };
 
 /**
  * Limits of one vehicle's flight. The slowest member decides how fast a formation goes.
@@ -1659,6 +1667,19 @@ order: Order | null, };
  * Whether the vehicle stands on the ground, as its own detector says.
  */
 export type LandedState = "unknown" | "on_ground" | "in_air" | "taking_off" | "landing";
+
+/**
+ * A vehicle that was not taken back after a restart of the node.
+ */
+export type LeftVehicle = { 
+/**
+ * Which.
+ */
+vehicle: VehicleId, 
+/**
+ * Why.
+ */
+why: string, };
 
 /**
  * State of the link to one vehicle, measured by this node.
@@ -2656,6 +2677,36 @@ restored: Restored, };
  * Whether a restarted instance has the state of the one before it.
  */
 export type Restored = "fresh" | "exactly" | "differently";
+
+/**
+ * The answer to what an operator is asked after a restart in flight.
+ */
+export type ResumeBody = { 
+/**
+ * The vehicles that were taken back fly on; if not, they go on holding, and what was flown is forgotten.
+ */
+fly_on: boolean, };
+
+/**
+ * Whether vehicles that were taken back after a restart of the node are to fly on.
+ */
+export type ResumeQuestion = { 
+/**
+ * They hold where they are.
+ */
+vehicles: Array<VehicleId>, 
+/**
+ * Those that were not taken back.
+ */
+left: Array<LeftVehicle>, 
+/**
+ * A formation is flown on; else what each of them was commanded.
+ */
+formation: boolean, 
+/**
+ * Since when it is asked.
+ */
+since: NodeTime, };
 
 /**
  * A leader's route in the swarm frame, flown with rounded corners at one speed.
