@@ -12,7 +12,9 @@ use crate::outbox::Outbox;
 use crate::settings::{EndpointSettings, LinkSettings};
 use crate::sighting::{self, ReferenceSink};
 use crate::table::{LinkTable, Slot};
+use crate::vehicle::plan::Command;
 use crate::vehicle::{AUTOPILOT_COMPONENT, own_heartbeat};
+use mavlink::dialects::common::MavCmd;
 use skein_domain::{Clock, NodeTime};
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -45,6 +47,8 @@ pub struct Hub {
     next_tick: NodeTime,
     next_hello: NodeTime,
     hello: Outbox,
+    /// Whose heartbeat has been asked for, by system id: once each, so that no flood of strangers is answered by one.
+    asked: Vec<bool>,
 }
 
 impl Hub {
@@ -74,6 +78,7 @@ impl Hub {
             next_tick: NodeTime::default(),
             next_hello: NodeTime::default(),
             hello,
+            asked: vec![false; 256],
             slot,
         };
         for link in hub.table.links_at(hub.slot.number) {
@@ -179,6 +184,7 @@ impl Hub {
             if told || header.system_id == self.link_settings.own_system_id || !self.sight(now, frame) {
                 counters.unadopted += 1;
             }
+            self.ask_heartbeat(frame, from);
             return;
         };
         let (link, event) =
@@ -194,6 +200,28 @@ impl Hub {
         }
         // The heartbeat itself, and whether it comes from where this vehicle is heard already.
         self.on_frame(now, counters, frame, from);
+    }
+
+    /// An autopilot that speaks before its heartbeat is asked for that: a node that starts again while vehicles fly has no second to lose.
+    fn ask_heartbeat(&mut self, frame: &Frame<'_>, from: Option<SocketAddr>) {
+        let header = &frame.header;
+        let is_other = header.system_id != 0 && header.system_id != self.link_settings.own_system_id;
+        if header.component_id != AUTOPILOT_COMPONENT || !frame.known || !is_other {
+            return;
+        }
+        let Some(asked) = self.asked.get_mut(usize::from(header.system_id)) else {
+            return;
+        };
+        if std::mem::replace(asked, true) {
+            return;
+        }
+        // All zero: the number of HEARTBEAT.
+        let command = Command::long(MavCmd::MAV_CMD_REQUEST_MESSAGE, [0.0; 7]);
+        self.hello
+            .push(&command.long_message(0, (header.system_id, AUTOPILOT_COMPONENT)));
+        self.hello.drain(|frame| {
+            self.slot.outlet.send(from, frame);
+        });
     }
 
     /// Tells of somebody's place, if the frame says one. True if it does, and somebody wants to know.

@@ -19,7 +19,9 @@ pub const HEARD_WITHIN_S: f64 = 6.0;
 /// What is known of a vehicle in one period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Seen {
-    /// It is heard, and it is known where it is.
+    /// It is heard, and where it is in its own frame.
+    pub is_heard: bool,
+    /// It is known where it is in the swarm's frame.
     pub is_placed: bool,
     /// Armed, and not known to stand on the ground.
     pub airborne: bool,
@@ -33,7 +35,8 @@ impl Seen {
     /// From the picture of a period.
     pub fn of(entry: &PeerEntry) -> Self {
         Self {
-            is_placed: entry.link.connected && entry.kinematics.is_some() && entry.telemetry.local_frame.is_some(),
+            is_heard: entry.link.connected && entry.telemetry.local.is_some(),
+            is_placed: entry.kinematics.is_some() && entry.telemetry.local_frame.is_some(),
             airborne: entry.airborne,
             mode: entry.telemetry.mode,
             failsafe: entry.telemetry.failsafe,
@@ -99,7 +102,7 @@ pub fn step(taking: Taking, seen: &Seen, now: NodeTime) -> Taking {
         return taking;
     }
     // Not told yet, or not heard: nothing follows from it.
-    if !seen.is_placed || seen.mode == FlightMode::Unknown {
+    if !seen.is_heard || seen.mode == FlightMode::Unknown {
         return taking;
     }
     if !seen.airborne {
@@ -117,8 +120,8 @@ pub fn step(taking: Taking, seen: &Seen, now: NodeTime) -> Taking {
     };
     let for_s = now.seconds_since(since);
     match (offboard, fell) {
-        (true, true) => Taking::Taken,
-        (true, false) if for_s >= STAYED_S => Taking::Taken,
+        (true, true) if seen.is_placed => Taking::Taken,
+        (true, false) if seen.is_placed && for_s >= STAYED_S => Taking::Taken,
         (false, _) if for_s >= COMES_BACK_S => Taking::Left(Why::Stays(seen.mode)),
         _ => Taking::Holding {
             since,

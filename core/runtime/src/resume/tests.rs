@@ -104,6 +104,7 @@ fn who_is_not_heard_in_time_and_whom_an_operator_commands_is_not_taken_back() {
     let folder = tempfile::tempdir().expect("a folder");
     let resume = restarted(&folder);
     let offboard = Seen {
+        is_heard: true,
         is_placed: true,
         airborne: true,
         mode: FlightMode::Offboard,

@@ -4,11 +4,13 @@
 //! Must never do: ask for OFFBOARD.
 
 use super::VehicleState;
-use crate::board::PeerSnapshot;
+use crate::board::{PeerEntry, PeerSnapshot};
 use crate::resume::judge::{Seen, Taking};
 use crate::snapshot::EventKind;
 use skein_domain::exchange::Severity;
 use skein_domain::link::LinkEvent;
+use skein_domain::setpoint::LocalSetpoint;
+use skein_domain::{NodeTime, VelocityNed};
 
 impl VehicleState {
     /// Whether it is being taken back in this period.
@@ -24,10 +26,7 @@ impl VehicleState {
             Taking::Holding { .. } => {
                 let link = self.cell.link.load_full();
                 link.0.resume_stream();
-                if let Some(own) = entry.kinematics.filter(|_| entry.link.connected) {
-                    let place = *self.refused_at.get_or_insert(own.position);
-                    self.hold_at(place, entry, peers, now);
-                }
+                self.hold_here(entry, peers, now);
                 true
             }
             Taking::Taken => {
@@ -45,6 +44,28 @@ impl VehicleState {
                 self.cell.link.load().0.stop_stream(now);
                 false
             }
+        }
+    }
+
+    /// Holds it where it was when this began. Until it is known where that is among the others it is stopped in its own frame, as its link does where setpoints
+    /// stay away: there is nothing yet that the gate could hold it off.
+    fn hold_here(&mut self, entry: &PeerEntry, peers: &PeerSnapshot, now: NodeTime) {
+        if !entry.link.connected {
+            return;
+        }
+        if let (Some(own), Some(_)) = (entry.kinematics, entry.telemetry.local_frame) {
+            let place = *self.refused_at.get_or_insert(own.position);
+            return self.hold_at(place, entry, peers, now);
+        }
+        if let Some(local) = entry.telemetry.local {
+            let hold = LocalSetpoint {
+                position: Some(local),
+                velocity: Some(VelocityNed::default()),
+                yaw_rad: Some(f64::from(entry.telemetry.yaw_rad)),
+                ..LocalSetpoint::default()
+            };
+            let valid_s = self.board.config.link.setpoint_valid_s;
+            self.cell.link.load().0.stream(now, hold, now.plus_seconds(valid_s));
         }
     }
 

@@ -5,6 +5,7 @@ use proptest::prelude::*;
 
 fn seen(mode: FlightMode, failsafe: bool) -> Seen {
     Seen {
+        is_heard: true,
         is_placed: true,
         airborne: true,
         mode,
@@ -82,28 +83,33 @@ fn who_stands_is_left_and_of_whom_nothing_is_known_nothing_follows() {
     };
     assert_eq!(flown(&[(0.0, landed)]).0, Taking::Left(Why::OnGround));
     let lost = Seen {
-        is_placed: false,
+        is_heard: false,
         ..seen(FlightMode::Position, false)
     };
     assert_eq!(flown(&[(0.0, lost)]).0, Taking::Awaited);
     assert_eq!(flown(&[(0.0, seen(FlightMode::Unknown, false))]).0, Taking::Awaited);
+    let nowhere = Seen {
+        is_placed: false,
+        ..seen(FlightMode::Offboard, false)
+    };
+    let later = [(0.0, nowhere), (5.0, seen(FlightMode::Offboard, false))];
+    // Held, and taken when it is known where it is among the others.
+    assert_eq!(flown(&later), (Taking::Taken, 5.0));
 }
 
 fn any_seen() -> impl Strategy<Value = Seen> {
     let mode = proptest::sample::select(FlightMode::ALL);
     let often = prop_oneof![Just(FlightMode::Offboard), Just(FlightMode::Return), mode];
-    (
-        prop::bool::weighted(0.9),
-        prop::bool::weighted(0.95),
-        often,
-        any::<bool>(),
-    )
-        .prop_map(|(is_placed, airborne, mode, failsafe)| Seen {
+    let likely = || prop::bool::weighted(0.9);
+    (likely(), likely(), likely(), often, any::<bool>()).prop_map(|(is_heard, is_placed, airborne, mode, failsafe)| {
+        Seen {
+            is_heard,
             is_placed,
             airborne,
             mode,
             failsafe,
-        })
+        }
+    })
 }
 
 proptest! {
@@ -115,7 +121,7 @@ proptest! {
         for (seen, after_s) in all {
             now_s += after_s;
             taking = step(taking, &seen, NodeTime::from_seconds(now_s));
-            let known = seen.is_placed && seen.mode != FlightMode::Unknown;
+            let known = seen.is_heard && seen.mode != FlightMode::Unknown;
             let ours = seen.mode == FlightMode::Offboard
                 || (seen.failsafe && matches!(seen.mode, FlightMode::Return | FlightMode::Hold | FlightMode::Land));
             match taking {
