@@ -7,6 +7,7 @@ import { AlarmSound } from '../model/alarmSound.svelte';
 import { Commander } from '../model/commander.svelte';
 import { Control } from '../model/control.svelte';
 import { EmergencyStop } from '../model/emergencyStop.svelte';
+import { FenceDraft } from '../model/fenceDraft.svelte';
 import { FormationDraft } from '../model/formationDraft.svelte';
 import { GoTo } from '../model/goTo.svelte';
 import { HandFlight } from '../model/handFlight.svelte';
@@ -33,6 +34,7 @@ export class Console {
   readonly watch = new Watch(this.session);
   readonly emergency = new EmergencyStop(this.journal);
   readonly formation = new FormationDraft(this.session, this.targets, this.journal, () => this.watch.references);
+  readonly fence = new FenceDraft();
   readonly goTo = new GoTo(this.session, this.targets, this.commander);
   readonly hand = new HandFlight(this.session, this.commander, this.control);
   readonly presence = new Presence(this.session);

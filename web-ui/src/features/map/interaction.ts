@@ -3,6 +3,7 @@
 // or a finger that rests, says where to go. Must never send anything: it changes view, targets and drafts only.
 
 import type { Console } from '../../app/console.svelte';
+import type { FenceDraft } from '../../model/fenceDraft.svelte';
 import type { RouteDraft } from '../../model/routeDraft.svelte';
 import { placeText } from '../../language/units.svelte';
 import { toggleMeasuring } from '../measure/measuring';
@@ -96,7 +97,7 @@ export class Interaction {
     const { map, session, targets, formation } = this.console;
     if (this.#mode === 'box' && finger.moved) {
       targets.add(within(map.view, session.fleet, finger.startX, finger.startY, finger.x, finger.y));
-    } else if (!finger.moved && (map.tool === 'route' || map.tool === 'path')) {
+    } else if (!finger.moved && (map.tool === 'route' || map.tool === 'path' || map.tool === 'fence')) {
       // A map that moved by itself now would take the next point somewhere else.
       map.camera = 'free';
       if (this.#mode !== 'waypoint') this.#drawn()?.add(this.#ground(finger.x, finger.y));
@@ -196,9 +197,10 @@ export class Interaction {
     this.painter.wake();
   };
 
-  /** The route that the chosen tool draws. */
-  #drawn(): RouteDraft | null {
-    const { map, formation } = this.console;
+  /** The route or outline that the chosen tool draws. */
+  #drawn(): RouteDraft | FenceDraft | null {
+    const { map, formation, fence } = this.console;
+    if (map.tool === 'fence') return fence;
     return map.tool === 'route' ? formation.route : map.tool === 'path' ? formation.path : null;
   }
 

@@ -9,7 +9,7 @@ import { View, include, isEmpty, noBounds } from './view';
 
 /** Keeps all vehicles in view, keeps some centred, or stays where the operator put it. */
 export type Camera = 'fleet' | 'follow' | 'free';
-export type Tool = 'pan' | 'box' | 'route' | 'path' | 'place' | 'measure' | 'goto';
+export type Tool = 'pan' | 'box' | 'route' | 'path' | 'place' | 'measure' | 'goto' | 'fence';
 /** Seen from above, or in space. */
 export type Look = 'flat' | 'space';
 

@@ -198,10 +198,12 @@ export class Painter {
 
   /** The operator's own marks: routes being drawn, what is measured, the selection box. */
   #paintMarks(ctx: CanvasRenderingContext2D, palette: Palette): void {
-    const { map, formation } = this.console;
+    const { map, formation, fence } = this.console;
     const { view } = map;
     paintDraftRoute(ctx, view, palette, formation.route.waypoints, this.#leaderPlace());
     if (formation.anchor === 'path') paintDraftRoute(ctx, view, palette, formation.path.waypoints, null);
+    // An outline is a way that ends where it begins.
+    paintDraftRoute(ctx, view, palette, fence.waypoints, fence.waypoints.at(-1) ?? null);
     if (map.tool === 'goto') paintWays(ctx, view, palette, this.console.goTo.ways());
     if (map.tool === 'measure') paintMeasure(ctx, view, palette, this.measured(), this.#firstMeasured());
     if (this.box) paintBox(ctx, palette, this.box.x0, this.box.y0, this.box.x1, this.box.y1);

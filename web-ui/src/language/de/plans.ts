@@ -1,6 +1,12 @@
 // German for the map and the plans: formation, route, fences, preflight.
 
 export const plans = {
+  // drawing a zone
+  'Drawn zone': 'Gezeichnete Zone', 'Draw a zone': 'Eine Zone zeichnen', 'Changes of {name}': 'Änderungen an {name}', 'The zone is in force.': 'Die Zone gilt.', 'The zone is lifted.': 'Die Zone ist aufgehoben.',
+  'On a breach': 'Bei Verletzung', 'Lowest height': 'Geringste Höhe', 'Greatest height': 'Größte Höhe', 'without end': 'ohne Ende', 'Corners missing: {count}': 'Ecken fehlen: {count}',
+  '{count} corners; heights count from the origin': '{count} Ecken; Höhen ab dem Ursprung', 'Put the change in force': 'Änderung in Kraft setzen', 'Put the zone in force': 'Zone in Kraft setzen',
+  'Lift this zone': 'Diese Zone aufheben', 'zone {number}': 'Zone {number}',
+  'Click to set the corners of the zone, drag to move one, Backspace takes the last away.': 'Klicken setzt die Ecken der Zone, Ziehen verschiebt eine, Rücktaste nimmt die letzte weg.',
   // going to a place
   'Send the targets to a place': 'Ziele an einen Ort schicken', 'Send the targets to a place (on a touch screen: rest a finger on it)': 'Ziele an einen Ort schicken (auf einem Touchscreen: Finger darauf ruhen lassen)',
   'Click where the targets are to go.': 'Klicken, wohin die Ziele fliegen sollen.', 'Fly there': 'Hinfliegen', 'up to {length}, arranged as they are': 'bis zu {length}, angeordnet wie jetzt',
