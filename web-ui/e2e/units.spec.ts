@@ -89,6 +89,7 @@ test('in feet and knots a fleet is flown', { tag: '@long' }, async ({ page }) =>
   });
 
   await test.step('so do a formation, a route, and a place', async () => {
+    await selectAll(page);
     await field(page, 'Spacing').fill('20');
     const previewed = page.waitForRequest((request) => request.url().endsWith('/formation/preview'));
     await page.getByRole('radio', { name: 'Line', exact: true }).check({ force: true });
@@ -143,6 +144,7 @@ test.describe('where the browser wants German', () => {
     await button(page, 'Einstellungen').click();
     await page.getByRole('radio', { name: /^Luftfahrt/ }).check();
     await page.keyboard.press('Escape');
+    await button(page, `Alle ${VEHICLES} auswählen`).click();
     await button(page, `Starten ${VEHICLES}`).hover();
     await expect(page.getByTestId('forecast')).toContainText('auf 32.8 ft steigen und dort halten');
     await expect(figure(page, 1, 'Höhe')).toHaveText(/^-?\d+ ft$/);
