@@ -97,6 +97,7 @@ test('in feet and knots a fleet is flown', { tag: '@long' }, async ({ page }) =>
     expect(asked.spacing_m).toBeCloseTo(20 * FOOT_M, 9);
     await expect(page.getByTestId('preview-said')).toHaveText('Closest together: 20.0 ft');
     await page.getByRole('checkbox', { name: 'Preview on the map' }).uncheck();
+    await button(page, 'Clear').click();
     await page.getByRole('tab', { name: 'Route' }).click();
     await button(page, 'Point').click();
     await expect(field(page, 'Point 1 north')).toHaveValue('32.8');
