@@ -103,6 +103,7 @@ test('nothing is written to an armed vehicle', { tag: '@long' }, async ({ page }
   await expect(button(page, 'Write BAT_CRIT_THR of 1')).toBeEnabled();
   await page.getByRole('textbox', { name: /^BAT_CRIT_THR/ }).press('Escape');
   await page.goto(`${program.url}/#map`);
+  await button(page, 'Clear').click();
   await selectAll(page);
   await hold(page, `Take off ${VEHICLES}`);
   await page.goto(`${program.url}/#vehicle/1/parameters`);

@@ -89,6 +89,7 @@ test('in feet and knots a fleet is flown', { tag: '@long' }, async ({ page }) =>
   });
 
   await test.step('so do a formation, a route, and a place', async () => {
+    await selectAll(page);
     await field(page, 'Spacing').fill('20');
     const previewed = page.waitForRequest((request) => request.url().endsWith('/formation/preview'));
     await page.getByRole('radio', { name: 'Line', exact: true }).check({ force: true });
@@ -96,6 +97,7 @@ test('in feet and knots a fleet is flown', { tag: '@long' }, async ({ page }) =>
     expect(asked.spacing_m).toBeCloseTo(20 * FOOT_M, 9);
     await expect(page.getByTestId('preview-said')).toHaveText('Closest together: 20.0 ft');
     await page.getByRole('checkbox', { name: 'Preview on the map' }).uncheck();
+    await button(page, 'Clear').click();
     await page.getByRole('tab', { name: 'Route' }).click();
     await button(page, 'Point').click();
     await expect(field(page, 'Point 1 north')).toHaveValue('32.8');
@@ -143,6 +145,7 @@ test.describe('where the browser wants German', () => {
     await button(page, 'Einstellungen').click();
     await page.getByRole('radio', { name: /^Luftfahrt/ }).check();
     await page.keyboard.press('Escape');
+    await button(page, `Alle ${VEHICLES} auswählen`).click();
     await button(page, `Starten ${VEHICLES}`).hover();
     await expect(page.getByTestId('forecast')).toContainText('auf 32.8 ft steigen und dort halten');
     await expect(figure(page, 1, 'Höhe')).toHaveText(/^-?\d+ ft$/);
