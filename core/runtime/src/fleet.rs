@@ -188,7 +188,14 @@ impl FleetState {
         let Some(rule) = rules.iter().find(|rule| fits(rule, &discovery)).cloned() else {
             return self.not_adopted(discovery.unadopted("no adoption rule fits it".to_owned()));
         };
-        let known = self.board.cell(vehicle_id(&discovery, &rule)).is_some();
+        let id = vehicle_id(&discovery, &rule);
+        let flown_before = || {
+            self.board
+                .resume
+                .before()
+                .is_some_and(|flown| flown.vehicles.contains_key(&id))
+        };
+        let known = self.board.cell(id).is_some() || flown_before();
         let now = if known {
             Some(discovery)
         } else {
