@@ -135,6 +135,9 @@ async fn vehicles_are_lost_join_and_restart_while_the_node_runs() {
         .unwrap();
     net.discovered(added).await;
 
+    // Stamps that go back by less are late frames.
+    net.until("it has been up for longer", |now| now.as_seconds() > 6.0)
+        .await;
     simulation.reboot(3).unwrap();
     net.link_event("rebooted", &links[2], |event| *event == LinkEvent::Rebooted)
         .await;

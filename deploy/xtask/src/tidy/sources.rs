@@ -33,7 +33,12 @@ const EFFECTS: [&str; 9] = [
     "rand::",
 ];
 /// Crates that may hold `unsafe`; each block carries its reason.
-const MAY_BE_UNSAFE: [&str; 4] = ["core/plugin-abi", "core/plugin-sdk", "core/plugin-host", "core/realtime"];
+const MAY_BE_UNSAFE: [&str; 4] = [
+    "core/plugin-abi",
+    "core/plugin-sdk",
+    "core/plugin-host",
+    "core/realtime",
+];
 
 /// Every rule that looks at one file.
 pub fn check(file: &File) -> Vec<Finding> {

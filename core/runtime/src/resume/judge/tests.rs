@@ -17,7 +17,7 @@ fn seen(mode: FlightMode, failsafe: bool) -> Seen {
 fn flown(shown: &[(f64, Seen)]) -> (Taking, f64) {
     let mut taking = Taking::Awaited;
     for period in 0..500_u32 {
-        let now_s = f64::from(period) * 0.02;
+        let now_s = f64::from(period) / 50.0;
         let at = shown
             .iter()
             .rev()
