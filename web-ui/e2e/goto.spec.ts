@@ -2,7 +2,7 @@
 
 import type { Page } from '@playwright/test';
 import { findings } from './accessibility';
-import { button, card, expect, hold, open, plotted, summary, test } from './console';
+import { button, card, expect, hold, open, plotted, summary, test, selectAll } from './console';
 import { Program } from './program';
 
 const VEHICLES = 2;
@@ -23,6 +23,7 @@ async function click(page: Page, north: number, east: number): Promise<void> {
 
 test('two vehicles go where the map is clicked, arranged as they are', async ({ page }) => {
   await open(page, program.url, VEHICLES);
+  await selectAll(page);
   await button(page, 'Send the targets to a place').click();
   await test.step('on the ground it is refused, and why is said', async () => {
     await click(page, 8, 2);
