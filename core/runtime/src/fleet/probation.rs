@@ -16,8 +16,6 @@ const LOOK: Duration = Duration::from_millis(250);
 const LEAST_RATE_HZ: f32 = 4.0;
 /// An older position is a pause, in seconds.
 const POSITION_WITHIN_S: f64 = 1.0;
-/// More are not looked at; there are no more system ids on an endpoint.
-const MOST_WAITING: usize = 512;
 
 /// Who waits, and who was let in of late.
 #[derive(Default)]
@@ -61,8 +59,7 @@ impl FleetState {
         discovery: Discovery,
         rule: &AdoptionRule,
     ) -> Option<Discovery> {
-        let full = self.probation.waiting.len() >= MOST_WAITING;
-        if !self.somebody_flies() || full {
+        if !self.somebody_flies() {
             return Some(discovery);
         }
         let probation_s = self.board.config.newcomers.probation_s;
@@ -71,7 +68,11 @@ impl FleetState {
         if self.probation.waiting.is_empty() {
             myself.send_after(LOOK, || FleetMessage::LookAtNewcomers);
         }
-        self.probation.waiting.push(Candidate {
+        // Who is heard again begins again: there is one of each system id at most.
+        let again = discovery.system_id;
+        let waiting = &mut self.probation.waiting;
+        waiting.retain(|other| other.discovery.system_id != again);
+        waiting.push(Candidate {
             discovery,
             rule: rule.clone(),
             steady_since: None,
