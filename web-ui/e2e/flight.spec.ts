@@ -84,7 +84,7 @@ async function refusals(page: Page): Promise<void> {
   await selectAll(page);
   // Closer together than the coordinator flies: the order is refused, the formation stays.
   await page.getByRole('spinbutton', { name: 'Spacing' }).fill('1');
-  await expect(page.getByText('Closest together: 1.0 m')).toBeVisible();
+  await expect(page.getByTestId('preview-said')).toContainText(/Would be refused: .+/);
   await hold(page, `Form wedge ${VEHICLES}`);
   await expect(page.getByRole('status').getByText(/Wedge refused: .+/)).toBeVisible();
   await expect(page.getByTestId('formation-flown')).toContainText('5 m apart');

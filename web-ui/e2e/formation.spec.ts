@@ -169,8 +169,12 @@ async function arc(page: Page): Promise<void> {
   await field(page, 'Arc').fill('60');
   // A flatter arc is wider from end to end: the answer is to the new angle.
   await expect.poll(async () => distances(await slots(page)).at(-1)).toBeGreaterThan(half.at(-1)! + 1);
-  await expect(page.getByTestId('preview-said')).toHaveText('Closest together: 6.0 m');
+  await expect(page.getByTestId('preview-said')).toHaveText(/^\d+ s to form; closest on the way: \d\.\d m; closest in place: 6\.0 m$/);
   const previewed = distances(await slots(page));
+  // Each vehicle has a line to a place of its own.
+  const ways = await page.evaluate(() => window.__skein!.previewWays());
+  const taken = (await slots(page)).map((slot) => ways.filter(({ to }) => Math.hypot(to.north - slot.north, to.east - slot.east) < 0.5).length);
+  expect(taken).toEqual(Array<number>(VEHICLES).fill(1));
   await hold(page, `Form arc ${VEHICLES}`);
   await expect(page.getByTestId('formation-flown')).toContainText(/Arc of 4, 6 m apart, behind [1-4]/);
   await expect.poll(() => largestSlotError(page, VEHICLES - 1), { timeout: FLIGHT_MS }).toBeLessThan(1);

@@ -2,6 +2,7 @@
 //! allowed. What is allowed is the safety gate's to say, not ours.
 
 use crate::error::ApiError;
+use crate::examples::Example;
 use crate::protocol::{
     AcknowledgeBody, CommandBody, ControlBody, CoordinatorBody, EmergencyStopBody, FenceFileBody, FencePlanBody,
     OverrideBody, ParameterBody, ReadingBody, ResumeBody, RouteBody,
@@ -55,7 +56,7 @@ pub struct Body<T>(pub T);
 
 impl<T, S> FromRequest<S> for Body<T>
 where
-    T: DeserializeOwned + Serialize + MakesSense,
+    T: DeserializeOwned + Serialize + MakesSense + Example,
     S: Send + Sync,
 {
     type Rejection = ApiError;
@@ -66,11 +67,20 @@ where
         }
         let received = timeout(BODY_WITHIN, Bytes::from_request(request, state)).await;
         let bytes = received.map_err(|_| ApiError::TooSlow)?.map_err(JsonRejection::from)?;
-        let Json(value) = Json::<T>::from_bytes(&bytes).map_err(|rejection| not_understood(rejection, &bytes))?;
-        reject_what_was_overlooked(&bytes, &value)?;
-        value.check(&Place::root())?;
-        Ok(Self(value))
+        let understood = understand(&bytes).map_err(|problem| ApiError::Unfit {
+            problem: Box::new(problem),
+            example: T::example(),
+        });
+        understood.map(Self)
     }
+}
+
+/// What the bytes say, if it is of the published shape and makes sense.
+pub(crate) fn understand<T: DeserializeOwned + Serialize + MakesSense>(bytes: &[u8]) -> Result<T, ApiError> {
+    let Json(value) = Json::<T>::from_bytes(bytes).map_err(|rejection| not_understood(rejection, bytes))?;
+    reject_what_was_overlooked(bytes, &value)?;
+    value.check(&Place::root())?;
+    Ok(value)
 }
 
 /// Whether the body says that it is JSON. A foreign page cannot say so without asking first, and is refused then.
@@ -112,6 +122,7 @@ fn overlooked(given: &Value, understood: &Value, place: &Place<'_>) -> Option<Ap
                 Some(understood) => overlooked(value, understood, &place),
                 None => Some(ApiError::UnknownField {
                     field: place.to_string(),
+                    taken: understood.keys().cloned().collect(),
                 }),
             }
         }),

@@ -11,6 +11,7 @@ mod swarm;
 mod trajectories;
 
 use crate::app::App;
+use crate::examples::Example;
 use crate::links;
 use crate::protocol::{
     Accepted, AcknowledgeBody, Acknowledged, CommandBody, CommandReceipts, EventList, Health, LinkReport, VehicleList,
@@ -23,6 +24,7 @@ use axum::handler::Handler;
 use axum::http::StatusCode;
 use axum::routing::{MethodRouter, delete, get, post, put};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde_json::Value;
 use skein_domain::VehicleId;
 use skein_runtime::{Fault, FleetSnapshot, VehicleSnapshot};
 use utoipa::openapi::HttpMethod;
@@ -43,7 +45,8 @@ pub(crate) struct Endpoint {
     pub(crate) variables: Vec<(&'static str, SchemaOf)>,
     /// Schema of the query, an object.
     pub(crate) query: Option<SchemaOf>,
-    pub(crate) body: Option<SchemaOf>,
+    /// Schema of the body, and one.
+    pub(crate) body: Option<(SchemaOf, Value)>,
     pub(crate) answers: Vec<Answer>,
     /// Statuses of errors beside those that any route may give.
     pub(crate) errors: &'static [u16],
@@ -100,8 +103,8 @@ impl Endpoint {
         self
     }
 
-    fn takes<T: JsonSchema>(mut self) -> Self {
-        self.body = Some(schema_of::<T>);
+    fn takes<T: JsonSchema + Example>(mut self) -> Self {
+        self.body = Some((schema_of::<T>, T::example()));
         self
     }
 

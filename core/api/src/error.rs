@@ -47,10 +47,12 @@ pub enum ApiError {
         problem: String,
     },
     /// The body has a field that means nothing here.
-    #[error("unknown field `{field}`")]
+    #[error("unknown field `{field}`, expected one of `{}`", .taken.join("`, `"))]
     UnknownField {
         /// Where, as in `command.height`.
         field: String,
+        /// Fields that are taken there.
+        taken: Vec<String>,
     },
     /// A number is outside of its range, a list is empty or too long.
     #[error("`{field}`: {problem}")]
@@ -59,6 +61,14 @@ pub enum ApiError {
         field: String,
         /// What is wrong and what would be right.
         problem: String,
+    },
+    /// The body is not one that is taken here.
+    #[error("{problem}")]
+    Unfit {
+        /// Why not.
+        problem: Box<ApiError>,
+        /// One that would be taken.
+        example: Value,
     },
     /// The query does not say what it should.
     #[error("{}", .0.body_text())]
@@ -135,6 +145,7 @@ impl ApiError {
             },
             Self::NoneKnown(_) | Self::NotFound { .. } => StatusCode::NOT_FOUND,
             Self::Body(rejection) => rejection.status(),
+            Self::Unfit { problem, .. } => problem.status(),
             Self::TooSlow => StatusCode::REQUEST_TIMEOUT,
             Self::NotJson => StatusCode::UNSUPPORTED_MEDIA_TYPE,
             Self::Shape { .. } | Self::UnknownField { .. } | Self::OutOfRange { .. } => {
@@ -159,6 +170,7 @@ impl ApiError {
             Self::Trajectories(_) => "trajectories_refused",
             Self::NoneKnown(_) => "unknown_vehicle",
             Self::Body(rejection) => body_code(rejection),
+            Self::Unfit { problem, .. } => problem.code(),
             Self::TooSlow => "too_slow",
             Self::NotJson => "not_json",
             Self::Shape { .. } => "invalid_body",
@@ -184,7 +196,8 @@ impl ApiError {
             Self::Parameter(error) => json!(error),
             Self::NoneKnown(receipts) => json!(receipts),
             Self::Trajectories(against) => json!({ "against": against }),
-            Self::UnknownField { field } => json!({ "field": field }),
+            Self::UnknownField { field, taken } => json!({ "field": field, "taken": taken }),
+            Self::Unfit { problem, .. } => problem.facts(),
             Self::OutOfRange { field, problem } => json!({ "field": field, "problem": problem }),
             Self::TooManyStreams { limit } => json!({ "limit": limit }),
             _ => Value::Null,
@@ -198,6 +211,10 @@ impl ApiError {
             code: self.code().to_owned(),
             message: self.to_string(),
             detail: self.facts(),
+            example: match self {
+                Self::Unfit { example, .. } => Some(example.clone()),
+                _ => None,
+            },
         }
     }
 }

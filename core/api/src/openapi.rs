@@ -189,9 +189,10 @@ fn operation(endpoint: Endpoint, schemas: &mut Schemas) -> utoipa::openapi::path
         }
     }
     let mut errors: BTreeSet<u16> = endpoint.errors.iter().chain(ERRORS_OF_ALL).copied().collect();
-    if let Some(body) = endpoint.body {
+    if let Some((body, example)) = endpoint.body {
         let content = ContentBuilder::new()
             .schema(Some(embedded(body(&mut schemas.requests))))
+            .example(Some(example))
             .build();
         let body = RequestBodyBuilder::new()
             .content("application/json", content)

@@ -19,15 +19,15 @@ use skein_domain::control::{Console, VehicleControl};
 use skein_domain::fence::FencePlan;
 use skein_domain::payload::PayloadKind;
 use skein_domain::{
-    EnergyState, Geodetic, LadderState, NodeId, NodeTime, OffsetFrd, Route, SwarmFrame, SystemId, TrajectoryStatus,
-    VehicleCommand, VehicleId,
+    EnergyState, Geodetic, LadderState, NodeId, NodeTime, OffsetFrd, Refusal, Route, SwarmFrame, SystemId,
+    TrajectoryStatus, VehicleCommand, VehicleId,
 };
 use skein_runtime::snapshot::{
     ActorHealth, Avoidance, EventRecord, FormationSnapshot, UnadoptedVehicle, VehicleSnapshot,
 };
 use skein_runtime::{
-    CommandReceipt, ControlAction, ControlReceipt, PayloadSnapshot, PluginInfo, ReferenceSnapshot, RestartRecord,
-    ResumeQuestion, SwarmSnapshot, Targets,
+    CommandReceipt, ControlAction, ControlReceipt, FormationForecast, PayloadSnapshot, PluginInfo, ReferenceSnapshot,
+    RestartRecord, ResumeQuestion, SwarmSnapshot, Targets,
 };
 use ts_rs::TS;
 
@@ -51,6 +51,10 @@ pub struct ErrorDetail {
     /// Facts that go with the code: the refusal itself, the place in the body, what would be allowed. May be null.
     #[ts(type = "unknown")]
     pub detail: serde_json::Value,
+    /// With the refusal of a body: one that would be taken.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[ts(optional, type = "unknown")]
+    pub example: Option<serde_json::Value>,
 }
 
 /// Which program, which version, which node.
@@ -187,6 +191,10 @@ pub struct FormationPreview {
     pub views: Vec<SlotView>,
     /// How many of the vehicles carry a camera that is to look out of the formation.
     pub looking: u32,
+    /// Who would take which place, how long it takes and how close they come on the way, if it were begun now; null if it would be refused.
+    pub forecast: Option<FormationForecast>,
+    /// Why it would be refused now: members that are not in the air, a place outside of the fence.
+    pub refusal: Option<Refusal>,
 }
 
 /// Where a camera can look from a place of a formation, without another place within 30 degrees of that direction.

@@ -52,11 +52,14 @@ pub(crate) async fn preview(
     let members = snapshot.vehicles.iter().filter(|vehicle| takes_part(&vehicle.id));
     let slots =
         formation::anchored_slots(&request, count).map_err(|e| Refusal::InvalidValue { detail: e.to_string() })?;
+    let foreseen = app.node.foresee_formation(request.clone()).await;
     Ok(Json(FormationPreview {
         smallest_distance_m: Some(formation::smallest_distance_m(&slots)).filter(|d| d.is_finite()),
         views: formation::views(&slots).into_iter().map(view).collect(),
         looking: u32::try_from(members.filter(looks).count()).unwrap_or(u32::MAX),
         slots,
+        refusal: foreseen.as_ref().err().cloned(),
+        forecast: foreseen.ok(),
     }))
 }
 

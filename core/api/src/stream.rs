@@ -378,11 +378,13 @@ impl Client {
                     RATES_HZ.end()
                 ),
                 detail: serde_json::Value::Null,
+                example: None,
             },
             Err(error) => ErrorDetail {
                 code: "invalid_message".to_owned(),
                 message: error.to_string(),
                 detail: serde_json::Value::Null,
+                example: None,
             },
         };
         self.say(&ServerMessage::Error { error }).await

@@ -230,7 +230,7 @@ pub fn formation(fleet: &FleetSnapshot, stamps: &Stamps) -> Formation {
         members: flown.members.iter().map(|member| member.0).collect(),
         anchor: flown.anchor.as_ref().map(frames::point).unwrap_or_default(),
         anchor_known: flown.anchor.is_some(),
-        planned_min_distance_m: flown.planned_min_distance_m,
+        planned_min_distance_m: flown.planned_min_distance_m.unwrap_or(f64::INFINITY),
         route_finished: flown.route_finished,
     }
 }

@@ -12,7 +12,7 @@ mod tasks;
 mod trajectories;
 
 pub use membership::{Changed, Judging};
-pub use plan::{PlanInput, PlanLimits, plan};
+pub use plan::{Placed, PlanInput, PlanLimits, plan, plan_with_places};
 pub use route::ActiveRoute;
 pub use succession::{by_fitness, succeed};
 pub use tasks::intent;
@@ -93,6 +93,12 @@ impl Formation {
     pub fn reach_m(&self) -> f64 {
         let reach = |slot: &SlotMove| slot.to.forward_m.hypot(slot.to.right_m);
         self.slots.values().map(reach).fold(0.0, f64::max)
+    }
+
+    /// Smallest distance foreseen on the way between any two, in metres; none for one alone.
+    #[must_use]
+    pub fn apart_m(&self) -> Option<f64> {
+        Some(self.min_distance_m).filter(|apart_m| apart_m.is_finite())
     }
 
     /// Whether all are to be in their slots by this moment.

@@ -14,7 +14,7 @@ pub use trajectories::{PlannedTrajectories, TrajectoryAnswer, TrajectoryAsk};
 
 use crate::board::{Board, PeerSnapshot};
 use crate::coordination::{self, Coordination, Formation};
-use crate::handle::FormationReceipt;
+use crate::handle::{FormationForecast, FormationReceipt};
 use crate::snapshot::EventKind;
 use planning::Purpose;
 use ractor::{Actor, ActorProcessingErr, ActorRef, RpcReplyPort};
@@ -38,6 +38,8 @@ pub struct Coordinator;
 pub enum CoordinatorMessage {
     /// Fly this formation.
     SetFormation(Box<FormationRequest>, RpcReplyPort<Result<FormationReceipt, Refusal>>),
+    /// How would this formation be flown?
+    ForeseeFormation(Box<FormationRequest>, RpcReplyPort<Result<FormationForecast, Refusal>>),
     /// End the formation; its members hold.
     Dissolve(RpcReplyPort<Result<(), Refusal>>),
     /// The leader is to fly this route.
@@ -123,6 +125,10 @@ impl Actor for Coordinator {
         match message {
             CoordinatorMessage::SetFormation(request, reply) => match state.admit(&request) {
                 Ok(()) => state.begin_plan(&myself, *request, Purpose::Asked(reply), 0),
+                Err(refusal) => drop(reply.send(Err(refusal))),
+            },
+            CoordinatorMessage::ForeseeFormation(request, reply) => match state.admit(&request) {
+                Ok(()) => state.begin_plan(&myself, *request, Purpose::Foreseen(reply), 0),
                 Err(refusal) => drop(reply.send(Err(refusal))),
             },
             CoordinatorMessage::Dissolve(reply) => {

@@ -20,7 +20,7 @@ use crate::snapshot::{EventKind, EventRecord, FleetSnapshot};
 use serde::{Deserialize, Serialize};
 use skein_config::NodeConfig;
 use skein_domain::exchange::{FaultDrill, Severity};
-use skein_domain::{AnchorReference, CommandId, NodeTime, Refusal, SlotMove, VehicleId};
+use skein_domain::{AnchorReference, CommandId, NodeTime, PositionNed, Refusal, SlotMove, VehicleId};
 use skein_link_px4::EndpointMetrics;
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -59,12 +59,44 @@ pub struct FormationReceipt {
     pub members: Vec<VehicleId>,
     /// How long the change takes in seconds.
     pub duration_s: f64,
-    /// Smallest distance between any two vehicles on the way, in metres.
-    pub planned_min_distance_m: f64,
+    /// Smallest distance between any two vehicles on the way, in metres; null for one alone.
+    pub planned_min_distance_m: Option<f64>,
     /// How fast it can go as a whole, in metres per second.
     pub max_speed_m_s: f64,
     /// Members that carry a camera and whose places leave it no free view, neither ahead nor outwards.
     pub view_blocked: Vec<VehicleId>,
+}
+
+/// How a change of formation would go if it were begun now.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
+pub struct FormationForecast {
+    /// What would be answered.
+    pub receipt: FormationReceipt,
+    /// Where the formation would look while its anchor stands where it is, in radians clockwise from north.
+    pub heading_rad: f64,
+    /// Who would take which place, leader first.
+    pub ways: Vec<ForeseenWay>,
+}
+
+/// From where a vehicle would go into which place of a formation, in metres about the swarm's origin. With a turning formation or a
+/// detour around another vehicle the way itself is no straight line.
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Serialize,
+    Deserialize,
+    ts_rs::TS,
+    schemars::JsonSchema
+)]
+pub struct ForeseenWay {
+    /// The vehicle.
+    pub vehicle: VehicleId,
+    /// Where it is.
+    pub from: PositionNed,
+    /// Where its place is while the anchor stands where it is.
+    pub to: PositionNed,
 }
 
 /// A fault to inject, where the configuration permits it. A plugin is the vehicle's UAV model, or with a name its payload.

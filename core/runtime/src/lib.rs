@@ -46,8 +46,8 @@ pub use clock::TokioClock;
 pub use emergency::EmergencyKey;
 pub use fences::FenceAnswer;
 pub use handle::{
-    CommandReceipt, ControlAction, ControlReceipt, Fault, FormationReceipt, FormationSlots, NodeHandle,
-    ParameterReceipt, Targets,
+    CommandReceipt, ControlAction, ControlReceipt, Fault, ForeseenWay, FormationForecast, FormationReceipt,
+    FormationSlots, NodeHandle, ParameterReceipt, Targets,
 };
 pub use node::{Adapter, AdapterStart, Node, NodeError};
 pub use plugins::{InstanceUpgrade, PluginInfo, PluginRefusal, UpgradeReceipt};

@@ -214,7 +214,7 @@ fn formation(
         route: coordination.route.as_ref().map(|r| r.route.clone()),
         route_finished: coordination.route.as_ref().is_some_and(|r| r.finished),
         settled_at: formation.settled_at,
-        planned_min_distance_m: formation.min_distance_m,
+        planned_min_distance_m: formation.apart_m(),
         intent_version,
     })
 }

@@ -342,8 +342,8 @@ pub struct FormationSnapshot {
     pub route_finished: bool,
     /// When all are to be in their slots.
     pub settled_at: NodeTime,
-    /// Smallest distance between any two vehicles that the plan of the change foresees, in metres.
-    pub planned_min_distance_m: f64,
+    /// Smallest distance between any two vehicles that the plan of the change foresees, in metres; null for one alone.
+    pub planned_min_distance_m: Option<f64>,
     /// Intent version of the last change.
     pub intent_version: u64,
 }

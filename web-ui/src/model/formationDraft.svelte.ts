@@ -4,7 +4,7 @@
 import { FLAG } from '../protocol/frame';
 import { ApiError, endFormation, previewFormation, putFormation, putRoute } from '../protocol/rest';
 import type { FormationAnchor, FormationControl, FormationPreview, FormationRequest, HeadingRequest, ReferenceSnapshot, Shape } from '../protocol/types';
-import { label } from '../protocol/words';
+import { label, refusalText } from '../protocol/words';
 import { anchorText, hasParameter, pathHeading, placed, requestOf, whyNobody } from './formationWords';
 import type { Place, Slot } from './formationWords';
 import type { Journal } from './journal.svelte';
@@ -145,7 +145,7 @@ export class FormationDraft {
   /** The form as a preview is asked for: with those that would take part, or before take-off with the targets. */
   #previewRequest(): FormationRequest {
     const members = this.members.length > 0 ? this.members.map((row) => row.id) : this.#targets.ids;
-    return { ...this.request(), leader: null, members };
+    return { ...this.request(), members };
   }
 
   /** What a new preview is for, as text: a change of it is a reason to ask again. */
@@ -186,10 +186,36 @@ export class FormationDraft {
     return basis ? placed(this.previewed.slots, basis, basis.headingRad) : [];
   }
 
+  /** Who would go from where to which place, if it can be flown now: from where the vehicles have come to since it was asked. */
+  previewWays(): { from: Place; to: Place }[] {
+    const ways = (this.preview && this.previewed?.forecast?.ways) || [];
+    return ways.map(({ vehicle, from, to }) => ({
+      from: this.#vehicleAt(vehicle) ?? { north: from.north_m, east: from.east_m },
+      to: { north: to.north_m, east: to.east_m },
+    }));
+  }
+
+  /** What the preview says in words, and whether it says that the order would be refused. */
+  previewSaid = $derived.by<{ text: string; refused: boolean }>(() => {
+    if (!this.preview || !this.previewed) return { text: '', refused: false };
+    const { forecast, refusal, smallest_distance_m: apart, views, looking } = this.previewed;
+    // Nobody in the air is no fault of the form; the page says so itself.
+    if (refusal && this.members.length > 0) return { text: t('Would be refused: {why}', { why: refusalText(refusal) }), refused: true };
+    const said = [];
+    if (forecast) said.push(t('{seconds} s to form', { seconds: forecast.receipt.duration_s.toFixed(0) }));
+    const onTheWay = forecast?.receipt.planned_min_distance_m ?? null;
+    if (onTheWay !== null) said.push(t('closest on the way: {distance}', { distance: figureText('length', onTheWay) }));
+    if (apart !== null) said.push(t('closest in place: {distance}', { distance: figureText('length', apart) }));
+    const blocked = views.filter((view) => view === 'blocked').length;
+    if (looking > 0 && blocked > 0) said.push(t('no free view from {count} of {all} places', { count: blocked, all: views.length }));
+    return { text: said.join('; '), refused: false };
+  });
+
   /** Where the previewed anchor is and where the formation looks there. */
   previewBasis(): (Place & { headingRad: number }) | null {
     if (!this.preview) return null;
-    const fixed = this.heading === 'fixed' ? (this.headingDeg * Math.PI) / 180 : null;
+    // The coordinator's word where it has one: a formation that turns into another one looks where the first does.
+    const fixed = this.heading === 'fixed' ? (this.headingDeg * Math.PI) / 180 : (this.previewed?.forecast?.heading_rad ?? null);
     const at = (place: Place | null | undefined, headingRad: number | null) =>
       place ? { north: place.north, east: place.east, headingRad: fixed ?? headingRad ?? 0 } : null;
     switch (this.anchor) {
@@ -226,7 +252,7 @@ export class FormationDraft {
         count: receipt.members.length,
         anchor: anchorText(request.anchor, receipt.leader),
         seconds: receipt.duration_s.toFixed(0),
-        distance: figureText('length', receipt.planned_min_distance_m),
+        distance: receipt.planned_min_distance_m === null ? '–' : figureText('length', receipt.planned_min_distance_m),
         speed: figureText('speed', receipt.max_speed_m_s),
       });
       this.outcome = { tone: 'accepted', text };

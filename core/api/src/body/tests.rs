@@ -5,7 +5,7 @@ use axum::body::Body as HttpBody;
 use proptest::prelude::*;
 use serde_json::json;
 
-fn read<T: DeserializeOwned + Serialize + MakesSense>(
+fn read<T: DeserializeOwned + Serialize + MakesSense + Example>(
     kind: &str,
     body: impl Into<HttpBody>,
 ) -> Result<T, (u16, String, String)> {
@@ -253,4 +253,23 @@ async fn a_body_that_does_not_come_is_not_waited_for() {
         .unwrap();
     let error = Body::<CommandBody>::from_request(request, &()).await.unwrap_err();
     assert_eq!((error.status().as_u16(), error.code()), (408, "too_slow"));
+}
+
+#[test]
+fn who_sends_what_is_not_taken_is_shown_what_is() {
+    let request = Request::builder()
+        .header("content-type", "application/json")
+        .body(HttpBody::from(
+            r#"{ "route": { "waypoints": [[1, 2, -3]], "speed_m_s": 2 } }"#,
+        ))
+        .unwrap();
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_time()
+        .build()
+        .unwrap();
+    let refused = runtime.block_on(Body::<RouteBody>::from_request(request, &()));
+    let detail = refused.unwrap_err().detail();
+    assert_eq!(detail.code, "invalid_body");
+    assert!(detail.message.contains("waypoints[0]"), "{}", detail.message);
+    assert_eq!(detail.example, Some(RouteBody::example()));
 }

@@ -229,7 +229,7 @@ async fn form(node: &NodeHandle, request: Result<FormationRequest, Refusal>) -> 
             leader: receipt.leader.map_or(0, |leader| leader.0),
             members: receipt.members.iter().map(|member| member.0).collect(),
             duration_s: receipt.duration_s,
-            planned_min_distance_m: receipt.planned_min_distance_m,
+            planned_min_distance_m: receipt.planned_min_distance_m.unwrap_or(f64::INFINITY),
         },
     }
 }

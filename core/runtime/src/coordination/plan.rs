@@ -82,6 +82,23 @@ pub struct PlanInput {
 /// # Errors
 /// When a named member or leader is not available, too few are, the anchor is not known, or no safe way into the slots is found.
 pub fn plan(input: &PlanInput, peers: &PeerSnapshot) -> Result<Formation, Refusal> {
+    plan_with_places(input, peers).map(|(formation, _)| formation)
+}
+
+/// Where a formation's places would be while its anchor stands where it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Placed {
+    /// Heading of the formation, in radians clockwise from north.
+    pub heading_rad: f64,
+    /// The members' places, in the order of the members.
+    pub places: Vec<PositionNed>,
+}
+
+/// The same, and where each member comes to, as far as is known now.
+///
+/// # Errors
+/// As [`plan`].
+pub fn plan_with_places(input: &PlanInput, peers: &PeerSnapshot) -> Result<(Formation, Placed), Refusal> {
     let mut members = members(&input.request, peers)?;
     let leader = choose_leader(input, &mut members, peers)?;
     let able = capabilities(&members, peers, &input.limits);
@@ -106,11 +123,13 @@ pub fn plan(input: &PlanInput, peers: &PeerSnapshot) -> Result<Formation, Refusa
     };
     let planned = change.plan(input.start).map_err(invalid)?;
     let ends: Vec<OffsetFrd> = planned.moves.iter().map(|m| m.to).collect();
-    stays_inside(input, peers, (&members, &ends), &basis, &headings.formed)?;
+    let placed = placed(&ends, &basis, &headings.formed);
+    stays_inside(input, peers, (&members, &placed.places))?;
+    stays_inside_ahead(input, (&members, &ends), &basis, &headings.formed)?;
     let forming = (planned.duration_s, farthest_m(&from, &slots));
     let anchor = anchor_plan(input, &basis, headings.formed, &together, forming);
     let skipped = usize::from(leader.is_some());
-    Ok(Formation {
+    let formation = Formation {
         request: FormationRequest {
             leader: leader.or(input.request.leader),
             ..input.request.clone()
@@ -127,7 +146,8 @@ pub fn plan(input: &PlanInput, peers: &PeerSnapshot) -> Result<Formation, Refusa
         settled_at: input.start.plus_seconds(planned.duration_s),
         min_distance_m: planned.min_distance_m,
         max_speed_m_s: together.max_speed_m_s * limits::TURN_SPEED_SHARE,
-    })
+    };
+    Ok((formation, placed))
 }
 
 /// Whether the places are far enough apart. Who is alone may be joined by others: the spacing is looked at as if there were two.
@@ -154,25 +174,38 @@ fn view_blocked(members: &[VehicleId], able: &[FlightLimits], places: &[OffsetFr
         .collect()
 }
 
-/// Whether everyone's place is one that may be flown to, as far as is known now: about the anchor as it stands, and along the way it is on.
-/// In the same order, members and their places.
-fn stays_inside(
-    input: &PlanInput,
-    peers: &PeerSnapshot,
-    (members, slots): (&[VehicleId], &[OffsetFrd]),
-    basis: &Basis,
-    heading: &FormationHeading,
-) -> Result<(), Refusal> {
+fn placed(slots: &[OffsetFrd], basis: &Basis, heading: &FormationHeading) -> Placed {
     let heading_rad = match heading {
         FormationHeading::Fixed { heading_rad, .. } => *heading_rad,
         FormationHeading::Course { .. } => basis.heading_rad,
     };
-    members.iter().zip(slots).try_for_each(|(id, slot)| {
-        let place = basis.position.moved(slot.rotated(heading_rad));
+    let place = |slot: &OffsetFrd| basis.position.moved(slot.rotated(heading_rad));
+    Placed {
+        heading_rad,
+        places: slots.iter().map(place).collect(),
+    }
+}
+
+/// Whether everyone's place is one that may be flown to. In the same order, members and their places.
+fn stays_inside(
+    input: &PlanInput,
+    peers: &PeerSnapshot,
+    (members, places): (&[VehicleId], &[PositionNed]),
+) -> Result<(), Refusal> {
+    members.iter().zip(places).try_for_each(|(id, place)| {
         let ground_down_m = peers.entry(*id).map_or(0.0, steering::ground_down_m);
-        input.gate.goal(&place)?;
-        input.gate.height(&place, ground_down_m)
-    })?;
+        input.gate.goal(place)?;
+        input.gate.height(place, ground_down_m)
+    })
+}
+
+/// The same along the way that the anchor is on, if that is looked at.
+fn stays_inside_ahead(
+    input: &PlanInput,
+    (members, slots): (&[VehicleId], &[OffsetFrd]),
+    basis: &Basis,
+    heading: &FormationHeading,
+) -> Result<(), Refusal> {
     let Some(route) = &input.ahead else { return Ok(()) };
     let places: Vec<(VehicleId, OffsetFrd)> = members.iter().copied().zip(slots.iter().copied()).collect();
     ways::keeps_places_inside(input.gate.fences(), &basis.position, route, heading, &places)

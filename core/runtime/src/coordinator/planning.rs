@@ -2,11 +2,12 @@
 //! replaced at once. What was planned for a formation that has changed since is planned again, or dropped.
 
 use super::{CoordinatorMessage, CoordinatorState, LEAD_TIME_S, list};
-use crate::coordination::{self, Formation, PlanInput, PlanLimits};
-use crate::handle::FormationReceipt;
+use crate::board::PeerSnapshot;
+use crate::coordination::{self, Formation, Placed, PlanInput, PlanLimits};
+use crate::handle::{ForeseenWay, FormationForecast, FormationReceipt};
 use ractor::{ActorRef, RpcReplyPort};
 use skein_domain::exchange::Severity;
-use skein_domain::{FormationAnchor, FormationRequest, Refusal};
+use skein_domain::{FormationAnchor, FormationRequest, PositionNed, Refusal, VehicleId};
 use std::sync::Arc;
 
 /// How often a request is planned anew because the formation changed meanwhile.
@@ -22,6 +23,8 @@ const TELL_AGAIN_S: f64 = 30.0;
 pub enum Purpose {
     /// Somebody asked.
     Asked(RpcReplyPort<Result<FormationReceipt, Refusal>>),
+    /// Somebody wants to know how it would be.
+    Foreseen(RpcReplyPort<Result<FormationForecast, Refusal>>),
     /// Members left or joined.
     Regroup {
         /// What happened.
@@ -38,7 +41,7 @@ pub struct Planned {
     /// The state of the formation it was made for.
     generation: u64,
     attempts: u8,
-    outcome: Result<Formation, Refusal>,
+    outcome: Result<(Formation, FormationForecast), Refusal>,
 }
 
 impl CoordinatorState {
@@ -60,7 +63,12 @@ impl CoordinatorState {
         }
         let myself = myself.clone();
         tokio::spawn(async move {
-            let planned = tokio::task::spawn_blocking(move || coordination::plan(&input, &peers)).await;
+            let planned = tokio::task::spawn_blocking(move || {
+                let (formation, placed) = coordination::plan_with_places(&input, &peers)?;
+                let forecast = forecast(&formation, &placed, &peers);
+                Ok((formation, forecast))
+            })
+            .await;
             let outcome = planned.unwrap_or_else(|_| {
                 Err(Refusal::NotRunning {
                     what: "the formation planner".into(),
@@ -87,7 +95,7 @@ impl CoordinatorState {
         let (route_speed_m_s, under_way) = coordination.way(&request);
         // Who joins or leaves does so wherever the route leads: the route was looked at when it was given.
         let ahead = match purpose {
-            Purpose::Asked(_) => coordination.ahead(&request),
+            Purpose::Asked(_) | Purpose::Foreseen(_) => coordination.ahead(&request),
             Purpose::Regroup { .. } => None,
         };
         PlanInput {
@@ -122,10 +130,15 @@ impl CoordinatorState {
         }
         if !self.board.coordinates() {
             // The office has passed on meanwhile.
-            if let Purpose::Asked(reply) = purpose {
-                drop(reply.send(Err(Refusal::Superseded)));
+            match purpose {
+                Purpose::Asked(reply) => drop(reply.send(Err(Refusal::Superseded))),
+                Purpose::Foreseen(reply) => drop(reply.send(Err(Refusal::Superseded))),
+                Purpose::Regroup { .. } => {}
             }
             return;
+        }
+        if let Purpose::Foreseen(reply) = purpose {
+            return drop(reply.send(outcome.map(|(_, forecast)| forecast)));
         }
         if generation != self.generation {
             match purpose {
@@ -133,14 +146,16 @@ impl CoordinatorState {
                 // Nobody waits for these: the asker is told; a regrouping is looked at again by the next review.
                 Purpose::Asked(reply) => drop(reply.send(Err(Refusal::Superseded))),
                 Purpose::Regroup { .. } => self.reshape = true,
+                Purpose::Foreseen(_) => {}
             }
             return;
         }
         let start = self.board.now().plus_seconds(LEAD_TIME_S);
-        let outcome = outcome.map(|formation| formation.beginning(start));
+        let outcome = outcome.map(|(formation, _)| formation.beginning(start));
         match purpose {
             Purpose::Asked(reply) => drop(reply.send(outcome.map(|formation| self.fly_asked(formation)))),
             Purpose::Regroup { text, named } => self.fly_regrouped(outcome, &text, named),
+            Purpose::Foreseen(_) => {}
         }
     }
 
@@ -148,23 +163,12 @@ impl CoordinatorState {
         // The operator calls them back.
         self.board.withdrawn.lock().retain(|id| !formation.members.contains(id));
         self.board.coordination.lock().interrupted = None;
-        let receipt = FormationReceipt {
-            leader: formation.leader,
-            members: formation.members.clone(),
-            duration_s: formation.settled_at.seconds_since(formation.decided),
-            planned_min_distance_m: formation.min_distance_m,
-            max_speed_m_s: formation.max_speed_m_s,
-            view_blocked: formation.view_blocked.clone(),
-        };
+        let receipt = receipt(&formation);
         let behind = formation
             .leader
             .map_or_else(|| "about its anchor".to_owned(), |id| format!("behind vehicle {id}"));
-        let apart_m = receipt.planned_min_distance_m;
-        let apart = if apart_m.is_finite() {
-            format!(", {apart_m:.1} m apart at least")
-        } else {
-            String::new()
-        };
+        let apart = receipt.planned_min_distance_m;
+        let apart = apart.map_or_else(String::new, |apart_m| format!(", {apart_m:.1} m apart at least"));
         let text = format!(
             "formation {:?} of {} {behind}: {:.1} s{apart}",
             formation.request.shape,
@@ -219,5 +223,32 @@ impl CoordinatorState {
         };
         let text = format!("formation regroups: left {}, joined {}", list(&gone), list(&joins));
         self.begin_plan(myself, request, Purpose::Regroup { text, named }, 0);
+    }
+}
+
+fn receipt(formation: &Formation) -> FormationReceipt {
+    FormationReceipt {
+        leader: formation.leader,
+        members: formation.members.clone(),
+        duration_s: formation.settled_at.seconds_since(formation.decided),
+        planned_min_distance_m: formation.apart_m(),
+        max_speed_m_s: formation.max_speed_m_s,
+        view_blocked: formation.view_blocked.clone(),
+    }
+}
+
+fn forecast(formation: &Formation, placed: &Placed, peers: &PeerSnapshot) -> FormationForecast {
+    let way = |(vehicle, to): (&VehicleId, &PositionNed)| {
+        let from = peers.entry(*vehicle)?.kinematics?.position;
+        Some(ForeseenWay {
+            vehicle: *vehicle,
+            from,
+            to: *to,
+        })
+    };
+    FormationForecast {
+        receipt: receipt(formation),
+        heading_rad: placed.heading_rad,
+        ways: formation.members.iter().zip(&placed.places).filter_map(way).collect(),
     }
 }

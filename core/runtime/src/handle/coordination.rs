@@ -2,7 +2,7 @@
 //!
 //! Must never do: ask a node that does not coordinate to decide.
 
-use super::{FormationReceipt, NodeHandle, PLAN_WITHIN};
+use super::{FormationForecast, FormationReceipt, NodeHandle, PLAN_WITHIN};
 use crate::coordinator::CoordinatorMessage;
 use crate::swarm::asks::{Answer, ApiAnswer, ApiRequest, Ask};
 use crate::swarm::{SwarmSnapshot, asking, take_office};
@@ -83,6 +83,25 @@ impl NodeHandle {
 
     pub(crate) async fn set_formation_here(&self, request: FormationRequest) -> Result<FormationReceipt, Refusal> {
         self.coordinate(|reply| CoordinatorMessage::SetFormation(Box::new(request), reply))
+            .await
+    }
+
+    /// How a formation would be flown if it were asked for now.
+    ///
+    /// # Errors
+    /// As [`Self::set_formation`].
+    pub async fn foresee_formation(&self, request: FormationRequest) -> Result<FormationForecast, Refusal> {
+        let Some(node) = self.coordinator_elsewhere()? else {
+            return self.foresee_formation_here(request).await;
+        };
+        match self.ask(node, Ask::Forecast(Box::new(request)), PLAN_WITHIN).await? {
+            Answer::Forecast(outcome) => *outcome,
+            _ => Err(strange(node)),
+        }
+    }
+
+    pub(crate) async fn foresee_formation_here(&self, request: FormationRequest) -> Result<FormationForecast, Refusal> {
+        self.coordinate(|reply| CoordinatorMessage::ForeseeFormation(Box::new(request), reply))
             .await
     }
 

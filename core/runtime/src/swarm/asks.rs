@@ -4,7 +4,7 @@
 //! Must never do: carry anything out twice; wait without an end.
 
 use super::parts::{self, Assembly, Part, PartsError};
-use crate::handle::{CommandReceipt, FormationReceipt};
+use crate::handle::{CommandReceipt, FormationForecast, FormationReceipt};
 use minicbor::{Decode, Encode};
 use serde::{Deserialize, Serialize};
 use skein_domain::fence::FencePlan;
@@ -77,6 +77,8 @@ pub enum Ask {
     Upload(Vec<(VehicleId, Vec<RoutePoint>)>),
     /// Of the coordinator: fly this formation.
     Formation(Box<FormationRequest>),
+    /// Of the coordinator: how would this formation be flown?
+    Forecast(Box<FormationRequest>),
     /// Of the coordinator: end the formation.
     Dissolve,
     /// Of the coordinator: a route for the leader.
@@ -116,6 +118,8 @@ pub enum Answer {
     Receipts(Vec<CommandReceipt>),
     /// To a formation.
     Formation(Result<FormationReceipt, Refusal>),
+    /// To how a formation would be flown.
+    Forecast(Box<Result<FormationForecast, Refusal>>),
     /// To what has no other outcome than that it is done.
     Done(Result<(), Refusal>),
     /// To preflight reports.

@@ -14,6 +14,7 @@ pub async fn carry_out(handle: NodeHandle, ask: Ask, ahead_us: Option<i64>) -> A
         Ask::EmergencyStop(ids) => Answer::Receipts(handle.stop_motors_here(&ids)),
         Ask::Upload(routes) => Answer::Done(handle.upload_here(routes)),
         Ask::Formation(request) => Answer::Formation(handle.set_formation_here(*request).await),
+        Ask::Forecast(request) => Answer::Forecast(Box::new(handle.foresee_formation_here(*request).await)),
         Ask::Dissolve => Answer::Done(handle.dissolve_formation_here().await),
         Ask::Route(route) => Answer::Route(handle.set_route_here(route).await),
         Ask::Trajectories { request, fly } => Answer::Trajectories(trajectories(handle, *request, fly, ahead_us).await),

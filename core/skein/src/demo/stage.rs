@@ -146,7 +146,9 @@ impl<'a> Stage<'a> {
         };
         self.say(&format!(
             "{label} {behind}: {:.1} s, at least {:.1} m apart on the way, then at most {:.1} m/s",
-            receipt.duration_s, receipt.planned_min_distance_m, receipt.max_speed_m_s
+            receipt.duration_s,
+            receipt.planned_min_distance_m.unwrap_or(f64::INFINITY),
+            receipt.max_speed_m_s
         ));
         Ok(receipt)
     }

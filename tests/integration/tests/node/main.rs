@@ -4,6 +4,7 @@ mod adoption;
 mod by_hand;
 mod common_frame;
 mod control;
+mod documented;
 mod flock;
 mod gate;
 mod neighbours;

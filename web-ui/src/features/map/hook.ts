@@ -47,6 +47,8 @@ export type Hook = {
   zones(): { name: string; kind: string; corners: number }[];
   /** Slots of the previewed formation, in metres about the swarm's origin; up counts from its anchor. */
   previewSlots(): { north: number; east: number; upM: number }[];
+  /** Who would go from where to which of them, in metres about the swarm's origin. */
+  previewWays(): { from: { north: number; east: number }; to: { north: number; east: number } }[];
   /** Where a place about the swarm's origin is on the canvas. */
   toCanvas(northM: number, eastM: number): { x: number; y: number };
 };
@@ -75,6 +77,7 @@ export function installHook(app: Console, painter: Painter): () => void {
     held: () => [...painter.held()].filter(([id]) => painter.locate(id) !== null).map(([id, kind]) => ({ id, heard: kind === 'heard' })),
     zones: () => painter.fences().zones.map(({ name, kind, corners }) => ({ name, kind, corners: corners.length })),
     previewSlots: () => app.formation.previewSlots(),
+    previewWays: () => app.formation.previewWays(),
     toCanvas: (northM, eastM) => ({ x: view.x(eastM), y: view.y(northM) }),
     positions: () => {
       const plotted: Plotted[] = [];

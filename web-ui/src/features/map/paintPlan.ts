@@ -98,6 +98,22 @@ export function paintPreview(ctx: CanvasRenderingContext2D, view: View, palette:
   ctx.restore();
 }
 
+/** Who would take which place of it: a line from each vehicle to its own. */
+export function paintAssignment(ctx: CanvasRenderingContext2D, view: View, palette: Palette, ways: readonly { from: Place; to: Place }[]): void {
+  ctx.save();
+  ctx.strokeStyle = palette.accentStrong;
+  ctx.globalAlpha = 0.75;
+  ctx.lineWidth = 1.4;
+  ctx.setLineDash([2, 4]);
+  ctx.beginPath();
+  for (const { from, to } of ways) {
+    ctx.moveTo(view.x(from.east), view.y(from.north));
+    ctx.lineTo(view.x(to.east), view.y(to.north));
+  }
+  ctx.stroke();
+  ctx.restore();
+}
+
 export function upsText(ups: readonly number[]): string {
   const signed = (up: number) => `${up < -0.05 ? '-' : '+'}${Math.abs(up).toFixed(1).replace('.0', '')}`;
   return `${ups.map((up) => shown('height', up)).sort((a, b) => a - b).map(signed).join(' ')} ${unitName('height')}`;

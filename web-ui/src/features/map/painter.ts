@@ -33,7 +33,7 @@ import { paintLadder } from './paintLadder';
 import { Pace } from './pace';
 import { paintLinks } from './paintLinks';
 import type { Rung } from './paintLadder';
-import { paintAnchor, paintBox, paintDraftRoute, paintPreview, paintRoute } from './paintPlan';
+import { paintAnchor, paintAssignment, paintBox, paintDraftRoute, paintPreview, paintRoute } from './paintPlan';
 import { TrailPainter } from './paintTrails';
 import { readPalette } from './palette';
 import type { Palette } from './palette';
@@ -193,6 +193,7 @@ export class Painter {
     if (layers.slots) paintSlots(ctx, view, palette, fleet);
     if (layers.motion) paintMotion(ctx, view, palette, fleet);
     this.#paintAnchors(ctx, palette);
+    paintAssignment(ctx, view, palette, formation.previewWays());
     paintPreview(ctx, view, palette, formation.previewSlots(), formation.anchor === 'leader');
   }
 
