@@ -37,6 +37,7 @@ pub fn usual() -> Vec<Plan> {
         secret: SECRET.to_owned(),
         transport: Transport::Zenoh,
         apart: "every_part",
+        resume: "ask",
         max_bytes_per_s: None,
         steppable_clock: false,
     };

@@ -62,6 +62,8 @@ pub struct Plan {
     pub transport: Transport,
     /// Who may take over in a swarm that has come apart: `every_part` or `majority`.
     pub apart: &'static str,
+    /// What its node does with what it flew when it ended: `ask` or `fly_on`.
+    pub resume: &'static str,
     /// What its node sends at most, in bytes per second, if not the default.
     pub max_bytes_per_s: Option<f64>,
     /// Its node's clock of the day can be stepped: see [`Host::step_clock`].
@@ -318,7 +320,7 @@ impl Host {
         let (n, air, manage) = (self.number, self.namespace.air, self.namespace.manage);
         let plugins = plugins_dir();
         let (transports, peers) = self.transports();
-        let apart = self.plan.apart;
+        let (apart, resume) = (self.plan.apart, self.plan.resume);
         let mut text = format!(
             r#"[node]
 name = "host-{n}"
@@ -350,6 +352,8 @@ peers = {peers:?}
 listen = "{manage}:8080"
 [plugins]
 directories = [{plugins:?}]
+[resume]
+then = "{resume}"
 [safety]
 min_separation_m = {SEPARATION_M:?}
 [safety.fence]

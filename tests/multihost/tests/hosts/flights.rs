@@ -6,7 +6,7 @@ use reqwest::Method;
 use serde_json::json;
 use skein_domain::Shape;
 use skein_tests_multihost::field::{Field, GROUND, stranger, usual};
-use skein_tests_multihost::host::{LogLine, Transport, now_s};
+use skein_tests_multihost::host::{LogLine, Plan, Transport, now_s};
 use skein_tests_multihost::mission::Mission;
 use skein_tests_multihost::relay::Quality;
 
@@ -32,7 +32,11 @@ const BAD_AIR: Quality = Quality {
 
 /// The usual swarm, in contact, up, and in a line.
 async fn in_the_air(seed: u64) -> Field {
-    let mut field = Field::start(seed, usual());
+    in_the_air_with(seed, usual()).await
+}
+
+async fn in_the_air_with(seed: u64, plans: Vec<Plan>) -> Field {
+    let mut field = Field::start(seed, plans);
     field.led_by(COORDINATOR, &ALL, TOGETHER_S).await;
     let mut mission = Mission::new(&mut field, GROUND);
     mission.take_off().await;
@@ -199,6 +203,34 @@ async fn a_vehicles_node_is_killed_and_comes_back_with_its_old_state() {
     let mut mission = Mission::new(&mut field, GROUND);
     mission.land().await;
     field.end("vehicle node killed, old state", &[]).await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn nodes_are_killed_and_back_at_once_and_their_vehicles_fly_on_with_the_others() {
+    let mut plans = usual();
+    plans.iter_mut().for_each(|plan| plan.resume = "fly_on");
+    let mut field = in_the_air_with(15, plans).await;
+    let ways = [(40.0, 20.0), (-40.0, 0.0), (40.0, -20.0), (-40.0, 0.0)];
+    // back before the others miss it, and after that; a member's and the coordinator's, whose vehicle leads
+    let ends = [(VEHICLE, 0.2), (VEHICLE, 3.0), (COORDINATOR, 0.2), (COORDINATOR, 3.0)];
+    for ((north_m, east_m), (node, away_s)) in ways.into_iter().zip(ends) {
+        let mut mission = Mission::new(&mut field, GROUND);
+        mission.set_out(north_m, east_m).await;
+        field.pass(2.0).await;
+        field.host_mut(node).kill().await;
+        field.pass(away_s).await;
+        field.host_mut(node).restart();
+        field.one_swarm(&ALL, TOGETHER_S).await;
+        let mut mission = Mission::new(&mut field, GROUND);
+        mission.stands_as(Shape::Line).await;
+        println!("node {node}, away for {away_s} s: in the line again");
+    }
+    for node in [VEHICLE, COORDINATOR] {
+        let said = field.host(node).said();
+        assert_eq!(said.matches("1 of 1 vehicles taken back").count(), 2, "{said}");
+    }
+    let vehicles = field.vehicles();
+    home(field, GROUND, vehicles, "nodes killed and back at once").await;
 }
 
 #[tokio::test(flavor = "multi_thread")]
