@@ -47,6 +47,10 @@ pub(crate) struct Endpoint {
     pub(crate) query: Option<SchemaOf>,
     /// Schema of the body, and one.
     pub(crate) body: Option<(SchemaOf, Value)>,
+    /// The body is a file.
+    pub(crate) is_file: bool,
+    /// It becomes a WebSocket, which OpenAPI has no place for.
+    pub(crate) is_websocket: bool,
     pub(crate) answers: Vec<Answer>,
     /// Statuses of errors beside those that any route may give.
     pub(crate) errors: &'static [u16],
@@ -77,6 +81,8 @@ impl Endpoint {
             variables: Vec::new(),
             query: None,
             body: None,
+            is_file: false,
+            is_websocket: false,
             answers: Vec::new(),
             errors: &[],
         }
@@ -111,6 +117,12 @@ impl Endpoint {
     /// Takes bodies up to this length, instead of the one that is enough for JSON.
     fn takes_bytes(mut self, most: usize) -> Self {
         self.handler = self.handler.layer(DefaultBodyLimit::max(most));
+        self.is_file = true;
+        self
+    }
+
+    fn websocket(mut self) -> Self {
+        self.is_websocket = true;
         self
     }
 
@@ -194,6 +206,7 @@ fn node() -> Vec<Endpoint> {
                 "A WebSocket: binary telemetry frames and, as text, the messages of the schema. A client may send the messages \
                  of the schema ClientMessage: another rate of frames, and the sticks of a vehicle that is steered by hand.",
             )
+            .websocket()
             .asks::<StreamQuery>()
             .json::<crate::protocol::ServerMessage>(StatusCode::SWITCHING_PROTOCOLS, "The stream is open. The schema is that of its text messages.")
             .fails(&[400, 426, 503]),

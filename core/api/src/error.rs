@@ -47,12 +47,10 @@ pub enum ApiError {
         problem: String,
     },
     /// The body has a field that means nothing here.
-    #[error("unknown field `{field}`, expected one of `{}`", .taken.join("`, `"))]
+    #[error("unknown field `{field}`")]
     UnknownField {
         /// Where, as in `command.height`.
         field: String,
-        /// Fields that are taken there.
-        taken: Vec<String>,
     },
     /// A number is outside of its range, a list is empty or too long.
     #[error("`{field}`: {problem}")]
@@ -196,7 +194,7 @@ impl ApiError {
             Self::Parameter(error) => json!(error),
             Self::NoneKnown(receipts) => json!(receipts),
             Self::Trajectories(against) => json!({ "against": against }),
-            Self::UnknownField { field, taken } => json!({ "field": field, "taken": taken }),
+            Self::UnknownField { field } => json!({ "field": field }),
             Self::Unfit { problem, .. } => problem.facts(),
             Self::OutOfRange { field, problem } => json!({ "field": field, "problem": problem }),
             Self::TooManyStreams { limit } => json!({ "limit": limit }),
@@ -232,7 +230,8 @@ fn sentences(against: &[TrajectoryObjection]) -> String {
     against.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 
-/// Which status a refusal is: a conflict with the state of things, unless it is something else.
+/// Which status a refusal is: a conflict with the state of things, unless it is something else. That a body is not of the published shape
+/// (422) is said before the node is asked.
 fn refusal_status(refusal: &Refusal) -> StatusCode {
     match refusal {
         Refusal::UnknownVehicle { .. }
@@ -240,27 +239,7 @@ fn refusal_status(refusal: &Refusal) -> StatusCode {
         | Refusal::UnknownTrack { .. }
         | Refusal::UnknownReference { .. } => StatusCode::NOT_FOUND,
         Refusal::NotPermitted { .. } => StatusCode::FORBIDDEN,
-        Refusal::NotRunning { .. } | Refusal::NotSent { .. } => StatusCode::SERVICE_UNAVAILABLE,
-        Refusal::InvalidValue { .. } => StatusCode::UNPROCESSABLE_ENTITY,
-        Refusal::LinkLost { .. }
-        | Refusal::WrongState { .. }
-        | Refusal::PilotInControl
-        | Refusal::NotReadyToArm { .. }
-        | Refusal::Autopilot { .. }
-        | Refusal::TimedOut { .. }
-        | Refusal::Superseded
-        | Refusal::OutsideFence { .. }
-        | Refusal::TooFast { .. }
-        | Refusal::TooClose { .. }
-        | Refusal::NoSwarmFrame
-        | Refusal::NoPosition
-        | Refusal::NotEnoughVehicles { .. }
-        | Refusal::StaleIncarnation { .. }
-        | Refusal::NotSupported { .. }
-        | Refusal::Preflight { .. }
-        | Refusal::Clock { .. }
-        | Refusal::InOtherHands { .. }
-        | Refusal::DuplicateSystemId { .. } => StatusCode::CONFLICT,
+        _ => StatusCode::CONFLICT,
     }
 }
 
@@ -276,11 +255,11 @@ impl From<ParameterError> for ApiError {
 fn parameter_status(error: &ParameterError) -> StatusCode {
     match error {
         ParameterError::Unknown { .. } => StatusCode::NOT_FOUND,
-        ParameterError::InvalidName { .. } | ParameterError::WrongType { .. } | ParameterError::OutOfRange { .. } => {
-            StatusCode::UNPROCESSABLE_ENTITY
-        }
+        ParameterError::InvalidName { .. } => StatusCode::UNPROCESSABLE_ENTITY,
         ParameterError::Refused(refusal) => refusal_status(refusal),
-        ParameterError::NoAnswer { .. }
+        ParameterError::WrongType { .. }
+        | ParameterError::OutOfRange { .. }
+        | ParameterError::NoAnswer { .. }
         | ParameterError::NotTaken { .. }
         | ParameterError::Armed { .. }
         | ParameterError::Busy
@@ -296,7 +275,7 @@ fn plugin_refusal(refusal: &PluginRefusal) -> (StatusCode, &'static str) {
         PluginRefusal::NothingBefore { .. } => (StatusCode::CONFLICT, "nothing_before"),
         PluginRefusal::InUse { .. } => (StatusCode::CONFLICT, "in_use"),
         PluginRefusal::NotPermitted { .. } => (StatusCode::FORBIDDEN, "not_permitted"),
-        PluginRefusal::BadUpload { .. } => (StatusCode::UNPROCESSABLE_ENTITY, "bad_upload"),
+        PluginRefusal::BadUpload { .. } => (StatusCode::CONFLICT, "bad_upload"),
     }
 }
 

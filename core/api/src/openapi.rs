@@ -12,12 +12,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use utoipa::openapi::path::{OperationBuilder, Parameter, ParameterBuilder, ParameterIn, PathsBuilder};
 use utoipa::openapi::request_body::RequestBodyBuilder;
 use utoipa::openapi::{
-    ContentBuilder, InfoBuilder, LicenseBuilder, OpenApiBuilder, PathItem, Ref, RefOr, Required, ResponseBuilder,
-    Schema as ApiSchema, ServerBuilder,
+    ContentBuilder, InfoBuilder, KnownFormat, LicenseBuilder, ObjectBuilder, OpenApiBuilder, PathItem, Ref, RefOr,
+    Required, ResponseBuilder, Schema as ApiSchema, SchemaFormat, ServerBuilder, Type,
 };
 
 /// Where the schemas of the document stand.
 const SCHEMAS: &str = "#/components/schemas/";
+/// Where routes that become a WebSocket stand: a client that takes them for plain requests is only told to upgrade.
+const WEBSOCKETS: &str = "x-websockets";
 /// Errors that any route may give.
 const ERRORS_OF_ALL: &[u16] = &[403];
 /// Errors that any route with a body may give.
@@ -27,14 +29,17 @@ const ERRORS_OF_BODIES: &[u16] = &[400, 408, 413, 415, 422];
 #[must_use]
 pub fn document() -> String {
     let mut schemas = Schemas::new();
-    let paths = endpoints::all()
-        .into_iter()
-        .fold(PathsBuilder::new(), |paths, endpoint| {
-            paths.path(
-                endpoint.path,
-                PathItem::new(endpoint.method.clone(), operation(endpoint, &mut schemas)),
-            )
-        });
+    let (mut paths, mut websockets) = (PathsBuilder::new(), Map::new());
+    for endpoint in endpoints::all() {
+        let (path, method, is_websocket) = (endpoint.path, endpoint.method.clone(), endpoint.is_websocket);
+        let operation = operation(endpoint, &mut schemas);
+        if is_websocket {
+            let operation = serde_json::to_value(operation).unwrap_or_default();
+            websockets.insert(path.to_owned(), operation);
+        } else {
+            paths = paths.path(path, PathItem::new(method, operation));
+        }
+    }
     schemas.answers.subschema_for::<ErrorBody>();
     schemas.requests.subschema_for::<ClientMessage>();
     let info = InfoBuilder::new()
@@ -54,6 +59,7 @@ pub fn document() -> String {
         .paths(paths)
         .build();
     let mut document = serde_json::to_value(document).unwrap_or_default();
+    document[WEBSOCKETS] = Value::Object(websockets);
     schemas.put_into(&mut document);
     // Sorted, so that the text does not depend on how serde_json was built.
     serde_json::to_string_pretty(&sorted(document)).unwrap_or_default() + "\n"
@@ -201,6 +207,17 @@ fn operation(endpoint: Endpoint, schemas: &mut Schemas) -> utoipa::openapi::path
         operation = operation.request_body(Some(body));
         errors.extend(ERRORS_OF_BODIES);
     }
+    if endpoint.is_file {
+        let file = ObjectBuilder::new()
+            .schema_type(Type::String)
+            .format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary)));
+        let content = ContentBuilder::new().schema(Some(file)).build();
+        let body = RequestBodyBuilder::new()
+            .content("application/octet-stream", content)
+            .required(Some(Required::True))
+            .build();
+        operation = operation.request_body(Some(body));
+    }
     for answer in endpoint.answers {
         let mut response = ResponseBuilder::new().description(answer.description);
         if let Some((kind, schema)) = answer.content {
@@ -242,13 +259,19 @@ fn query_parameters(query: Schema, generator: &mut SchemaGenerator) -> Vec<Param
     let Some(Value::Object(properties)) = object.get("properties") else {
         return Vec::new();
     };
+    let required = object.get("required").and_then(Value::as_array);
+    let is_required = |name: &String| required.is_some_and(|all| all.iter().any(|one| one == name));
     let parameter = |(name, schema): (&String, &Value)| {
         let mut schema = schema.clone();
         let description = schema.as_object_mut().and_then(|object| object.remove("description"));
         ParameterBuilder::new()
             .name(name)
             .parameter_in(ParameterIn::Query)
-            .required(Required::False)
+            .required(if is_required(name) {
+                Required::True
+            } else {
+                Required::False
+            })
             .description(description.as_ref().and_then(Value::as_str))
             .schema(serde_json::from_value::<ApiSchema>(schema).ok())
             .build()

@@ -58,7 +58,7 @@ pub(crate) async fn command(
 ) -> Result<Json<CommandReceipt>, ApiError> {
     let Path((vehicle, payload)) = of?;
     may_move(&app, &console, Some(&[vehicle]))?;
-    let receipt = app.node.command_payload(vehicle, &payload, &command.0).await;
+    let receipt = app.node.command_payload(vehicle, &payload, &command.0.into()).await;
     match receipt.refusal {
         Some(refusal) => Err(refusal.into()),
         None => Ok(Json(receipt)),

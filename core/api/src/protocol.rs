@@ -9,7 +9,7 @@ mod supervision;
 
 pub use links::{EndpointReport, LinkReport, VehicleLinkReport};
 pub use observed::{CameraView, CameraViewList, TrackList, ViewSource};
-pub use parameters::{ParameterBody, ReadingBody};
+pub use parameters::{ParameterBody, ParameterName, ReadingBody};
 pub use supervision::{SupervisedPayload, SupervisedVehicle, SupervisionTree};
 
 use schemars::JsonSchema;
@@ -177,6 +177,7 @@ pub struct RouteBody {
 #[serde(deny_unknown_fields)]
 pub struct CoordinatorBody {
     /// Its number.
+    #[schemars(range(min = 1))]
     pub node: NodeId,
 }
 
@@ -250,10 +251,12 @@ pub struct OverrideBody {
     #[serde(default)]
     pub vehicle: Option<VehicleId>,
     /// Ids of the items.
+    #[schemars(length(min = 1, max = 64))]
     pub items: Vec<String>,
     /// Why.
     pub reason: String,
     /// For how long, in seconds.
+    #[schemars(range(max = skein_domain::preflight::LONGEST_OVERRIDE_S), extend("exclusiveMinimum" = 0))]
     pub valid_s: f64,
 }
 
@@ -306,6 +309,7 @@ pub struct EventList {
 #[serde(deny_unknown_fields)]
 pub struct AcknowledgeBody {
     /// Their numbers.
+    #[schemars(inner(range(max = 9_007_199_254_740_991_u64)))]
     #[ts(type = "number[]")]
     pub events: Vec<u64>,
 }

@@ -233,8 +233,10 @@ pub enum Escalation {
 #[serde(deny_unknown_fields)]
 pub struct PayloadRule {
     /// Its name on the vehicle.
+    #[schemars(regex(pattern = "^[A-Za-z0-9_-]{1,32}$"))]
     pub name: String,
     /// Payload plugin.
+    #[schemars(length(min = 1))]
     pub plugin: String,
     /// Where the plugin runs.
     #[serde(default)]
@@ -247,6 +249,7 @@ pub struct PayloadRule {
     pub on_failure: Escalation,
     /// Configuration handed to the plugin.
     #[serde(default = "empty_object")]
+    #[schemars(with = "serde_json::Map<String, serde_json::Value>")]
     #[ts(type = "Record<string, unknown>")]
     pub config: serde_json::Value,
 }

@@ -31,6 +31,7 @@ pub enum VehicleCommand {
     TakeOff {
         /// Height above the launch place in metres.
         #[n(0)]
+        #[schemars(range(max = 10_000.0), extend("exclusiveMinimum" = 0))]
         height_m: f64,
     },
     /// Land where it is.
@@ -57,9 +58,11 @@ pub enum VehicleCommand {
         position: PositionNed,
         /// Yaw on the way and there, in radians; unchanged if left out.
         #[n(1)]
+        #[schemars(range(min = -1000.0, max = 1000.0))]
         yaw_rad: Option<f64>,
         /// Speed in metres per second; the model's cruise speed if left out.
         #[n(2)]
+        #[schemars(range(max = 200.0), extend("exclusiveMinimum" = 0))]
         speed_m_s: Option<f64>,
     },
     /// Keep a target in view: fly to a stand-off distance from it, stay there, and point the gimbal at it.
@@ -70,9 +73,11 @@ pub enum VehicleCommand {
         target: Target,
         /// Horizontal distance to keep in metres; the model's own if left out.
         #[n(1)]
+        #[schemars(range(min = 0.0, max = 100_000.0))]
         stand_off_m: Option<f64>,
         /// Height above the target to keep in metres; the present one if left out.
         #[n(2)]
+        #[schemars(range(min = -10_000.0, max = 10_000.0))]
         height_m: Option<f64>,
     },
     /// Point the gimbal at a target (region of interest) without moving the vehicle for it.

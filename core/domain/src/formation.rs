@@ -91,6 +91,7 @@ pub enum HeadingRequest {
     /// Always the same.
     Fixed {
         /// Heading in degrees clockwise from north.
+        #[schemars(range(min = -57_296.0, max = 57_296.0))]
         heading_deg: f64,
     },
 }
@@ -127,6 +128,7 @@ pub enum FormationAnchor {
         position: PositionNed,
         /// Heading of the formation there in degrees clockwise from north; the present one if left out.
         #[serde(default)]
+        #[schemars(range(min = -57_296.0, max = 57_296.0))]
         heading_deg: Option<f64>,
     },
 }
@@ -162,30 +164,38 @@ pub struct FormationRequest {
     /// The shape.
     pub shape: Shape,
     /// Distance between neighbours in metres.
+    #[schemars(range(max = 100_000.0), extend("exclusiveMinimum" = 0))]
     pub spacing_m: f64,
     /// Heading; automatic if left out.
     #[serde(default)]
     pub heading: HeadingRequest,
     /// Each next slot is this much higher, in metres; 0 = all level.
     #[serde(default)]
+    #[schemars(range(min = -10_000.0, max = 10_000.0))]
     pub altitude_step_m: f64,
     /// The shape is turned by this about its anchor, in degrees clockwise seen from above.
     #[serde(default)]
+    #[schemars(range(min = -57_296.0, max = 57_296.0))]
     pub rotation_deg: f64,
     /// The shape is made so many times as large, spacing and altitudes included.
     #[serde(default = "unscaled")]
+    #[schemars(range(max = 1000.0), extend("exclusiveMinimum" = 0))]
     pub scale: f64,
     /// For an arc: how much of the circle, in degrees; 180 if left out.
     #[serde(default)]
+    #[schemars(range(max = 360.0), extend("exclusiveMinimum" = 0))]
     pub arc_deg: Option<f64>,
     /// For a box: how many layers; as near to a cube as the number allows if left out.
     #[serde(default)]
+    #[schemars(range(min = 1))]
     pub layers: Option<u16>,
     /// For a helix: height gained in one turn, in metres; twice the spacing if left out.
     #[serde(default)]
+    #[schemars(range(max = 10_000.0), extend("exclusiveMinimum" = 0))]
     pub pitch_m: Option<f64>,
     /// For a free shape: the places relative to the anchor, the leader's first. At least as many as vehicles take part.
     #[serde(default)]
+    #[schemars(length(min = 1, max = 1024))]
     pub offsets: Option<Vec<OffsetFrd>>,
     /// What the slots are relative to; the leader if left out.
     #[serde(default)]
@@ -198,6 +208,7 @@ pub struct FormationRequest {
     pub leader: Option<VehicleId>,
     /// Who takes part; every available vehicle in the air if left out.
     #[serde(default)]
+    #[schemars(length(min = 1, max = 1024), extend("uniqueItems" = true))]
     pub members: Option<Vec<VehicleId>>,
 }
 

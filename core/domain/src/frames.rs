@@ -41,8 +41,9 @@ impl Geodetic {
     }
 }
 
+// The ranges are those within which the published documents say that numbers mean something: beyond 100 km the tangent plane is no use.
 macro_rules! triple {
-    ($(#[$doc:meta])* $name:ident { $a:ident, $b:ident, $c:ident } $unit:literal) => {
+    ($(#[$doc:meta])* $name:ident { $a:ident, $b:ident, $c:ident } $unit:literal, $least:literal to $most:literal) => {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy, PartialEq, Default)]
         #[derive(Serialize, Deserialize, Encode, Decode, ts_rs::TS, schemars::JsonSchema)]
@@ -50,12 +51,15 @@ macro_rules! triple {
         pub struct $name {
             #[doc = concat!("First axis, in ", $unit, ".")]
             #[n(0)]
+            #[schemars(range(min = $least, max = $most))]
             pub $a: f64,
             #[doc = concat!("Second axis, in ", $unit, ".")]
             #[n(1)]
+            #[schemars(range(min = $least, max = $most))]
             pub $b: f64,
             #[doc = concat!("Third axis, in ", $unit, ".")]
             #[n(2)]
+            #[schemars(range(min = $least, max = $most))]
             pub $c: f64,
         }
 
@@ -95,23 +99,23 @@ macro_rules! triple {
 
 triple!(
     /// A position in the swarm's common frame: metres north, east and down of its origin.
-    PositionNed { north_m, east_m, down_m } "metres"
+    PositionNed { north_m, east_m, down_m } "metres", -100_000.0 to 100_000.0
 );
 triple!(
     /// A position in one vehicle's own frame: metres north, east and down of where its estimator started.
-    LocalPositionNed { north_m, east_m, down_m } "metres"
+    LocalPositionNed { north_m, east_m, down_m } "metres", -100_000.0 to 100_000.0
 );
 triple!(
     /// A velocity along north, east and down.
-    VelocityNed { north_m_s, east_m_s, down_m_s } "metres per second"
+    VelocityNed { north_m_s, east_m_s, down_m_s } "metres per second", -1000.0 to 1000.0
 );
 triple!(
     /// An acceleration along north, east and down.
-    AccelerationNed { north_m_s2, east_m_s2, down_m_s2 } "metres per second squared"
+    AccelerationNed { north_m_s2, east_m_s2, down_m_s2 } "metres per second squared", -10_000.0 to 10_000.0
 );
 triple!(
     /// A place relative to a formation's anchor: metres forward, right and down of it.
-    OffsetFrd { forward_m, right_m, down_m } "metres"
+    OffsetFrd { forward_m, right_m, down_m } "metres", -100_000.0 to 100_000.0
 );
 
 impl PositionNed {

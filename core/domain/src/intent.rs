@@ -262,12 +262,15 @@ pub struct SlotMove {
 pub struct Route {
     /// Corners to pass, then the end. The route starts where the leader is.
     #[n(0)]
+    #[schemars(length(min = 1, max = 10_000))]
     pub waypoints: Vec<PositionNed>,
     /// Speed along it in metres per second.
     #[n(1)]
+    #[schemars(range(max = 200.0), extend("exclusiveMinimum" = 0))]
     pub speed_m_s: f64,
     /// Radius of the rounded corners in metres.
     #[n(2)]
+    #[schemars(range(min = 0.0, max = 100_000.0))]
     pub corner_radius_m: f64,
 }
 

@@ -103,6 +103,7 @@ pub enum Target {
     Track {
         /// The track's number.
         #[n(0)]
+        #[schemars(range(max = 9_007_199_254_740_991_u64))]
         track: u64,
     },
 }
@@ -124,6 +125,7 @@ pub enum Target {
 pub struct Track {
     /// Its number.
     #[n(0)]
+    #[schemars(range(max = 9_007_199_254_740_991_u64))]
     pub track: u64,
     /// Where it was at `time`.
     #[n(1)]

@@ -9,7 +9,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Serialize, Deserialize, Encode, Decode, ts_rs::TS, schemars::JsonSchema)]
 #[serde(transparent)]
 #[cbor(transparent)]
-pub struct NodeTime(#[n(0)] pub u64);
+pub struct NodeTime(
+    #[n(0)]
+    #[schemars(range(max = 9_007_199_254_740_991_u64))]
+    pub u64,
+);
 
 impl NodeTime {
     /// A moment `seconds` after the node started.

@@ -29,6 +29,7 @@ pub enum TrajectoryStart {
     /// So many seconds after the request came in.
     In {
         /// Seconds.
+        #[schemars(range(min = 0.0, max = 3600.0))]
         in_s: f64,
     },
     /// At a time of the node's clock.
@@ -46,6 +47,7 @@ pub struct JourneyRequest {
     /// The vehicle.
     pub vehicle: VehicleId,
     /// The places it passes, in the swarm's frame; it stops at the last.
+    #[schemars(length(min = 1, max = 200))]
     pub waypoints: Vec<PositionNed>,
 }
 
@@ -55,6 +57,7 @@ pub struct JourneyRequest {
 #[serde(deny_unknown_fields)]
 pub struct TrajectoryRequest {
     /// Who flies where.
+    #[schemars(length(min = 1, max = 64))]
     pub vehicles: Vec<JourneyRequest>,
     /// How smooth.
     #[serde(default)]
@@ -64,6 +67,7 @@ pub struct TrajectoryRequest {
     pub start: TrajectoryStart,
     /// No faster than this, in metres per second; as fast as vehicles and gate permit if left out.
     #[serde(default)]
+    #[schemars(range(max = 200.0), extend("exclusiveMinimum" = 0))]
     pub max_speed_m_s: Option<f64>,
     /// The ways are put on the vehicles' autopilots as missions as well. They are flown by setpoints all the same.
     #[serde(default)]

@@ -36,7 +36,7 @@ pub enum Targets {
     /// Every adopted vehicle.
     All,
     /// These vehicles.
-    Vehicles(Vec<VehicleId>),
+    Vehicles(#[schemars(length(min = 1, max = 1024), extend("uniqueItems" = true))] Vec<VehicleId>),
 }
 
 /// What became of a command at one vehicle: taken up (how it goes on comes as events), or refused.

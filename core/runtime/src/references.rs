@@ -38,6 +38,7 @@ pub struct ReferenceReport {
     pub velocity: Option<VelocityNed>,
     /// Where it points in radians clockwise from north, if it is known.
     #[serde(default)]
+    #[schemars(range(min = -1000.0, max = 1000.0))]
     pub heading_rad: Option<f64>,
 }
 

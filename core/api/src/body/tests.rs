@@ -1,11 +1,14 @@
 //! Tests of what is accepted as a request body.
 
 use super::*;
+use crate::protocol::{AcknowledgeBody, CommandBody, RouteBody};
 use axum::body::Body as HttpBody;
 use proptest::prelude::*;
 use serde_json::json;
+use skein_domain::{FormationRequest, VehicleId};
+use skein_runtime::{Fault, Targets};
 
-fn read<T: DeserializeOwned + Serialize + MakesSense + Example>(
+fn read<T: DeserializeOwned + JsonSchema + Example + 'static>(
     kind: &str,
     body: impl Into<HttpBody>,
 ) -> Result<T, (u16, String, String)> {
@@ -175,7 +178,7 @@ fn numbers_that_make_no_sense_are_refused_with_their_place() {
     let none = json!({ "targets": { "vehicles": [] }, "command": { "command": "arm" } });
     refused(command(none), 422, "invalid_value", "`targets.vehicles`");
     let twice = json!({ "targets": { "vehicles": [4, 2, 4] }, "command": { "command": "arm" } });
-    refused(command(twice), 422, "invalid_value", "`targets.vehicles[2]`");
+    refused(command(twice), 422, "invalid_value", "`targets.vehicles`");
     let far = json!({ "north_m": 0, "east_m": 1e9, "down_m": 0 });
     let route = |waypoints: Value, speed: f64, radius: f64| {
         let body = json!({ "route": { "waypoints": waypoints, "speed_m_s": speed, "corner_radius_m": radius } });
@@ -214,7 +217,7 @@ fn numbers_that_make_no_sense_are_refused_with_their_place() {
         formation(json!({ "shape": "line", "spacing_m": 5, "members": [1, 1] })),
         422,
         "invalid_value",
-        "`members[1]`",
+        "`members`",
     );
     let turned = json!({ "shape": "line", "spacing_m": 5, "heading": { "kind": "fixed", "heading_deg": 1e12 } });
     refused(formation(turned), 422, "invalid_value", "`heading.heading_deg`");
@@ -272,4 +275,16 @@ fn who_sends_what_is_not_taken_is_shown_what_is() {
     assert_eq!(detail.code, "invalid_body");
     assert!(detail.message.contains("waypoints[0]"), "{}", detail.message);
     assert_eq!(detail.example, Some(RouteBody::example()));
+}
+
+#[test]
+fn a_whole_number_may_be_written_with_a_point() {
+    let events: AcknowledgeBody = read("application/json", r#"{"events": [3.0, 4]}"#).unwrap();
+    assert_eq!(events.events, [3, 4]);
+    refused(
+        read::<AcknowledgeBody>("application/json", r#"{"events": [3.5]}"#),
+        422,
+        "invalid_body",
+        "events[0]",
+    );
 }

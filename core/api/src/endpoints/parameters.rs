@@ -2,7 +2,7 @@
 
 use super::Endpoint;
 use crate::parameters::{self, ParameterQuery};
-use crate::protocol::{Accepted, ParameterBody, ReadingBody};
+use crate::protocol::{Accepted, ParameterBody, ParameterName, ReadingBody};
 use axum::http::StatusCode;
 use skein_domain::{ParameterList, VehicleId};
 use skein_runtime::ParameterReceipt;
@@ -33,7 +33,7 @@ pub(super) fn parameters() -> Vec<Endpoint> {
                  operator's hands. It is read first if its type is not known; no type is guessed.",
             )
             .with::<VehicleId>("id")
-            .with::<String>("name")
+            .with::<ParameterName>("name")
             .takes::<ParameterBody>()
             .json::<ParameterReceipt>(StatusCode::OK, "It is kept.")
             .fails(&[404, 409, 503]),

@@ -1,11 +1,11 @@
 //! Whether each example is what it is an example of. That a node does what they say is tested with one that flies.
 
 use super::*;
-use crate::body::{MakesSense, understand};
-use serde::Serialize;
+use crate::body::understand;
+use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 
-fn is_taken<T: Example + DeserializeOwned + Serialize + MakesSense>() {
+fn is_taken<T: Example + DeserializeOwned + JsonSchema + 'static>() {
     let example = T::example();
     let text = serde_json::to_vec(&example).unwrap();
     let understood = understand::<T>(&text);

@@ -22,3 +22,8 @@ pub struct ReadingBody {
     /// What.
     pub action: ReadingAction,
 }
+
+/// Name of a parameter, as it stands in a path.
+#[derive(JsonSchema)]
+#[schemars(transparent)]
+pub struct ParameterName(#[schemars(regex(pattern = "^[!-~]{1,16}$"))] pub String);
