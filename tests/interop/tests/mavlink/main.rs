@@ -1,4 +1,0 @@
-//! Other people's MAVLink software against a simulated vehicle.
-
-mod mavsdk;
-mod pymavlink;
