@@ -723,7 +723,11 @@ message: string,
 /**
  * Facts that go with the code: the refusal itself, the place in the body, what would be allowed. May be null.
  */
-detail: unknown, };
+detail: unknown, 
+/**
+ * With the refusal of a body: one that would be taken.
+ */
+example?: unknown, };
 
 /**
  * What becomes of a vehicle when one of its payloads has failed too often.
@@ -1097,6 +1101,24 @@ export type FlightMode = "unknown" | "manual" | "altitude" | "position" | "acro"
 export type FlightState = "idle" | "arming" | "taking_off" | "holding" | "going_to" | "following" | "leading" | "returning" | "landing" | "pilot_control" | "faulted";
 
 /**
+ * From where a vehicle would go into which place of a formation, in metres about the swarm's origin. With a turning formation or a
+ * detour around another vehicle the way itself is no straight line.
+ */
+export type ForeseenWay = { 
+/**
+ * The vehicle.
+ */
+vehicle: VehicleId, 
+/**
+ * Where it is.
+ */
+from: PositionNed, 
+/**
+ * Where its place is while the anchor stands where it is.
+ */
+to: PositionNed, };
+
+/**
  * What a formation's slots are relative to.
  */
 export type FormationAnchor = { "kind": "leader" } | { "kind": "path", 
@@ -1132,6 +1154,23 @@ formation: FormationSnapshot | null, };
 export type FormationControl = "slots" | "distances" | "bearings";
 
 /**
+ * How a change of formation would go if it were begun now.
+ */
+export type FormationForecast = { 
+/**
+ * What would be answered.
+ */
+receipt: FormationReceipt, 
+/**
+ * Where the formation would look while its anchor stands where it is, in radians clockwise from north.
+ */
+heading_rad: number, 
+/**
+ * Who would take which place, leader first.
+ */
+ways: Array<ForeseenWay>, };
+
+/**
  * Where the places of a formation would be.
  */
 export type FormationPreview = { 
@@ -1150,7 +1189,15 @@ views: Array<SlotView>,
 /**
  * How many of the vehicles carry a camera that is to look out of the formation.
  */
-looking: number, };
+looking: number, 
+/**
+ * Who would take which place, how long it takes and how close they come on the way, if it were begun now; null if it would be refused.
+ */
+forecast: FormationForecast | null, 
+/**
+ * Why it would be refused now: members that are not in the air, a place outside of the fence.
+ */
+refusal: Refusal | null, };
 
 /**
  * What a change of formation will look like.
@@ -1169,9 +1216,9 @@ members: Array<VehicleId>,
  */
 duration_s: number, 
 /**
- * Smallest distance between any two vehicles on the way, in metres.
+ * Smallest distance between any two vehicles on the way, in metres; null for one alone.
  */
-planned_min_distance_m: number, 
+planned_min_distance_m: number | null, 
 /**
  * How fast it can go as a whole, in metres per second.
  */
@@ -1287,9 +1334,9 @@ route_finished: boolean,
  */
 settled_at: NodeTime, 
 /**
- * Smallest distance between any two vehicles that the plan of the change foresees, in metres.
+ * Smallest distance between any two vehicles that the plan of the change foresees, in metres; null for one alone.
  */
-planned_min_distance_m: number, 
+planned_min_distance_m: number | null, 
 /**
  * Intent version of the last change.
  */
