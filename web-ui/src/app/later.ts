@@ -19,6 +19,8 @@ export const later = {
   payloads: () => import('../features/payloads/PayloadPanel.svelte'),
   swarm: () => import('../features/swarm/SwarmPanel.svelte'),
   commands: () => import('../features/commands/CommandHistory.svelte'),
+  layers: () => import('../features/map/LayerList.svelte'),
+  goTo: () => import('../features/goto/GoToNote.svelte'),
   settings: () => import('./SettingsSheet.svelte'),
   shortcuts: () => import('./ShortcutList.svelte'),
 };
