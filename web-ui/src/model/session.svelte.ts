@@ -247,7 +247,8 @@ export class Session {
   }
 
   #takeEvent(event: EventRecord): void {
-    if (!this.journal.take(event, this.wallClockOf(event.time))) return;
+    const name = event.vehicle === null ? '' : this.#infoById.get(event.vehicle)?.name;
+    if (!this.journal.take(event, this.wallClockOf(event.time), name)) return;
     if (this.#firstLoad) return;
     this.commander.takeEvent(event);
     for (const listener of this.#eventListeners) listener(event);
