@@ -12,6 +12,13 @@ const UNTAKEN_MS = 30_000;
 
 let early: (Early & { url: string; timer: ReturnType<typeof setTimeout> }) | null = null;
 
+let asked = false;
+
+/** Whether the stream has begun without it: then it is too late for it. */
+export function wasAsked(): boolean {
+  return asked;
+}
+
 export function openEarly(url: string): void {
   const socket = new WebSocket(url);
   socket.binaryType = 'arraybuffer';
@@ -29,6 +36,7 @@ export function openEarly(url: string): void {
 
 /** Hands the socket over, once; null where there is none to this address, or none any more. */
 export function takeEarly(url: string): Early | null {
+  asked = true;
   if (early?.url !== url) return null;
   const { socket, said, timer } = early;
   early = null;
