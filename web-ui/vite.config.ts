@@ -40,14 +40,32 @@ const compressed: Plugin = {
   },
 };
 
+/** Makes a file of its own of `app/early` and has it run as soon as it is there: what belongs to one page otherwise becomes one file. */
+const early: Plugin = {
+  name: 'early',
+  apply: 'build',
+  buildStart() {
+    this.emitFile({ type: 'chunk', id: 'src/app/early.ts', name: 'early' });
+  },
+  transformIndexHtml: {
+    order: 'post',
+    handler: (_, { bundle = {} }) =>
+      Object.values(bundle)
+        .filter((file) => file.type === 'chunk' && file.name === 'early' && file.isEntry)
+        .map(({ fileName }) => ({ tag: 'script', attrs: { type: 'module', async: true, crossorigin: true, src: `./${fileName}` }, injectTo: 'head-prepend' })),
+  },
+};
+
 export default defineConfig({
   base: './',
-  plugins: [svelte(), compressed],
+  plugins: [svelte(), early, compressed],
   build: {
     outDir: 'dist',
     emptyOutDir: true,
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
+    // What `app/early` needs, without the framework.
+    rolldownOptions: { output: { codeSplitting: { groups: [{ name: 'first', test: /preload-helper|src\/(app\/remembered|language\/choice|model\/tab|protocol\/(early|streamUrl))\.ts/ }] } } },
     target: 'es2022',
     reportCompressedSize: true,
     // three.js, loaded only by whom looks at the view in space, is one file of 540 kB (136 kB compressed).

@@ -95,7 +95,7 @@ test('in feet and knots a fleet is flown', { tag: '@long' }, async ({ page }) =>
     await page.getByRole('radio', { name: 'Line', exact: true }).check({ force: true });
     const asked = (await previewed).postDataJSON() as { spacing_m: number };
     expect(asked.spacing_m).toBeCloseTo(20 * FOOT_M, 9);
-    await expect(page.getByTestId('preview-said')).toContainText('closest in place: 20.0 ft');
+    await expect(page.getByTestId('preview-said')).toContainText(/closest in place: 20\.0 ft/i);
     await page.getByRole('checkbox', { name: 'Preview on the map' }).uncheck();
     await button(page, 'Clear').click();
     await page.getByRole('tab', { name: 'Route' }).click();

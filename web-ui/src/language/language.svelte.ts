@@ -2,34 +2,28 @@
 // program itself says (events, refusals it words) is shown as it came. Must never change a name, a number or a code of the protocol.
 
 import type { Dictionary } from './de';
-import { remember, remembered } from '../app/remembered';
+import { chosenLanguage, rememberLanguage } from './choice';
+import type { LanguageName } from './choice';
 
 /** Every text there is a translation of; anything else is refused by the type checker. */
 type Known = Extract<keyof Dictionary, string>;
 /** Those without a place for a value. */
 export type Text = Exclude<Known, `${string}{${string}}${string}`>;
 
-export const LANGUAGES = ['en', 'de'] as const;
-export type LanguageName = (typeof LANGUAGES)[number];
-
 /** The names in braces in a text. */
 type Names<T extends string> = T extends `${string}{${infer Name}}${infer Rest}` ? Name | Names<Rest> : never;
 type Values<T extends string> = [Names<T>] extends [never] ? [] : [Record<Names<T>, string | number>];
-
-const KEY = 'skein-language';
 
 class Language {
   name = $state<LanguageName>('en');
   #words = $state.raw<Readonly<Record<string, string>>>({});
 
-  /** The language chosen before, else the first of the browser's that there is. */
   async start(): Promise<void> {
-    const wanted = navigator.languages.map((tag) => LANGUAGES.find((name) => tag.toLowerCase().startsWith(name)));
-    await this.#apply(remembered(KEY, LANGUAGES) ?? wanted.find((name) => name !== undefined) ?? 'en');
+    await this.#apply(chosenLanguage());
   }
 
   async choose(name: LanguageName): Promise<void> {
-    remember(KEY, name);
+    rememberLanguage(name);
     await this.#apply(name);
   }
 

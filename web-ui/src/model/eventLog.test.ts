@@ -80,6 +80,13 @@ describe('what the server says', () => {
     expect(outstanding(seen).map((e) => e.text)).toEqual(['not heard']);
   });
 
+  it('is one alert where it only names another vehicle', () => {
+    const refused = (vehicle: number): EventRecord => said({ kind: 'refused' } as EventRecord['kind'], `uav-${vehicle}: hold refused`, 'warning', vehicle);
+    const l = [1, 2].reduce((all, id) => take(all, refused(id), id, `uav-${id}`), EMPTY_LOG);
+    expect(l.entries.map((e) => [e.text, e.vehicles])).toEqual([['hold refused', [1, 2]]]);
+    expect(take(EMPTY_LOG, said({ kind: 'notice' }, 'uav-1: holding', 'info', 1), 0, 'uav-1').entries[0]?.text).toBe('uav-1: holding');
+  });
+
   it('is not acknowledged when it came again in between', () => {
     const [one, two] = [lost(1), lost(2)];
     const l = log([one, 0], [two, 1], [said({ kind: 'acknowledged', events: [one.seq] }, '', 'info'), 2]);

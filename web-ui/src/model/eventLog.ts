@@ -62,8 +62,11 @@ export type Happening = {
   seq: number | null;
 };
 
-export function happening(record: EventRecord, at: number): Happening {
-  const { vehicle, severity, text } = record;
+/** `name` is that of its vehicle. An alert does not begin with it: its numbers say whom it is about, and it may be about several. */
+export function happening(record: EventRecord, at: number, name = ''): Happening {
+  const { vehicle, severity } = record;
+  const begin = SEVERITY_RANK[severity] >= SEVERITY_RANK.warning && name !== '' ? `${name}: ` : '';
+  const text = record.text.startsWith(begin) ? record.text.slice(begin.length) : record.text;
   const unlockedS = record.kind.kind === 'emergency_stop' ? /unlocked for (\d+) s$/.exec(text)?.[1] : undefined;
   const endsAt = unlockedS === undefined ? null : at + Number(unlockedS) * 1000;
   return { key: `s${record.seq}`, vehicle, severity, kind: record.kind.kind, text, at, endsAt, seq: record.seq };
@@ -76,8 +79,8 @@ export function restarted(log: EventLog, run: number): EventLog {
 }
 
 /** Takes what the server says, in the order of its numbers. */
-export function take(log: EventLog, record: EventRecord, at: number): EventLog {
-  const taken = { ...add(log, happening(record, at)), lastSeq: record.seq };
+export function take(log: EventLog, record: EventRecord, at: number, name = ''): EventLog {
+  const taken = { ...add(log, happening(record, at, name)), lastSeq: record.seq };
   switch (record.kind.kind) {
     case 'acknowledged': return acknowledged(taken, new Set(record.kind.events));
     case 'overrun': return { ...taken, overrun: { text: record.text, at } };

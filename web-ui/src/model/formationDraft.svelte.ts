@@ -208,7 +208,8 @@ export class FormationDraft {
     if (apart !== null) said.push(t('closest in place: {distance}', { distance: figureText('length', apart) }));
     const blocked = views.filter((view) => view === 'blocked').length;
     if (looking > 0 && blocked > 0) said.push(t('no free view from {count} of {all} places', { count: blocked, all: views.length }));
-    return { text: said.join('; '), refused: false };
+    const text = said.join('; ');
+    return { text: text.charAt(0).toUpperCase() + text.slice(1), refused: false };
   });
 
   /** Where the previewed anchor is and where the formation looks there. */

@@ -11,9 +11,9 @@ export class Journal {
   #nextNotice = 1;
 
   /** Takes an event unless it was taken already. Tells whether it was new. */
-  take(record: EventRecord, at: number): boolean {
+  take(record: EventRecord, at: number, name = ''): boolean {
     if (record.seq <= this.log.lastSeq) return false;
-    this.log = take(this.log, record, at);
+    this.log = take(this.log, record, at, name);
     return true;
   }
 

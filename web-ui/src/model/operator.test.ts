@@ -1,7 +1,8 @@
 // A tab's console over its life: reloaded, duplicated, kept by the browser; and the name it has.
 
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import { Operator, idOf, soundName } from './operator.svelte';
+import { Operator, soundName } from './operator.svelte';
+import { idOf } from './tab';
 
 class Store {
   kept = new Map<string, string>();

@@ -2,8 +2,9 @@
 // Must never send a command.
 
 import { getEvents, measureLatencyMs } from '../protocol/rest';
-import { Stream, streamUrl } from '../protocol/stream';
+import { Stream } from '../protocol/stream';
 import type { SaidStick, StreamState } from '../protocol/stream';
+import { streamUrl } from '../protocol/streamUrl';
 import type { EventRecord, FleetInfo, Refusal, SwarmSnapshot, VehicleControl, VehicleInfo, VehicleSafety } from '../protocol/types';
 import { carry } from '../telemetry/carry';
 import { Fleet } from '../telemetry/fleet';
@@ -80,7 +81,7 @@ export class Session {
   ) {
     this.#stream = new Stream(streamUrl(document.baseURI, console), {
       state: (state) => this.#onState(state),
-      frame: (buffer) => this.#onFrame(buffer),
+      frame: (buffer, at) => this.#onFrame(buffer, at),
       fleet: (info) => this.#onFleet(info),
       safety: (vehicles) => this.#onSafety(vehicles),
       control: (vehicles) => this.#onControl(vehicles),
@@ -188,25 +189,25 @@ export class Session {
     }
   }
 
-  #onFrame(buffer: ArrayBuffer): void {
+  #onFrame(buffer: ArrayBuffer, at: number): void {
     const expectedMs = this.serverNowMs();
     try {
-      this.fleet.take(buffer, performance.now());
+      this.fleet.take(buffer, at);
     } catch (error) {
       this.journal.notice('warning', 'stream', error instanceof Error ? error.message : String(error));
       return;
     }
-    if (!this.hasFrame) this.#firstFrame(expectedMs, buffer);
+    if (!this.hasFrame) this.#firstFrame(expectedMs, buffer, at);
     // Not back to what was said until the next picture: what is picked is what is seen.
     carry(this.fleet, performance.now());
     for (const listener of this.#frameListeners) listener();
   }
 
   /** The first frame of a connection tells whether the server is the one we knew. */
-  #firstFrame(expectedMs: number, buffer: ArrayBuffer): void {
+  #firstFrame(expectedMs: number, buffer: ArrayBuffer, at: number): void {
     if (this.everLive && this.fleet.serverTimeMs + RESTART_MS < expectedMs) {
       this.#serverRestarted();
-      this.fleet.take(buffer, performance.now());
+      this.fleet.take(buffer, at);
     }
     if (this.everLive && this.lostAt !== null) this.journal.notice('info', 'connection', t('connection to the server is back'));
     this.hasFrame = true;
@@ -246,7 +247,8 @@ export class Session {
   }
 
   #takeEvent(event: EventRecord): void {
-    if (!this.journal.take(event, this.wallClockOf(event.time))) return;
+    const name = event.vehicle === null ? '' : this.#infoById.get(event.vehicle)?.name;
+    if (!this.journal.take(event, this.wallClockOf(event.time), name)) return;
     if (this.#firstLoad) return;
     this.commander.takeEvent(event);
     for (const listener of this.#eventListeners) listener(event);

@@ -3,8 +3,10 @@
 
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { WAITS_MS, waitMs } from './backoff';
-import { Stream, streamUrl } from './stream';
+import { openEarly, takeEarly } from './early';
+import { Stream } from './stream';
 import type { StreamState } from './stream';
+import { streamUrl } from './streamUrl';
 
 class Socket {
   static all: Socket[] = [];
@@ -13,6 +15,7 @@ class Socket {
   readyState = 1;
   bufferedAmount = 0;
   sent: string[] = [];
+  onopen: (() => void) | null = null;
   onmessage: ((message: { data: unknown }) => void) | null = null;
   onclose: (() => void) | null = null;
   constructor(readonly url: string) {
@@ -34,10 +37,13 @@ const newest = (): Socket => Socket.all.at(-1)!;
 
 function started() {
   const states: StreamState[] = [];
-  const heard = { frames: 0, fleets: 0, safeties: 0, controls: 0, swarms: 0, events: 0, gaps: 0, unreadable: [] as string[], refused: [] as [number, string][] };
+  const heard = { frames: 0, cameAt: 0, fleets: 0, safeties: 0, controls: 0, swarms: 0, events: 0, gaps: 0, unreadable: [] as string[], refused: [] as [number, string][] };
   const stream = new Stream('ws://test/api/v1/stream', {
     state: (state) => states.push(state),
-    frame: () => heard.frames++,
+    frame: (_, at) => {
+      heard.frames++;
+      heard.cameAt = at;
+    },
     fleet: () => heard.fleets++,
     safety: (vehicles) => (heard.safeties += vehicles.length),
     control: (vehicles) => (heard.controls += vehicles.length),
@@ -176,6 +182,54 @@ describe('Stream', () => {
     newest().say({ type: 'event' });
     expect(heard.unreadable).toEqual(['a text message is not JSON', 'the server did not understand this page: rate_hz is out of range']);
     expect(heard.events).toBe(1);
+  });
+});
+
+describe('a socket that was opened early', () => {
+  const URL = 'ws://test/api/v1/stream';
+  afterEach(() => void takeEarly(URL));
+
+  it('is taken over with what was said on it, of frames the newest, at the time at which it came', async () => {
+    openEarly(URL);
+    const socket = newest();
+    socket.onopen?.();
+    expect(socket.sent).toEqual(['{"type":"rate","rate_hz":1}']);
+    socket.say(HELLO);
+    socket.say(new ArrayBuffer(16));
+    socket.say({ type: 'fleet' });
+    vi.advanceTimersByTime(1000);
+    socket.say(new ArrayBuffer(16));
+    const cameAt = performance.now();
+    vi.advanceTimersByTime(700);
+    const { stream, heard, last } = started();
+    stream.setRate(20);
+    expect(heard.frames).toBe(0);
+    await Promise.resolve();
+    expect(Socket.all).toHaveLength(1);
+    expect(last()).toMatchObject({ name: 'live' });
+    expect(heard).toMatchObject({ frames: 1, fleets: 1, cameAt });
+    expect(socket.sent.at(-1)).toBe('{"type":"rate","rate_hz":20}');
+    socket.say(new ArrayBuffer(16));
+    expect(heard).toMatchObject({ frames: 2, cameAt: cameAt + 700 });
+    socket.onclose?.();
+    vi.advanceTimersByTime(1000);
+    expect(Socket.all).toHaveLength(2);
+  });
+
+  it('is not taken where it was closed meanwhile, or leads elsewhere', () => {
+    openEarly(URL);
+    newest().close();
+    started();
+    expect(Socket.all).toHaveLength(2);
+    openEarly('ws://elsewhere/');
+    started();
+    expect(Socket.all).toHaveLength(4);
+  });
+
+  it('is closed where no page comes up', () => {
+    openEarly(URL);
+    vi.advanceTimersByTime(30_000);
+    expect(newest().readyState).toBe(3);
   });
 });
 

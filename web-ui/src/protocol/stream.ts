@@ -2,6 +2,8 @@
 // Must never keep vehicle state: who listens decides what a message means.
 
 import { waitMs } from './backoff';
+import { takeEarly } from './early';
+import type { Said } from './early';
 import type { ClientMessage, ErrorDetail, EventRecord, FleetInfo, Refusal, ServerMessage, SwarmSnapshot, VehicleControl, VehicleSafety } from './types';
 import { t } from '../language/language.svelte';
 
@@ -29,7 +31,8 @@ export type StreamState =
 
 export type StreamListener = {
   state(state: StreamState): void;
-  frame(buffer: ArrayBuffer): void;
+  /** `at` is when it came, on the `performance.now()` clock. */
+  frame(buffer: ArrayBuffer, at: number): void;
   fleet(info: FleetInfo): void;
   /** Of all vehicles first, then of those of which it has changed. */
   safety(vehicles: readonly VehicleSafety[]): void;
@@ -101,22 +104,26 @@ export class Stream {
     this.#greeted = false;
     this.#openedAt = performance.now();
     this.#lastFrameAt = 0;
-    const socket = new WebSocket(this.url);
+    const early = takeEarly(this.url);
+    const socket = early?.socket ?? new WebSocket(this.url);
     socket.binaryType = 'arraybuffer';
     this.#socket = socket;
-    socket.onmessage = (message) => {
-      if (socket === this.#socket) this.#message(message.data as string | ArrayBuffer);
+    const hear = ({ data, at }: Said): void => {
+      if (socket === this.#socket) this.#message(data, at);
     };
+    socket.onmessage = (message) => hear({ data: message.data as string | ArrayBuffer, at: performance.now() });
+    // After who starts the stream is ready to listen, and before anything new is said.
+    if (early) queueMicrotask(() => early.said.forEach(hear));
     socket.onclose = () => {
       if (socket === this.#socket) this.#lost(this.#greeted ? t('the server closed the connection') : t('the server does not answer'));
     };
   }
 
-  #message(data: string | ArrayBuffer): void {
+  #message(data: string | ArrayBuffer, at: number): void {
     if (typeof data !== 'string') {
       if (!this.#greeted) return;
-      this.#lastFrameAt = performance.now();
-      this.listener.frame(data);
+      this.#lastFrameAt = at;
+      this.listener.frame(data, at);
       return;
     }
     let message: ServerMessage;
@@ -209,12 +216,4 @@ export class Stream {
 function refusedStick({ detail }: ErrorDetail): { vehicle: number; refusal: Refusal } | null {
   if (typeof detail !== 'object' || detail === null || !('stick' in detail) || !('refusal' in detail)) return null;
   return { vehicle: Number(detail.stick), refusal: detail.refusal as Refusal };
-}
-
-/** Address of the stream beside the page, whatever prefix the page is served under. That it is open is the console's sign of life. */
-export function streamUrl(base: string, console: string): string {
-  const url = new URL('api/v1/stream', base);
-  url.searchParams.set('console', console);
-  url.protocol = url.protocol === 'https:' ? 'wss:' : 'ws:';
-  return url.href;
 }

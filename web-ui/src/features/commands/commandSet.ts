@@ -16,11 +16,13 @@ export type Offer = {
   guard: 'never' | 'fleet' | 'always';
   /** Whom it reaches where nothing is selected: only what brings vehicles to safety reaches all. */
   unselected: Unselected;
+  /** May stand in a menu where there is little room: whoever takes off needs neither. */
+  seldom?: true;
 };
 
 export const OFFERS: readonly Offer[] = [
-  { verb: 'arm', label: 'Arm', describe: 'Start the motors and stay on the ground', guard: 'always', unselected: 'nobody' },
-  { verb: 'disarm', label: 'Disarm', describe: 'Stop the motors; refused in the air', guard: 'always', unselected: 'nobody' },
+  { verb: 'arm', label: 'Arm', describe: 'Start the motors and stay on the ground', guard: 'always', unselected: 'nobody', seldom: true },
+  { verb: 'disarm', label: 'Disarm', describe: 'Stop the motors; refused in the air', guard: 'always', unselected: 'nobody', seldom: true },
   { verb: 'take_off', label: 'Take off', describe: 'Arm if need be, climb to the height and hold there', guard: 'always', unselected: 'nobody' },
   { verb: 'hold', label: 'Hold', describe: 'Stop and hold the position', guard: 'never', unselected: 'all' },
   { verb: 'land', label: 'Land', describe: 'Land where it is', guard: 'fleet', unselected: 'all' },

@@ -11,7 +11,7 @@ import { shown, unitName, units } from '../../language/units.svelte';
 export type Rung = { heightM: number; level: number; leader: boolean; selected: boolean };
 
 /** Room for the map's tools above and the pointer's coordinates below. */
-const TOP_PX = 404;
+const TOP_PX = 428;
 const BOTTOM_PX = 44;
 const LEAST_PX = 100;
 

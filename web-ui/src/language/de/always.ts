@@ -60,7 +60,7 @@ export const always = {
   Cancel: 'Abbrechen', 'Time is over: emergency stop locked again': 'Zeit abgelaufen: Nothalt wieder gesperrt', 'Emergency stop not unlocked': 'Nothalt nicht entsperrt',
   'all {count}': 'alle {count}', 'Emergency stop sent to {who}': 'Nothalt gesendet an {who}', ', refused by {who}': ', abgelehnt von {who}', 'Emergency stop of {who} failed': 'Nothalt von {who} misslungen',
   // commands
-  Targets: 'Ziele', 'nothing selected': 'nichts ausgewählt', '{count} selected': '{count} ausgewählt', 'Select all {count}': 'Alle {count} auswählen', 'Select vehicles first': 'Erst Fahrzeuge auswählen',
+  'More commands': 'Weitere Befehle', all: 'alle', Targets: 'Ziele', 'nothing selected': 'nichts ausgewählt', '{count} selected': '{count} ausgewählt', 'Select all {count}': 'Alle {count} auswählen', 'Select vehicles first': 'Erst Fahrzeuge auswählen',
   'Select vehicles first. With nothing selected only hold, land and return act, on all {count}.': 'Erst Fahrzeuge auswählen. Ist nichts ausgewählt, wirken nur Halten, Landen und Zurück, auf alle {count}.', 'Show the plan': 'Plan zeigen',
   Clear: 'Aufheben',
   'Commands for the targets': 'Befehle für die Ziele', 'Take-off height': 'Starthöhe', '{command}, each vehicle': '{command}, jedes Fahrzeug',

@@ -28,7 +28,7 @@ export const fleet = {
   'MOTORS STOPPED': 'MOTOREN AUS', 'in an emergency; arm it again to fly it': 'durch Nothalt; zum Fliegen neu schärfen', 'MOTORS STOPPED in an emergency; arm it again to fly it': 'MOTOREN AUS durch Nothalt; zum Fliegen neu schärfen',
   'above its launch place': 'über seinem Startplatz', Setpoints: 'Sollwerte', 'Home needs': 'Heimweg',
   'time until it must return if it goes on as now': 'Zeit, bis es umkehren muss, wenn es so weiterfliegt', 'round trip between node and vehicle, share of frames lost': 'Laufzeit zwischen Knoten und Fahrzeug, Anteil verlorener Rahmen',
-  'Link, loss': 'Laufzeit, Verlust', 'plugin restarted {times}': 'Plugin {times} neu gestartet', 'actor restarted {times}': 'Aktor {times} neu gestartet', once: 'einmal', '{count} times': '{count}-mal', 'battery –': 'Akku –',
+  'Link, loss': 'Latenz, Verlust', 'plugin restarted {times}': 'Plugin {times} neu gestartet', 'actor restarted {times}': 'Aktor {times} neu gestartet', once: 'einmal', '{count} times': '{count}-mal', 'battery –': 'Akku –',
   'Vehicle {id}': 'Fahrzeug {id}', 'Back to the fleet': 'Zurück zur Flotte', 'Vehicle before this': 'Voriges Fahrzeug', 'Vehicle after this': 'Nächstes Fahrzeug', 'Target only {id}': 'Nur {id} zum Ziel',
   'Map: show {id} there': 'Karte: {id} dort zeigen', 'There is no vehicle {id} here.': 'Hier gibt es kein Fahrzeug {id}.', 'Not heard for {age}: everything below is as it was then.': 'Seit {age} nicht gehört: alles hier unten ist von damals.',
   Does: 'Tut', 'Mode, motors': 'Modus, Motoren', 'Round trip, loss': 'Laufzeit, Verlust', 'Coordinated by': 'Koordiniert von', Clock: 'Uhr', 'does not fit': 'passt nicht', fits: 'passt',

@@ -16,7 +16,7 @@ export const operators = {
   // requests
   'Requests for vehicles': 'Bitten um Fahrzeuge', '{name} asks for {who}': '{name} bittet um {who}', 'Hand over': 'Übergeben', 'Not now': 'Jetzt nicht', 'and {count} more who ask': 'und {count} weitere, die bitten',
   // after a restart of the node
-  'After the restart': 'Nach dem Neustart', 'Fly on': 'Weiterfliegen', 'Do not fly on': 'Nicht weiterfliegen', 'Not taken back: {who}': 'Nicht zurückgeholt: {who}',
+  'After the restart': 'Nach dem Neustart', 'not flown on: {why}': 'nicht weitergeflogen: {why}', 'Fly on': 'Weiterfliegen', 'Do not fly on': 'Nicht weiterfliegen', 'Not taken back: {who}': 'Nicht zurückgeholt: {who}',
   'The node ended in flight and has started again. {who} hold; the formation is not flown on yet.': 'Der Knoten ist im Flug ausgefallen und neu gestartet. {who} halten; die Formation fliegt noch nicht weiter.',
   'The node ended in flight and has started again. {who} hold; what they did is not flown on yet.': 'Der Knoten ist im Flug ausgefallen und neu gestartet. {who} halten; was sie taten, geht noch nicht weiter.',
   // what came of it
