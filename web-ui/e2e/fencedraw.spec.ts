@@ -27,7 +27,7 @@ async function corners(page: Page, ...places: readonly (readonly [number, number
 }
 
 test('a zone is drawn, put in force, changed and lifted', async ({ page, watch }) => {
-  watch.expected.push(/422/);
+  watch.expected.push(/409/);
   await open(page, program.url, 2);
   await page.getByRole('tab', { name: 'Fences' }).click();
   await test.step('an outline that crosses itself is refused, and nothing is in force', async () => {

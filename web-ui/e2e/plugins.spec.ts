@@ -69,7 +69,7 @@ async function crash(page: Page): Promise<void> {
 }
 
 test('what fails again and again is given up in its open panel, refuses with the reason, and is started anew there', { tag: '@long' }, async ({ page, watch }) => {
-  watch.expected.push(/status of 503/);
+  watch.expected.push(/status of 409/);
   await mixed(page);
   await page.goto(`${program.url}/#vehicle/2`);
   const gimbal = page.locator('[data-instance="payload-2-gimbal"]');

@@ -199,7 +199,7 @@ fn node() -> Vec<Endpoint> {
             .about("node", "Injects a fault, for drills and tests. Only where the configuration permits it.")
             .takes::<Fault>()
             .json::<Accepted>(StatusCode::ACCEPTED, "It was injected; what comes of it comes as events.")
-            .fails(&[404, 503]),
+            .fails(&[404, 409]),
         Endpoint::get("/api/v1/stream", "openStream", stream::open)
             .about(
                 "node",

@@ -77,7 +77,7 @@ examples! {
     },
     FenceFileBody => {
         "name": "field.plan",
-        "text": "{\"fileType\":\"Plan\",\"geoFence\":{\"circles\":[{\"circle\":{\"center\":[47.397742,8.545594],\"radius\":300},\"inclusion\":true}],\"polygons\":[],\"version\":2},\"version\":1}",
+        "text": "{\"fileType\":\"Plan\",\"geoFence\":{\"circles\":[{\"circle\":{\"center\":[47.397742,8.545594],\"radius\":300},\"inclusion\":true,\"version\":1}],\"polygons\":[],\"version\":2},\"version\":1}",
     },
     AcknowledgeBody => { "events": [17, 18] },
     ResumeBody => { "fly_on": true },

@@ -23,7 +23,7 @@ const WEBSOCKETS: &str = "x-websockets";
 /// Errors that any route may give.
 const ERRORS_OF_ALL: &[u16] = &[403];
 /// Errors that any route with a body may give.
-const ERRORS_OF_BODIES: &[u16] = &[400, 408, 413, 415, 422];
+const ERRORS_OF_BODIES: &[u16] = &[400, 408, 409, 413, 415, 422];
 
 /// The document as JSON text, the same at every call.
 #[must_use]

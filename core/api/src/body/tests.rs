@@ -263,7 +263,7 @@ fn who_sends_what_is_not_taken_is_shown_what_is() {
     let request = Request::builder()
         .header("content-type", "application/json")
         .body(HttpBody::from(
-            r#"{ "route": { "waypoints": [[1, 2, -3]], "speed_m_s": 2 } }"#,
+            r#"{ "route": { "waypoints": [[1, 2, -3]], "speed_m_s": 2, "corner_radius_m": 1 } }"#,
         ))
         .unwrap();
     let runtime = tokio::runtime::Builder::new_current_thread()

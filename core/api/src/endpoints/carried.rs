@@ -53,12 +53,12 @@ pub(super) fn plugins() -> Vec<Endpoint> {
             .asks::<UploadQuery>()
             .takes_bytes(MOST_LIBRARY_BYTES)
             .json::<Accepted>(StatusCode::ACCEPTED, "It is kept, and off.")
-            .fails(&[400, 403, 422]),
+            .fails(&[400, 403, 409, 413]),
         Endpoint::post("/api/v1/plugins/uploads/enable", "enableUpload", payloads::enable_upload)
             .about("plugins", "Enables an uploaded library.")
             .asks::<UploadQuery>()
             .json::<PluginList>(StatusCode::OK, "The plugins after that.")
-            .fails(&[400, 403, 404, 422]),
+            .fails(&[400, 403, 404, 409]),
     ]
 }
 
@@ -99,7 +99,7 @@ pub(super) fn payloads() -> Vec<Endpoint> {
         .with::<String>("payload")
         .takes::<PayloadCommandBody>()
         .json::<CommandReceipt>(StatusCode::OK, "It was taken up; how it goes on comes as events.")
-        .fails(&[400, 404, 409, 503]),
+        .fails(&[400, 404, 409]),
     ]
 }
 
@@ -118,7 +118,7 @@ pub(super) fn instances() -> Vec<Endpoint> {
         .with::<VehicleId>("id")
         .with::<String>("payload")
         .json::<Accepted>(StatusCode::ACCEPTED, "It is being started.")
-        .fails(&[400, 404, 503]),
+        .fails(&[400, 404, 409]),
         Endpoint::get(
             "/api/v1/vehicles/{id}/payloads/{payload}/frame",
             "getFrame",
@@ -141,7 +141,7 @@ pub(super) fn instances() -> Vec<Endpoint> {
         .about("payloads", "Starts a vehicle's model anew and forgets its failures.")
         .with::<VehicleId>("id")
         .json::<Accepted>(StatusCode::ACCEPTED, "It is being started.")
-        .fails(&[400, 404, 503]),
+        .fails(&[400, 404, 409]),
         Endpoint::get("/api/v1/tracks", "getTracks", observed::tracks)
             .about("payloads", "What is tracked, as it was told last.")
             .json::<TrackList>(StatusCode::OK, "The tracks."),

@@ -20,7 +20,7 @@ pub(super) fn formations() -> Vec<Endpoint> {
             )
             .takes::<FormationRequest>()
             .json::<FormationReceipt>(StatusCode::OK, "It has begun; how it will look.")
-            .fails(&[404, 409, 503]),
+            .fails(&[404, 409]),
         Endpoint::post("/api/v1/formation/preview", "previewFormation", references::preview)
             .about(
                 "formation",
@@ -32,7 +32,7 @@ pub(super) fn formations() -> Vec<Endpoint> {
         Endpoint::delete("/api/v1/formation", "dissolveFormation", routes::dissolve_formation)
             .about("formation", "Ends the formation; its members hold.")
             .answer(StatusCode::NO_CONTENT, "It has ended.", None)
-            .fails(&[409, 503]),
+            .fails(&[409]),
         Endpoint::put("/api/v1/formation/route", "setRoute", routes::set_route)
             .about(
                 "formation",
@@ -40,7 +40,7 @@ pub(super) fn formations() -> Vec<Endpoint> {
             )
             .takes::<RouteBody>()
             .json::<Route>(StatusCode::ACCEPTED, "It has begun; the route as it is flown.")
-            .fails(&[409, 503]),
+            .fails(&[409]),
         Endpoint::get("/api/v1/references", "getReferences", references::list)
             .about("formation", "Things that move and that formations may be anchored to.")
             .json::<ReferenceList>(StatusCode::OK, "The references."),

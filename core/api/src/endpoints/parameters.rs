@@ -36,6 +36,6 @@ pub(super) fn parameters() -> Vec<Endpoint> {
             .with::<ParameterName>("name")
             .takes::<ParameterBody>()
             .json::<ParameterReceipt>(StatusCode::OK, "It is kept.")
-            .fails(&[404, 409, 503]),
+            .fails(&[404, 409]),
     ]
 }

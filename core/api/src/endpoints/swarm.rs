@@ -23,6 +23,6 @@ pub(super) fn swarm() -> Vec<Endpoint> {
             )
             .takes::<CoordinatorBody>()
             .answer(StatusCode::NO_CONTENT, "It coordinates.", None)
-            .fails(&[403, 409, 503]),
+            .fails(&[403, 409]),
     ]
 }

@@ -20,15 +20,15 @@ pub(super) fn trajectories() -> Vec<Endpoint> {
             )
             .takes::<TrajectoryRequest>()
             .json::<TrajectoryPlan>(StatusCode::ACCEPTED, "They will begin; how they will be flown.")
-            .fails(&[404, 409, 503]),
+            .fails(&[404, 409]),
         Endpoint::post("/api/v1/trajectories/preview", "previewTrajectories", trajectories::preview)
             .about("trajectories", "The same plan without flying it.")
             .takes::<TrajectoryRequest>()
             .json::<TrajectoryPlan>(StatusCode::OK, "How they would be flown now.")
-            .fails(&[404, 409, 503]),
+            .fails(&[404, 409]),
         Endpoint::delete("/api/v1/trajectories", "endTrajectories", trajectories::end)
             .about("trajectories", "Ends all trajectories; who flies one holds. For one vehicle: give it a command.")
             .json::<TrajectoriesEnded>(StatusCode::OK, "Whose have ended.")
-            .fails(&[409, 503]),
+            .fails(&[409]),
     ]
 }

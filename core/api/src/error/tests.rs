@@ -64,7 +64,7 @@ fn every_refusal() -> Vec<(Refusal, u16)> {
             Refusal::InvalidValue {
                 detail: "spacing".into(),
             },
-            422,
+            409,
         ),
         (Refusal::NoSwarmFrame, 409),
         (Refusal::NoPosition, 409),
@@ -81,7 +81,7 @@ fn every_refusal() -> Vec<(Refusal, u16)> {
             Refusal::NotRunning {
                 what: "the coordinator".into(),
             },
-            503,
+            409,
         ),
         (
             Refusal::NotPermitted {

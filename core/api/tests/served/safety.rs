@@ -55,7 +55,7 @@ async fn a_file_of_fences_is_read_put_in_force_and_given_back() {
     for (text, says) in [("{", "parse"), (r#"{"type":"Point"}"#, "coordinates"), ("[]", "")] {
         let body = json!({ "text": text });
         let (status, refused) = served.ask("POST", "/api/v1/fences/import", Some(body)).await;
-        assert_eq!((status, code(&refused)), (422, "invalid_value"), "{text}");
+        assert_eq!((status, code(&refused)), (409, "invalid_value"), "{text}");
         let message = refused["error"]["message"].as_str().unwrap_or_default();
         assert!(message.contains(says), "{text}: {message}");
     }
@@ -64,7 +64,7 @@ async fn a_file_of_fences_is_read_put_in_force_and_given_back() {
     let (status, refused) = served
         .ask("PUT", "/api/v1/fences", Some(json!({ "plan": wrong })))
         .await;
-    assert_eq!(status, 422, "{refused}");
+    assert_eq!(status, 409, "{refused}");
     assert_eq!(served.ask("GET", "/api/v1/fences", None).await.1, in_force);
     served.stop().await;
 }
@@ -99,7 +99,7 @@ async fn only_a_configured_operator_overrides_the_preflight_report() {
     let body = json!({ "items": ["position"], "reason": "never mind", "valid_s": 60.0 });
     assert_eq!(as_operator("password", &body).await.0, 403);
     let body = json!({ "items": ["fences"], "reason": " ", "valid_s": 60.0 });
-    assert_eq!(as_operator("password", &body).await.0, 422);
+    assert_eq!(as_operator("password", &body).await.0, 409);
     served.stop().await;
 }
 

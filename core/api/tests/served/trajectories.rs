@@ -41,9 +41,6 @@ async fn what_makes_no_sense_is_told_with_its_place() {
     type Change = fn(&mut Value);
     let wrong: &[(&str, &str, Change)] = &[
         ("invalid_value", "vehicles", |b| b["vehicles"] = json!([])),
-        ("invalid_value", "named twice", |b| {
-            b["vehicles"][1]["vehicle"] = json!(1)
-        }),
         ("invalid_value", "vehicles[1].waypoints", |b| {
             b["vehicles"][1]["waypoints"] = json!([])
         }),
@@ -66,6 +63,13 @@ async fn what_makes_no_sense_is_told_with_its_place() {
             let message = refused["error"]["message"].as_str().unwrap_or_default();
             assert!(message.contains(says), "{says}: {message}");
         }
+        let twice = body(|b| b["vehicles"][1]["vehicle"] = json!(1));
+        let (status, refused) = served.ask("POST", path, Some(twice)).await;
+        let message = refused["error"]["message"].as_str().unwrap_or_default();
+        assert!(
+            status == 409 && message.contains("vehicle 1 is there twice"),
+            "{refused}"
+        );
     }
     served.stop().await;
 }

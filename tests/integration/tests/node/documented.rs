@@ -20,11 +20,12 @@ const IN_ORDER: [(&str, u16); 21] = [
     ("PUT /api/v1/vehicles/{id}/parameters/{name}", 200),
     ("POST /api/v1/vehicles/{id}/payloads", 202),
     ("POST /api/v1/vehicles/{id}/payloads/{payload}/command", 200),
-    ("POST /api/v1/preflight/overrides", 200),
+    // No operator is configured.
+    ("POST /api/v1/preflight/overrides", 401),
     ("POST /api/v1/fences/import", 200),
     ("PUT /api/v1/fences", 200),
     ("PUT /api/v1/references/{name}", 204),
-    ("PUT /api/v1/tracks", 204),
+    ("PUT /api/v1/tracks", 202),
     ("POST /api/v1/events/acknowledge", 200),
     // Nothing was broken off, and the node is in no swarm.
     ("POST /api/v1/resume", 409),
@@ -61,6 +62,7 @@ async fn swarm() -> Swarm {
     .await;
     let connected = |fleet: &FleetSnapshot| {
         fleet.vehicles.len() == 2
+            && fleet.vehicles.iter().all(|vehicle| vehicle.ready_to_arm == Some(true))
             && fleet.vehicles.iter().flat_map(|vehicle| &vehicle.payloads).all(|p| {
                 let state = p.state.as_ref();
                 state.is_some_and(|state| state["connected"] == json!(true))
@@ -146,29 +148,43 @@ async fn what_the_documents_show_is_taken() {
     for operation in examples.keys() {
         assert!(known.contains(&operation.as_str()), "{operation} is not tried here");
     }
+    let mut wrong = Vec::new();
     for (operation, expected) in IN_ORDER {
         let (method, path) = operation.split_once(' ').unwrap();
         let (status, answer) = send(&swarm, method, path, &examples[operation]).await;
-        assert_eq!(status, expected, "{operation}: {answer}");
+        if status != expected {
+            wrong.push(format!("{operation}: {status}, not {expected}: {answer}"));
+            continue;
+        }
         match operation {
             "POST /api/v1/commands" => {
-                let up = |fleet: &FleetSnapshot| {
-                    fleet
-                        .vehicles
-                        .iter()
-                        .all(|vehicle| vehicle.flight_state == FlightState::Holding)
-                };
-                swarm.until("both in the air", Duration::from_secs(60), up).await;
+                let receipts = answer["receipts"].as_array().unwrap();
+                assert!(receipts.iter().all(|receipt| receipt["refusal"].is_null()), "{answer}");
+                hold(&swarm).await;
             }
             "POST /api/v1/trajectories" => {
                 let (status, _) = send(&swarm, "DELETE", "/api/v1/trajectories", &Value::Null).await;
                 assert_eq!(status, 200);
+                hold(&swarm).await;
             }
             "POST /api/v1/formation/preview" => foreseen(&answer),
             _ => {}
         }
     }
+    assert!(wrong.is_empty(), "{wrong:#?}");
     swarm.stop().await;
+}
+
+async fn hold(swarm: &Swarm) {
+    let holding = |fleet: &FleetSnapshot| {
+        fleet
+            .vehicles
+            .iter()
+            .all(|vehicle| vehicle.flight_state == FlightState::Holding)
+    };
+    swarm
+        .until("both hold in the air", Duration::from_secs(60), holding)
+        .await;
 }
 
 /// A preview says who would go where, how long it takes, and how close they come.

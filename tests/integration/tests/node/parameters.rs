@@ -85,8 +85,8 @@ async fn parameters_are_read_and_written_and_refused_with_reasons() {
 
     // What does not fit is refused with the reason, and is an event too.
     for (name, sent, status, code) in [
-        ("COM_RC_IN_MODE", json!(0.5), 422, "wrong_type"),
-        ("COM_RC_IN_MODE", json!(3e9), 422, "out_of_range"),
+        ("COM_RC_IN_MODE", json!(0.5), 409, "wrong_type"),
+        ("COM_RC_IN_MODE", json!(3e9), 409, "out_of_range"),
         ("NO_SUCH_THING", json!(1), 409, "no_answer"),
         ("SEVENTEEN_LETTERS", json!(1), 422, "invalid_name"),
         ("MPC_XY_CRUISE", json!("six"), 422, "invalid_body"),

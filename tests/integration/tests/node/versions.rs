@@ -142,7 +142,7 @@ async fn an_uploaded_plugin_stays_off_until_it_is_enabled_and_none_is_taken_unas
             .send()
     };
 
-    assert_eq!(upload("../escape.so").await.unwrap().status(), 422);
+    assert_eq!(upload("../escape.so").await.unwrap().status(), 409);
     assert_eq!(upload("libgimbal_plugin.so").await.unwrap().status(), 202);
     http.post(url("rescan")).send().await.unwrap();
     assert_eq!(names(), ["generic-uav"], "it is off");
