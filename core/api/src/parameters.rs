@@ -25,7 +25,7 @@ type OfVehicle = Result<Path<VehicleId>, PathRejection>;
 pub(crate) struct ParameterQuery {
     /// The revision that is known already; everything that is known if left out.
     #[serde(default)]
-    #[schemars(range(max = 9_007_199_254_740_991_u64))]
+    #[schemars(range(max = u64::MAX))]
     since: u64,
     /// Begins to read all of them, unless that is under way or done.
     #[serde(default)]

@@ -8,9 +8,12 @@ use axum::Json;
 use axum::extract::rejection::PathRejection;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
-use skein_domain::{FormationRequest, Refusal};
+use skein_domain::{FormationRequest, OffsetFrd, Refusal};
 use skein_flight::formation;
 use skein_runtime::{ReferenceReport, VehicleSnapshot};
+
+/// No place of a formation is farther from its anchor along any axis, in metres.
+const FARTHEST_PLACE_M: f64 = 100_000.0;
 
 type Name = Result<Path<String>, PathRejection>;
 
@@ -52,6 +55,10 @@ pub(crate) async fn preview(
     let members = snapshot.vehicles.iter().filter(|vehicle| takes_part(&vehicle.id));
     let slots =
         formation::anchored_slots(&request, count).map_err(|e| Refusal::InvalidValue { detail: e.to_string() })?;
+    if !slots.iter().all(is_near) {
+        let detail = "the formation is larger than numbers mean anything about its anchor".to_owned();
+        return Err(Refusal::InvalidValue { detail }.into());
+    }
     let foreseen = app.node.foresee_formation(request.clone()).await;
     Ok(Json(FormationPreview {
         smallest_distance_m: Some(formation::smallest_distance_m(&slots)).filter(|d| d.is_finite()),
@@ -61,6 +68,12 @@ pub(crate) async fn preview(
         refusal: foreseen.as_ref().err().cloned(),
         forecast: foreseen.ok(),
     }))
+}
+
+/// Whether a place is one that may be told: see [`OffsetFrd`]'s schema.
+fn is_near(place: &OffsetFrd) -> bool {
+    let along = [place.forward_m, place.right_m, place.down_m];
+    along.iter().all(|along_m| along_m.abs() <= FARTHEST_PLACE_M)
 }
 
 fn view(view: formation::View) -> SlotView {

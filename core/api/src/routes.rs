@@ -174,7 +174,7 @@ fn accepted() -> Response {
 pub(crate) struct EventQuery {
     /// Number of the last event that is known already; everything that is kept if left out.
     #[serde(default)]
-    #[schemars(range(max = 9_007_199_254_740_991_u64))]
+    #[schemars(range(max = u64::MAX))]
     after: u64,
 }
 

@@ -15,6 +15,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Duration;
 
+/// A vehicle that leaves within so many seconds of a start of its node does so for that: it is in the failsafe that the loss of setpoints
+/// brought about, and comes back when its node has taken it back.
+const JUST_STARTED_S: f64 = 5.0;
+
 /// A node that does not answer what the coordinator asks of it is not waited for longer.
 const ASKED_WITHIN: Duration = Duration::from_secs(5);
 /// Clocks that may be farther apart than this start nothing together, in seconds.
@@ -229,11 +233,22 @@ impl CoordinatorState {
         self.fly(next, Severity::Critical, text);
     }
 
-    /// Notes who leaves because nothing is heard of it.
+    /// Notes who leaves because nothing is heard of it, or because its node has just started again.
     pub(super) fn note_unheard(&self, peers: &PeerSnapshot, gone: &[VehicleId]) {
-        let silent = |id: &&VehicleId| peers.entry(**id).is_none_or(|e| !e.link.connected);
-        let elsewhere = |id: &&VehicleId| self.board.host(**id).is_some();
-        let unheard = gone.iter().filter(silent).filter(elsewhere);
+        let Some(swarm) = &self.board.swarm else { return };
+        let now = self.board.now();
+        let silent = |id: VehicleId| peers.entry(id).is_none_or(|e| !e.link.connected);
+        let has_started = |node: NodeId| {
+            let starts = swarm.starts.read();
+            starts
+                .get(&node)
+                .is_some_and(|at| now.seconds_since(*at) < JUST_STARTED_S)
+        };
+        let unheard = gone.iter().copied().filter(|id| {
+            let node = self.board.host(*id);
+            node.is_some_and(|node| silent(*id) || has_started(node))
+        });
+        let unheard: Vec<VehicleId> = unheard.collect();
         self.board.coordination.lock().unheard.extend(unheard);
     }
 

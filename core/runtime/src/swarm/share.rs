@@ -68,6 +68,8 @@ pub struct SwarmShare {
     pub role: ArcSwap<Role>,
     /// Vehicles of other nodes.
     pub vehicles: RwLock<BTreeMap<VehicleId, RemoteVehicle>>,
+    /// When each other node was last heard to have started.
+    pub starts: RwLock<BTreeMap<NodeId, NodeTime>>,
     /// The swarm for screens.
     pub picture: ArcSwap<SwarmSnapshot>,
     /// The actor that speaks for this node.
@@ -96,6 +98,7 @@ impl SwarmShare {
         Self {
             role: ArcSwap::from_pointee(role),
             vehicles: RwLock::default(),
+            starts: RwLock::default(),
             picture: ArcSwap::default(),
             actor: ArcSwapOption::default(),
             api: OnceLock::new(),

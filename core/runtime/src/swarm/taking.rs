@@ -97,6 +97,9 @@ impl SwarmState {
         known.coming.clear();
         known.heard = now;
         let back = std::mem::take(&mut known.told_gone);
+        if let Some(swarm) = &self.board.swarm {
+            swarm.starts.write().insert(node, now);
+        }
         let what = if back { "is back" } else { "has joined" };
         self.record(Severity::Info, format!("node {node} {what}"));
         self.told.tell_anew();
