@@ -10,7 +10,7 @@ use schemars::{Schema, SchemaGenerator};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
 use utoipa::openapi::path::{OperationBuilder, Parameter, ParameterBuilder, ParameterIn, PathsBuilder};
-use utoipa::openapi::request_body::RequestBodyBuilder;
+use utoipa::openapi::request_body::{RequestBody, RequestBodyBuilder};
 use utoipa::openapi::{
     ContentBuilder, InfoBuilder, KnownFormat, LicenseBuilder, ObjectBuilder, OpenApiBuilder, PathItem, Ref, RefOr,
     Required, ResponseBuilder, Schema as ApiSchema, SchemaFormat, ServerBuilder, Type,
@@ -198,25 +198,16 @@ fn operation(endpoint: Endpoint, schemas: &mut Schemas) -> utoipa::openapi::path
     if let Some((body, example)) = endpoint.body {
         let content = ContentBuilder::new()
             .schema(Some(embedded(body(&mut schemas.requests))))
-            .example(Some(example))
-            .build();
-        let body = RequestBodyBuilder::new()
-            .content("application/json", content)
-            .required(Some(Required::True))
-            .build();
-        operation = operation.request_body(Some(body));
+            .example(Some(example));
+        operation = operation.request_body(Some(request_body("application/json", content)));
         errors.extend(ERRORS_OF_BODIES);
     }
     if endpoint.is_file {
         let file = ObjectBuilder::new()
             .schema_type(Type::String)
             .format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary)));
-        let content = ContentBuilder::new().schema(Some(file)).build();
-        let body = RequestBodyBuilder::new()
-            .content("application/octet-stream", content)
-            .required(Some(Required::True))
-            .build();
-        operation = operation.request_body(Some(body));
+        let content = ContentBuilder::new().schema(Some(file));
+        operation = operation.request_body(Some(request_body("application/octet-stream", content)));
     }
     for answer in endpoint.answers {
         let mut response = ResponseBuilder::new().description(answer.description);
@@ -229,19 +220,27 @@ fn operation(endpoint: Endpoint, schemas: &mut Schemas) -> utoipa::openapi::path
         errors.remove(&answer.status.as_u16());
         operation = operation.response(answer.status.as_str(), response.build());
     }
-    for status in errors {
-        let content = ContentBuilder::new()
-            .schema(Some(Ref::from_schema_name("ErrorBody")))
-            .build();
-        let reason = axum::http::StatusCode::from_u16(status)
-            .ok()
-            .and_then(|status| status.canonical_reason());
-        let response = ResponseBuilder::new()
-            .description(reason.unwrap_or("Error"))
-            .content("application/json", content);
-        operation = operation.response(status.to_string(), response.build());
-    }
-    operation.build()
+    errors.into_iter().fold(operation, with_error).build()
+}
+
+fn request_body(kind: &str, content: ContentBuilder) -> RequestBody {
+    RequestBodyBuilder::new()
+        .content(kind, content.build())
+        .required(Some(Required::True))
+        .build()
+}
+
+fn with_error(operation: OperationBuilder, status: u16) -> OperationBuilder {
+    let content = ContentBuilder::new()
+        .schema(Some(Ref::from_schema_name("ErrorBody")))
+        .build();
+    let reason = axum::http::StatusCode::from_u16(status)
+        .ok()
+        .and_then(|status| status.canonical_reason());
+    let response = ResponseBuilder::new()
+        .description(reason.unwrap_or("Error"))
+        .content("application/json", content);
+    operation.response(status.to_string(), response.build())
 }
 
 /// The properties of a query's object as parameters of their own.

@@ -177,7 +177,7 @@ pub struct RouteBody {
 #[serde(deny_unknown_fields)]
 pub struct CoordinatorBody {
     /// Its number.
-    #[schemars(range(min = 1))]
+    #[schemars(range(min = 1, max = u64::MAX))]
     pub node: NodeId,
 }
 

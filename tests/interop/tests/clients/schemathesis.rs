@@ -14,7 +14,7 @@ const SCHEMATHESIS: Environment = Environment {
 };
 
 /// Requests drawn for each operation, beside those that its limits call for.
-const DRAWN: &str = "60";
+const DRAWN: &str = "40";
 
 #[tokio::test(flavor = "multi_thread")]
 #[ignore = "long: part of `cargo xtask test interop`"]
