@@ -3,7 +3,7 @@
 //!
 //! Must never do: refuse what the schema permits, or take what it does not.
 
-mod fault;
+mod violation;
 
 use crate::error::ApiError;
 use crate::examples::Example;
@@ -67,7 +67,7 @@ pub(crate) fn understand<T: DeserializeOwned + JsonSchema + 'static>(bytes: &[u8
     let Json(value) = Json::<T>::from_bytes(&bytes).map_err(|rejection| not_understood(rejection, &bytes))?;
     let given: Value = serde_json::from_slice(&bytes).map_err(|e| ApiError::Shape { problem: e.to_string() })?;
     match validator::<T>()?.iter_errors(&given).next() {
-        Some(error) => Err(fault::of(&error)),
+        Some(error) => Err(violation::of(&error)),
         None => Ok(value),
     }
 }
