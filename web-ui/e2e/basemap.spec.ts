@@ -88,7 +88,7 @@ async function load(page: Page, file: Buffer, name: string): Promise<void> {
   await page.getByLabel(/^Base map from a file/).setInputFiles({ name, mimeType: 'application/octet-stream', buffer: file });
 }
 
-test('pictures of a file lie under the vehicles, where they belong', async ({ page, watch }) => {
+test('pictures of a file lie under the vehicles, where they belong', { tag: '@long' }, async ({ page, watch }) => {
   // This test reads pixels again and again; the page never does.
   watch.expected.push(/willReadFrequently/);
   await open(page, program.url, VEHICLES);

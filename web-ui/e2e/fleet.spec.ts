@@ -16,7 +16,7 @@ test.beforeEach(async ({ page }) => {
   await open(page, program.url, VEHICLES);
 });
 
-test('a demonstration says on every page that it is simulated', async ({ page }) => {
+test('a demonstration says on every page that it is simulated', { tag: '@long' }, async ({ page }) => {
   for (const where of ['map', 'fleet', 'vehicle/1', 'preflight', 'alerts', 'plugins', 'links']) {
     await page.goto(`${program.url}/#${where}`);
     await expect(page.getByTestId('reality'), where).toHaveText('SIM');

@@ -30,7 +30,7 @@ function distances(places: readonly { north: number; east: number }[]): number[]
 }
 
 // Nobody flies in this one: it comes first, while all stand where they began.
-test('a shape is drawn, moved by keys, read from a file and saved', async ({ page }) => {
+test('a shape is drawn, moved by keys, read from a file and saved', { tag: '@long' }, async ({ page }) => {
   await open(page, program.url, VEHICLES);
   await selectAll(page);
   await choose(page, 'Free');

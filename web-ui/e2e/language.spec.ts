@@ -44,7 +44,7 @@ test.describe('where the browser wants German', () => {
   });
 });
 
-test('German is chosen while the page is open', async ({ page }) => {
+test('German is chosen while the page is open', { tag: '@long' }, async ({ page }) => {
   await page.goto(program.url);
   await expect(button(page, `HOLD ALL ${VEHICLES}`)).toBeVisible({ timeout: 60_000 });
   await button(page, 'Settings').click();

@@ -21,7 +21,7 @@ const link = (page: Page, id: number): Locator => page.locator(`[data-link="${id
 /** The number that a cell begins with, counted from nought. */
 const figure = async (row: Locator, cell: number): Promise<number> => parseFloat((await row.locator('td').nth(cell).textContent()) ?? '');
 
-test('what comes and goes is shown, and who is not heard any more', async ({ page }) => {
+test('what comes and goes is shown, and who is not heard any more', { tag: '@long' }, async ({ page }) => {
   const port = await freePort();
   const sendTo = `127.0.0.1:${port}`;
   program = await Program.node([

@@ -24,7 +24,7 @@ const onPage = async (page: Page, at: { x: number; y: number }): Promise<[number
   return [box.x + at.x, box.y + at.y];
 };
 
-test('layers are hidden and shown, and the choice stays', async ({ page }) => {
+test('layers are hidden and shown, and the choice stays', { tag: '@long' }, async ({ page }) => {
   await open(page, program.url, VEHICLES);
   const layers = button(page, 'Layers');
   const links = page.getByRole('checkbox', { name: 'Links', exact: true });

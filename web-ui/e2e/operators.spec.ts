@@ -188,7 +188,7 @@ test('two operators share the fleet', { tag: '@long' }, async ({ page: anna, bro
   expect(faults).toEqual([]);
 });
 
-test('a window opened from the page is another console, also of the same operator', async ({ page }) => {
+test('a window opened from the page is another console, also of the same operator', { tag: '@long' }, async ({ page }) => {
   await sit(page, 'Anna');
   await button(page, /^Target 1,/).click();
   await button(page, 'Take 1').click();

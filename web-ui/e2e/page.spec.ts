@@ -144,7 +144,7 @@ test('what is typed in a field reaches neither the keys of the console nor the t
   expect(posts).toEqual([]);
 });
 
-test('the keyboard alone arms a vehicle and disarms it', async ({ page }) => {
+test('the keyboard alone arms a vehicle and disarms it', { tag: '@long' }, async ({ page }) => {
   await button(page, /^Target 1,/).focus();
   await page.keyboard.press('Space');
   await expect(page.getByTestId('targets')).toContainText('1 selected');

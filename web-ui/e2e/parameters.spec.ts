@@ -29,7 +29,7 @@ async function read(page: Page, id: number): Promise<void> {
   await expect(page.getByTestId('reading')).toContainText(/^All \d+ read$/, { timeout: READ_MS });
 }
 
-test('parameters are read, found, changed by a hold, and marked as changed here', async ({ page }) => {
+test('parameters are read, found, changed by a hold, and marked as changed here', { tag: '@long' }, async ({ page }) => {
   await read(page, 1);
   const all = await page.getByTestId('parameter-count').textContent();
   expect(Number(/of (\d+)/.exec(all!)![1])).toBeGreaterThan(50);

@@ -17,7 +17,7 @@ test.beforeEach(async ({ page }) => {
   await page.goto(`${program.url}/#vehicle/2`);
 });
 
-test('a panel made from the schema: fields with units, what is wrong is said, what is right is done', async ({ page }) => {
+test('a panel made from the schema: fields with units, what is wrong is said, what is right is done', { tag: '@long' }, async ({ page }) => {
   const gimbal = page.locator('[data-instance="payload-2-gimbal"]');
   await gimbal.getByRole('button', { name: 'Take control' }).first().click();
   await gimbal.getByText('Everything it can be asked').click();

@@ -137,7 +137,7 @@ test('what is stopped is gone from the tree, is not forgotten while a rule names
   await expect(listed(page, 'gimbal')).toContainText('Used by 1: payload-2-gimbal');
 });
 
-test('a new plugin is found, a file that is none is named with its fault, and what nothing uses is forgotten', async ({ page }) => {
+test('a new plugin is found, a file that is none is named with its fault, and what nothing uses is forgotten', { tag: '@long' }, async ({ page }) => {
   await alike(page);
   await page.getByRole('link', { name: 'Plugins' }).click();
   await expect(listed(page, 'frame-counter')).toHaveCount(0);

@@ -42,7 +42,7 @@ async function load(page: Page, features: object[]): Promise<void> {
 
 const zones = (page: Page) => page.evaluate(() => window.__skein!.zones());
 
-test('fences are read from a file, shown on the map when they are in force, and lifted', async ({ page }) => {
+test('fences are read from a file, shown on the map when they are in force, and lifted', { tag: '@long' }, async ({ page }) => {
   await load(page, [
     feature('field', 'inclusion', await rectangle(page, 0.001, 0)),
     feature('mast', 'exclusion', await rectangle(page, 0.0001, 0.0005)),

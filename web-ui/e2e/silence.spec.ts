@@ -14,7 +14,7 @@ test.afterEach(async ({ page }) => {
   await program.stop();
 });
 
-test('a vehicle gone silent looks so, and is found again', async ({ page }) => {
+test('a vehicle gone silent looks so, and is found again', { tag: '@long' }, async ({ page }) => {
   const port = await freePort();
   const sendTo = `127.0.0.1:${port}`;
   program = await Program.node([

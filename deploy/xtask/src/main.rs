@@ -18,6 +18,7 @@ mod processes;
 mod px4;
 mod report;
 mod screenshot;
+mod shown;
 mod step;
 mod tally;
 mod tidy;

@@ -6,11 +6,14 @@
 mod tests;
 
 use crate::failures::Failures;
+use crate::shown::Shown;
 use crate::step::Step;
 use crate::tally::Tally;
 use anyhow::{Result, bail, ensure};
+use parking_lot::RwLock;
 use std::fmt::Write;
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// So many tests of a step are tried again at most, and no more than a third of it. A machine that others use too stands still for some
@@ -23,6 +26,9 @@ const MOST_TRIES: usize = 10;
 pub struct Report {
     started: Instant,
     done: Vec<Done>,
+    shown: Shown,
+    /// Held by every step that runs beside others, and alone by tests that are tried again.
+    machine: Arc<RwLock<()>>,
 }
 
 struct Done {
@@ -32,6 +38,7 @@ struct Done {
     /// Those that failed and passed when tried again.
     unsteady: Vec<String>,
     failure: Option<String>,
+    is_beside: bool,
 }
 
 impl Report {
@@ -40,11 +47,33 @@ impl Report {
         Self {
             started: Instant::now(),
             done: Vec::new(),
+            shown: Shown::default(),
+            machine: Arc::default(),
         }
+    }
+
+    /// One for steps that run beside those of this one. What they print is shown when each has ended.
+    pub fn beside(&self) -> Self {
+        Self {
+            started: Instant::now(),
+            done: Vec::new(),
+            shown: Shown::together(),
+            machine: self.machine.clone(),
+        }
+    }
+
+    /// Takes in what ran beside.
+    pub fn join(&mut self, beside: Self) {
+        self.done.extend(beside.done);
+    }
+
+    fn is_beside(&self) -> bool {
+        matches!(self.shown, Shown::Together(_))
     }
 
     /// Runs a child process as a step, once.
     pub fn step(&mut self, name: &str, advice: &str, step: Step) -> bool {
+        let step = step.shown(&self.shown);
         self.record(name, advice, |tally, _| step.run(tally))
     }
 
@@ -75,6 +104,9 @@ impl Report {
         again: impl Fn(&[String]) -> Step,
         may_be_noise: impl Fn(u64, u64, u64) -> bool,
     ) -> bool {
+        let (shown, machine) = (self.shown.clone(), self.machine.clone());
+        let (step, again) = (step.shown(&shown), |names: &[String]| again(names).shown(&shown));
+        let is_beside = self.is_beside();
         self.record(name, advice, |tally, unsteady| {
             let mut failures = Failures::default();
             let outcome = step.run_and_name(tally, &mut failures);
@@ -90,7 +122,9 @@ impl Report {
                 unsteady.clear();
                 return Err(error);
             }
-            try_again(name, names, again).inspect_err(|_| unsteady.clear())?;
+            // what runs beside ends its step, and begins no other
+            let _alone = (!is_beside).then(|| machine.write());
+            try_again(name, names, again, &shown).inspect_err(|_| unsteady.clear())?;
             tally.failed = 0;
             tally.unsteady += count;
             Ok(())
@@ -104,7 +138,8 @@ impl Report {
 
     /// Notes something that was left out, and why.
     pub fn left_out(&mut self, name: &str, why: &str) {
-        println!("-- {name}: left out, {why}");
+        self.shown.line(&format!("-- {name}: left out, {why}"));
+        self.shown.end();
     }
 
     fn record(
@@ -113,7 +148,13 @@ impl Report {
         advice: &str,
         work: impl FnOnce(&mut Tally, &mut Vec<String>) -> Result<()>,
     ) -> bool {
-        println!("== {name}");
+        let is_beside = self.is_beside();
+        let machine = self.machine.clone();
+        let _beside = is_beside.then(|| machine.read());
+        if is_beside {
+            println!("-- {name}: begun beside what follows, shown when it has ended");
+        }
+        self.shown.line(&format!("== {name}"));
         let started = Instant::now();
         let mut tally = Tally::default();
         let mut unsteady = Vec::new();
@@ -122,17 +163,18 @@ impl Report {
         if let Some(failure) = &failure {
             // a step that failed before a test could fail (it did not compile, say) counts as one failure
             tally.failed = tally.failed.max(1);
-            println!("!! {name} failed after {seconds:.1} s: {failure}\n   what to do: {advice}");
+            self.shown.line(&format!(
+                "!! {name} failed after {seconds:.1} s: {failure}\n   what to do: {advice}"
+            ));
         } else {
-            println!(
-                "ok {name}, {seconds:.1} s{}",
-                if tally.ran() > 0 {
-                    format!(", {tally}")
-                } else {
-                    String::new()
-                }
-            );
+            let counts = if tally.ran() > 0 {
+                format!(", {tally}")
+            } else {
+                String::new()
+            };
+            self.shown.line(&format!("ok {name}, {seconds:.1} s{counts}"));
         }
+        self.shown.end();
         let ok = failure.is_none();
         self.done.push(Done {
             name: name.to_owned(),
@@ -140,6 +182,7 @@ impl Report {
             tally,
             unsteady,
             failure,
+            is_beside,
         });
         ok
     }
@@ -171,7 +214,12 @@ impl Report {
                 String::new()
             };
             // writing to a String cannot fail
-            let _ = writeln!(summary, "  {mark} {:<42} {:>7.1} s  {counts}", done.name, done.seconds);
+            let beside = if done.is_beside { "beside, " } else { "" };
+            let _ = writeln!(
+                summary,
+                "  {mark} {:<42} {:>7.1} s  {beside}{counts}",
+                done.name, done.seconds
+            );
         }
         let seconds = self.started.elapsed().as_secs_f64();
         println!("{summary}  {:<49} {seconds:>7.1} s", "all");
@@ -207,10 +255,10 @@ fn passed_again(tally: &Tally) -> String {
 }
 
 /// Tries these again, alone, until each has passed once.
-fn try_again(name: &str, names: &[String], again: impl Fn(&[String]) -> Step) -> Result<()> {
+fn try_again(name: &str, names: &[String], again: impl Fn(&[String]) -> Step, shown: &Shown) -> Result<()> {
     let mut left = names.to_vec();
     for _ in 0..MOST_TRIES {
-        println!("-- {name}: another try, alone: {}", left.join(", "));
+        shown.line(&format!("-- {name}: another try, alone: {}", left.join(", ")));
         let (mut tally, mut failures) = (Tally::default(), Failures::default());
         let outcome = again(&left).run_and_name(&mut tally, &mut failures);
         match outcome {
@@ -219,7 +267,7 @@ fn try_again(name: &str, names: &[String], again: impl Fn(&[String]) -> Step) ->
                 return Ok(());
             }
             Err(_) if failures.stood_still() && !failures.names().is_empty() => {
-                println!("-- the machine stood still meanwhile: that says nothing of those that failed");
+                shown.line("-- the machine stood still meanwhile: that says nothing of those that failed");
                 left = failures.names().to_vec();
             }
             Err(error) => return Err(error),

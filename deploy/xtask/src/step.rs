@@ -7,6 +7,7 @@ mod tests;
 
 use crate::failures::Failures;
 use crate::processes;
+use crate::shown::Shown;
 use crate::tally::{Runner, Tally};
 use anyhow::{Context, Result, bail};
 use std::io::{BufRead, BufReader, IsTerminal, Read};
@@ -35,6 +36,7 @@ pub struct Step {
     must_run_some: bool,
     quiet: Duration,
     total: Duration,
+    shown: Shown,
     /// In tests: as if the machine had stood still meanwhile.
     #[cfg(test)]
     standstill: bool,
@@ -49,6 +51,7 @@ impl Step {
             must_run_some: false,
             quiet: QUIET,
             total: TOTAL,
+            shown: Shown::default(),
             #[cfg(test)]
             standstill: false,
         }
@@ -62,6 +65,7 @@ impl Step {
             must_run_some: true,
             quiet: QUIET,
             total: TOTAL,
+            shown: Shown::default(),
             #[cfg(test)]
             standstill: false,
         }
@@ -75,6 +79,7 @@ impl Step {
             must_run_some: false,
             quiet: QUIET,
             total: TOTAL,
+            shown: Shown::default(),
             #[cfg(test)]
             standstill: false,
         }
@@ -90,6 +95,12 @@ impl Step {
     /// It may take this long before it is taken for hung, and be quiet all the while.
     pub fn within(mut self, total: Duration) -> Self {
         (self.quiet, self.total) = (total, total);
+        self
+    }
+
+    /// Where its lines go.
+    pub fn shown(mut self, shown: &Shown) -> Self {
+        self.shown = shown.clone();
         self
     }
 
@@ -118,14 +129,16 @@ impl Step {
         let heard = Arc::new(Heard::now());
         let (of_output, of_complaints) = (heard.clone(), heard.clone());
         let runner = self.runner;
-        let reader = std::thread::spawn(move || count(output, runner, &of_output));
-        let passer = std::thread::spawn(move || pass_on(complaints, &of_complaints));
+        let (shown, shown_too) = (self.shown.clone(), self.shown.clone());
+        let reader = std::thread::spawn(move || count(output, runner, &of_output, &shown));
+        let passer = std::thread::spawn(move || pass_on(complaints, &of_complaints, &shown_too));
         let mut stood_still = false;
         let status = wait(&mut child, &heard, self.quiet, self.total, || stood_still = true);
         // who still holds an end of the outputs would keep the readers for ever
         let left = processes::below(child.id());
         if !left.is_empty() && status.is_ok() {
-            println!("-- {name} has left behind, now ended: {}", list(&left));
+            self.shown
+                .line(&format!("-- {name} has left behind, now ended: {}", list(&left)));
         }
         processes::end(child.id());
         let (counted, failed) = reader.join().unwrap_or_default();
@@ -191,11 +204,11 @@ fn lines(from: impl Read, heard: &Heard) -> impl Iterator<Item = String> {
     })
 }
 
-fn count(output: impl Read, runner: Option<Runner>, heard: &Heard) -> (Tally, Failures) {
+fn count(output: impl Read, runner: Option<Runner>, heard: &Heard, shown: &Shown) -> (Tally, Failures) {
     let mut tally = Tally::default();
     let mut failures = Failures::default();
     for line in lines(output, heard) {
-        println!("{line}");
+        shown.line(&line);
         if let Some(runner) = runner {
             tally.read(runner, &line);
             failures.read(&line);
@@ -204,8 +217,8 @@ fn count(output: impl Read, runner: Option<Runner>, heard: &Heard) -> (Tally, Fa
     (tally, failures)
 }
 
-fn pass_on(complaints: impl Read, heard: &Heard) {
-    lines(complaints, heard).for_each(|line| eprintln!("{line}"));
+fn pass_on(complaints: impl Read, heard: &Heard, shown: &Shown) {
+    lines(complaints, heard).for_each(|line| shown.complaint(&line));
 }
 
 /// Whether the time between two looks says that this run was stopped.

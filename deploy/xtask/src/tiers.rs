@@ -2,6 +2,8 @@
 //!
 //! Must never do: pass a tier in which no test ran, or check at the desk otherwise than in CI.
 
+mod lanes;
+
 use crate::plugins::{self, Profile};
 use crate::report::Report;
 use crate::step::Step;
@@ -99,17 +101,21 @@ impl Tier {
         }
     }
 
+    /// Whether it takes all of the processor that it gets. The others mostly wait.
+    fn is_reckoned(self) -> bool {
+        matches!(self, Self::Static | Self::Unit | Self::Seeded)
+    }
+
     /// Whether its tests fly in real time, so that a machine that stands still can fail them: these are tried again, alone. What is
     /// reckoned, or flown in simulated time, comes out the same each time: a second try could only hide that it does not.
     fn is_in_real_time(self) -> bool {
-        match self {
-            Self::Static | Self::Unit | Self::Seeded => false,
-            Self::Integration | Self::PluginBoundary | Self::Faults | Self::E2e | Self::Multihost | Self::Interop => {
-                true
-            }
-            // Playwright tries them again itself, and `web-ui/*/playwright.config.ts` says whether
-            Self::Ui | Self::UiSoak => false,
-        }
+        // Playwright tries them again itself, and `web-ui/*/playwright.config.ts` says whether
+        self.is_of_cargo() && !self.is_reckoned()
+    }
+
+    /// Whether cargo runs it, and so waits for what else cargo does.
+    fn is_of_cargo(self) -> bool {
+        !matches!(self, Self::Ui | Self::UiSoak)
     }
 
     /// Whether it runs only where it is named, and with `--all`.
@@ -144,26 +150,27 @@ pub fn run(workspace: &Workspace, tiers: &[Tier], long_ones_too: bool) -> Result
         .iter()
         .any(|tier| matches!(tier, Tier::Unit | Tier::E2e | Tier::Ui | Tier::UiSoak));
     let whole = !everything || long_ones_too;
+    let run = Run {
+        workspace,
+        everything,
+        whole,
+    };
     if tiers.contains(&Tier::Static) {
         static_checks(workspace, &mut report, whole);
     }
     if tiers == [Tier::Static] {
+        lints::check(workspace, &mut report);
         return Ok(report.close());
     }
     if needs_page {
         report.check("dashboard built", "run `cargo xtask build-ui`", || ui::build(workspace));
     }
     let built = build_all(workspace, &mut report, whole);
-    for tier in &tiers {
-        match (tier, &built) {
-            (Tier::Static, _) => {}
-            (_, None) => report.left_out(tier.name(), "the workspace does not compile"),
-            (Tier::Unit, Some(built)) => unit(workspace, &mut report, built),
-            (Tier::Ui, Some(built)) => browser_tests(workspace, &mut report, built, whole),
-            (Tier::UiSoak, Some(built)) => browser_soak(workspace, &mut report, built),
-            (Tier::Multihost, Some(built)) => multihost(workspace, &mut report, built, everything),
-            (_, Some(built)) => crate_tier(workspace, &mut report, *tier, built, whole),
-        }
+    match &built {
+        Some(built) => lanes::run(&tiers, &run, built, &mut report),
+        None => tiers
+            .iter()
+            .for_each(|tier| report.left_out(tier.name(), "the workspace does not compile")),
     }
     if let (true, Some(built)) = (long_ones_too, &built) {
         long_runs::run(workspace, &mut report, |command| {
@@ -172,6 +179,29 @@ pub fn run(workspace: &Workspace, tiers: &[Tier], long_ones_too: bool) -> Result
     }
     remember_unsteady(workspace, &mut report, long_ones_too);
     Ok(report.close())
+}
+
+/// What every tier of a run is told.
+struct Run<'w> {
+    workspace: &'w Workspace,
+    /// No tier was named.
+    everything: bool,
+    /// The tiers run with what takes long.
+    whole: bool,
+}
+
+impl Run<'_> {
+    fn tier(&self, tier: Tier, built: &Built, report: &mut Report) {
+        let workspace = self.workspace;
+        match tier {
+            Tier::Static => lints::check(workspace, report),
+            Tier::Unit => unit(workspace, report, built),
+            Tier::Ui => browser_tests(workspace, report, built, self.whole),
+            Tier::UiSoak => browser_soak(workspace, report, built),
+            Tier::Multihost => multihost(workspace, report, built, self.everything),
+            tier => crate_tier(workspace, report, tier, built, self.whole),
+        }
+    }
 }
 
 /// Notes what was unsteady. With `--all`, what has been so before fails the run: that is no noise.
@@ -206,7 +236,6 @@ fn static_checks(workspace: &Workspace, report: &mut Report, whole: bool) {
         "each finding says what to do; `cargo xtask tidy` repeats them",
         || tidy::check(workspace),
     );
-    lints::check(workspace, report);
     if !whole {
         report.left_out("cargo-deny", "`cargo xtask test static` has it");
         return;

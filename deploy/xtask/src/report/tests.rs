@@ -203,3 +203,46 @@ fn what_comes_out_the_same_each_time_is_tried_again_only_after_a_standstill() {
     assert!(report.same_each_time("seeds", "", failing(&["one"]).with_standstill(), |_| passing(1)));
     assert!(!report.same_each_time("seeds", "", failing(&["one"]).with_standstill(), |_| failing(&["one"])));
 }
+
+#[test]
+fn what_ran_beside_counts() {
+    let mut report = Report::new();
+    let mut beside = report.beside();
+    report.check("good", "nothing", || Ok(()));
+    beside.step(
+        "one",
+        "nothing",
+        printing(&["test result: ok. 3 passed; 0 failed; 0 ignored"], 0),
+    );
+    assert!(!beside.check("bad", "mend it", || bail!("broken")));
+    report.join(beside);
+    assert_eq!((report.total().passed, report.total().failed), (3, 1));
+    assert_eq!(code(report), format!("{:?}", ExitCode::FAILURE));
+}
+
+#[test]
+fn who_is_tried_again_is_alone() {
+    let mut report = Report::new();
+    let mut beside = report.beside();
+    let ended = std::sync::atomic::AtomicBool::new(false);
+    let (begun, has_begun) = std::sync::mpsc::channel();
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            beside.check("long", "nothing", || {
+                begun.send(())?;
+                std::thread::sleep(std::time::Duration::from_millis(300));
+                ended.store(true, std::sync::atomic::Ordering::SeqCst);
+                Ok(())
+            });
+        });
+        has_begun.recv().expect("it begins");
+        let again = |_: &[String]| {
+            assert!(
+                ended.load(std::sync::atomic::Ordering::SeqCst),
+                "it runs beside another"
+            );
+            printing(&["test result: ok. 1 passed; 0 failed; 0 ignored"], 0)
+        };
+        assert!(report.tests("flights", "nothing", failing_of(9, &["a::b"]), again));
+    });
+}
