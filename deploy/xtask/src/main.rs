@@ -101,7 +101,9 @@ enum Task {
 }
 
 fn main() -> ExitCode {
-    match run(Arguments::parse().command) {
+    let ended = run(Arguments::parse().command);
+    processes::wait_if_interrupted();
+    match ended {
         Ok(code) => code,
         Err(error) => {
             eprintln!("xtask: {error:#}");

@@ -6,12 +6,16 @@ use crate::debian;
 use anyhow::{Context, Result, ensure};
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::time::Duration;
 
 /// A namespace that is made and removed again to see whether it can be.
 const PROBE: &str = "skein-probe";
 /// Names of the tests' namespaces begin like this, and whoever holds this file's lock has them.
 const PREFIX: &str = "skein-mh-";
 const LOCK: &str = "/tmp/skein-multihost.lock";
+/// A program that was killed keeps its locks until the last of its threads is gone, which is after its first one.
+const LOOKS: u32 = 100;
+const LOOK_EVERY: Duration = Duration::from_millis(20);
 /// Steps the clock of one node; the flights look for it here.
 const FAKETIME: &str = "/usr/lib/x86_64-linux-gnu/faketime/libfaketimeMT.so.1";
 
@@ -38,9 +42,13 @@ pub fn can_be_made() -> Result<()> {
 /// Removes the hosts that an interrupted run has left, unless another run has them. The tests make them (`tests/multihost/src/net.rs`), and
 /// remove them where they come to their end.
 pub fn clear() {
-    let lock = std::fs::File::open(LOCK);
-    if !lock.is_ok_and(|lock| lock.try_lock().is_ok()) {
-        return;
+    let Ok(lock) = std::fs::File::open(LOCK) else { return };
+    let mut looks = 0..LOOKS;
+    while lock.try_lock().is_err() {
+        if looks.next().is_none() {
+            return;
+        }
+        std::thread::sleep(LOOK_EVERY);
     }
     for name in std::fs::read_dir("/run/netns").into_iter().flatten().flatten() {
         if let Some(name) = name.file_name().to_str().filter(|name| name.starts_with(PREFIX)) {

@@ -10,6 +10,7 @@ use nix::unistd::Pid;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// One process that is not over.
@@ -74,6 +75,20 @@ pub fn end_below(root: u32) {
 const MOST_ROUNDS: usize = 100;
 const ROUND: Duration = Duration::from_millis(20);
 
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// Whether the run is being ended. Whoever starts something then would leave it behind.
+pub fn is_interrupted() -> bool {
+    INTERRUPTED.load(Ordering::SeqCst)
+}
+
+/// Does not come back where the run is being ended: that ends this process, when everything else has been put away.
+pub fn wait_if_interrupted() {
+    while is_interrupted() {
+        std::thread::park();
+    }
+}
+
 /// From now on, SIGINT (Ctrl-C), SIGTERM and SIGHUP end what was started, before they end this process.
 pub fn end_all_when_interrupted(and_then: impl FnOnce() + Send + 'static) {
     let mut signals = match Signals::new([SIGINT, SIGTERM, SIGHUP]) {
@@ -86,11 +101,12 @@ pub fn end_all_when_interrupted(and_then: impl FnOnce() + Send + 'static) {
     std::thread::spawn(move || {
         let Some(signal) = signals.forever().next() else { return };
         eprintln!("\nxtask: interrupted: ending what was started");
+        INTERRUPTED.store(true, Ordering::SeqCst);
         end_below(std::process::id());
         and_then();
         #[expect(
             clippy::disallowed_methods,
-            reason = "nothing is left to be dropped, and main waits for a child that is gone"
+            reason = "nothing is left to be dropped, and main waits for this"
         )]
         std::process::exit(128 + signal);
     });

@@ -9,7 +9,7 @@ use crate::failures::Failures;
 use crate::processes;
 use crate::shown::Shown;
 use crate::tally::{Runner, Tally};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use std::io::{BufRead, BufReader, IsTerminal, Read};
 use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -112,6 +112,7 @@ impl Step {
     /// The same, and tells which tests failed.
     pub fn run_and_name(mut self, tally: &mut Tally, failures: &mut Failures) -> Result<()> {
         let name = self.command.get_program().to_string_lossy().into_owned();
+        ensure!(!processes::is_interrupted(), "interrupted");
         self.command.stdin(Stdio::null());
         if std::io::stdout().is_terminal() {
             self.command.env("CARGO_TERM_COLOR", "always");
