@@ -6,7 +6,7 @@
 mod tests;
 
 use crate::failures::Failures;
-use crate::shown::Shown;
+use crate::output::Output;
 use crate::step::Step;
 use crate::tally::Tally;
 use anyhow::{Result, bail, ensure};
@@ -26,8 +26,8 @@ const MOST_TRIES: usize = 10;
 pub struct Report {
     started: Instant,
     done: Vec<Done>,
-    shown: Shown,
-    /// Held by every step that runs beside others, and alone by tests that are tried again.
+    output: Output,
+    /// Held by each step in the background, and alone by tests that are tried again.
     machine: Arc<RwLock<()>>,
 }
 
@@ -38,7 +38,7 @@ struct Done {
     /// Those that failed and passed when tried again.
     unsteady: Vec<String>,
     failure: Option<String>,
-    is_beside: bool,
+    in_background: bool,
 }
 
 impl Report {
@@ -47,33 +47,33 @@ impl Report {
         Self {
             started: Instant::now(),
             done: Vec::new(),
-            shown: Shown::default(),
+            output: Output::default(),
             machine: Arc::default(),
         }
     }
 
-    /// One for steps that run beside those of this one. What they print is shown when each has ended.
-    pub fn beside(&self) -> Self {
+    /// One for steps that run in the background of this one's. What they print is shown when each has ended.
+    pub fn background(&self) -> Self {
         Self {
             started: Instant::now(),
             done: Vec::new(),
-            shown: Shown::together(),
+            output: Output::buffered(),
             machine: self.machine.clone(),
         }
     }
 
-    /// Takes in what ran beside.
-    pub fn join(&mut self, beside: Self) {
-        self.done.extend(beside.done);
+    /// Takes in what ran in the background.
+    pub fn join(&mut self, background: Self) {
+        self.done.extend(background.done);
     }
 
-    fn is_beside(&self) -> bool {
-        matches!(self.shown, Shown::Together(_))
+    fn is_background(&self) -> bool {
+        matches!(self.output, Output::Buffered(_))
     }
 
     /// Runs a child process as a step, once.
     pub fn step(&mut self, name: &str, advice: &str, step: Step) -> bool {
-        let step = step.shown(&self.shown);
+        let step = step.output(&self.output);
         self.record(name, advice, |tally, _| step.run(tally))
     }
 
@@ -104,9 +104,9 @@ impl Report {
         again: impl Fn(&[String]) -> Step,
         may_be_noise: impl Fn(u64, u64, u64) -> bool,
     ) -> bool {
-        let (shown, machine) = (self.shown.clone(), self.machine.clone());
-        let (step, again) = (step.shown(&shown), |names: &[String]| again(names).shown(&shown));
-        let is_beside = self.is_beside();
+        let (output, machine) = (self.output.clone(), self.machine.clone());
+        let (step, again) = (step.output(&output), |names: &[String]| again(names).output(&output));
+        let in_background = self.is_background();
         self.record(name, advice, |tally, unsteady| {
             let mut failures = Failures::default();
             let outcome = step.run_and_name(tally, &mut failures);
@@ -122,9 +122,9 @@ impl Report {
                 unsteady.clear();
                 return Err(error);
             }
-            // what runs beside ends its step, and begins no other
-            let _alone = (!is_beside).then(|| machine.write());
-            try_again(name, names, again, &shown).inspect_err(|_| unsteady.clear())?;
+            // the background ends its step, and begins no other
+            let _alone = (!in_background).then(|| machine.write());
+            try_again(name, names, again, &output).inspect_err(|_| unsteady.clear())?;
             tally.failed = 0;
             tally.unsteady += count;
             Ok(())
@@ -138,8 +138,8 @@ impl Report {
 
     /// Notes something that was left out, and why.
     pub fn left_out(&mut self, name: &str, why: &str) {
-        self.shown.line(&format!("-- {name}: left out, {why}"));
-        self.shown.end();
+        self.output.line(&format!("-- {name}: left out, {why}"));
+        self.output.end();
     }
 
     fn record(
@@ -148,13 +148,13 @@ impl Report {
         advice: &str,
         work: impl FnOnce(&mut Tally, &mut Vec<String>) -> Result<()>,
     ) -> bool {
-        let is_beside = self.is_beside();
+        let in_background = self.is_background();
         let machine = self.machine.clone();
-        let _beside = is_beside.then(|| machine.read());
-        if is_beside {
-            println!("-- {name}: begun beside what follows, shown when it has ended");
+        let _held = in_background.then(|| machine.read());
+        if in_background {
+            println!("-- {name}: begun in the background, shown when it has ended");
         }
-        self.shown.line(&format!("== {name}"));
+        self.output.line(&format!("== {name}"));
         let started = Instant::now();
         let mut tally = Tally::default();
         let mut unsteady = Vec::new();
@@ -163,7 +163,7 @@ impl Report {
         if let Some(failure) = &failure {
             // a step that failed before a test could fail (it did not compile, say) counts as one failure
             tally.failed = tally.failed.max(1);
-            self.shown.line(&format!(
+            self.output.line(&format!(
                 "!! {name} failed after {seconds:.1} s: {failure}\n   what to do: {advice}"
             ));
         } else {
@@ -172,9 +172,9 @@ impl Report {
             } else {
                 String::new()
             };
-            self.shown.line(&format!("ok {name}, {seconds:.1} s{counts}"));
+            self.output.line(&format!("ok {name}, {seconds:.1} s{counts}"));
         }
-        self.shown.end();
+        self.output.end();
         let ok = failure.is_none();
         self.done.push(Done {
             name: name.to_owned(),
@@ -182,7 +182,7 @@ impl Report {
             tally,
             unsteady,
             failure,
-            is_beside,
+            in_background,
         });
         ok
     }
@@ -214,10 +214,10 @@ impl Report {
                 String::new()
             };
             // writing to a String cannot fail
-            let beside = if done.is_beside { "beside, " } else { "" };
+            let background = if done.in_background { "background  " } else { "" };
             let _ = writeln!(
                 summary,
-                "  {mark} {:<42} {:>7.1} s  {beside}{counts}",
+                "  {mark} {:<42} {:>7.1} s  {background}{counts}",
                 done.name, done.seconds
             );
         }
@@ -255,10 +255,10 @@ fn passed_again(tally: &Tally) -> String {
 }
 
 /// Tries these again, alone, until each has passed once.
-fn try_again(name: &str, names: &[String], again: impl Fn(&[String]) -> Step, shown: &Shown) -> Result<()> {
+fn try_again(name: &str, names: &[String], again: impl Fn(&[String]) -> Step, output: &Output) -> Result<()> {
     let mut left = names.to_vec();
     for _ in 0..MOST_TRIES {
-        shown.line(&format!("-- {name}: another try, alone: {}", left.join(", ")));
+        output.line(&format!("-- {name}: another try, alone: {}", left.join(", ")));
         let (mut tally, mut failures) = (Tally::default(), Failures::default());
         let outcome = again(&left).run_and_name(&mut tally, &mut failures);
         match outcome {
@@ -267,7 +267,7 @@ fn try_again(name: &str, names: &[String], again: impl Fn(&[String]) -> Step, sh
                 return Ok(());
             }
             Err(_) if failures.stood_still() && !failures.names().is_empty() => {
-                shown.line("-- the machine stood still meanwhile: that says nothing of those that failed");
+                output.line("-- the machine stood still meanwhile: that says nothing of those that failed");
                 left = failures.names().to_vec();
             }
             Err(error) => return Err(error),

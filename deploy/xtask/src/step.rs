@@ -6,8 +6,8 @@
 mod tests;
 
 use crate::failures::Failures;
+use crate::output::Output;
 use crate::processes;
-use crate::shown::Shown;
 use crate::tally::{Runner, Tally};
 use anyhow::{Context, Result, bail, ensure};
 use std::io::{BufRead, BufReader, IsTerminal, Read};
@@ -36,7 +36,7 @@ pub struct Step {
     must_run_some: bool,
     quiet: Duration,
     total: Duration,
-    shown: Shown,
+    output: Output,
     /// In tests: as if the machine had stood still meanwhile.
     #[cfg(test)]
     standstill: bool,
@@ -51,7 +51,7 @@ impl Step {
             must_run_some: false,
             quiet: QUIET,
             total: TOTAL,
-            shown: Shown::default(),
+            output: Output::default(),
             #[cfg(test)]
             standstill: false,
         }
@@ -65,7 +65,7 @@ impl Step {
             must_run_some: true,
             quiet: QUIET,
             total: TOTAL,
-            shown: Shown::default(),
+            output: Output::default(),
             #[cfg(test)]
             standstill: false,
         }
@@ -79,7 +79,7 @@ impl Step {
             must_run_some: false,
             quiet: QUIET,
             total: TOTAL,
-            shown: Shown::default(),
+            output: Output::default(),
             #[cfg(test)]
             standstill: false,
         }
@@ -99,8 +99,8 @@ impl Step {
     }
 
     /// Where its lines go.
-    pub fn shown(mut self, shown: &Shown) -> Self {
-        self.shown = shown.clone();
+    pub fn output(mut self, output: &Output) -> Self {
+        self.output = output.clone();
         self
     }
 
@@ -130,7 +130,7 @@ impl Step {
         let heard = Arc::new(Heard::now());
         let (of_output, of_complaints) = (heard.clone(), heard.clone());
         let runner = self.runner;
-        let (shown, shown_too) = (self.shown.clone(), self.shown.clone());
+        let (shown, shown_too) = (self.output.clone(), self.output.clone());
         let reader = std::thread::spawn(move || count(output, runner, &of_output, &shown));
         let passer = std::thread::spawn(move || pass_on(complaints, &of_complaints, &shown_too));
         let mut stood_still = false;
@@ -138,7 +138,7 @@ impl Step {
         // who still holds an end of the outputs would keep the readers for ever
         let left = processes::below(child.id());
         if !left.is_empty() && status.is_ok() {
-            self.shown
+            self.output
                 .line(&format!("-- {name} has left behind, now ended: {}", list(&left)));
         }
         processes::end(child.id());
@@ -205,7 +205,7 @@ fn lines(from: impl Read, heard: &Heard) -> impl Iterator<Item = String> {
     })
 }
 
-fn count(output: impl Read, runner: Option<Runner>, heard: &Heard, shown: &Shown) -> (Tally, Failures) {
+fn count(output: impl Read, runner: Option<Runner>, heard: &Heard, shown: &Output) -> (Tally, Failures) {
     let mut tally = Tally::default();
     let mut failures = Failures::default();
     for line in lines(output, heard) {
@@ -218,7 +218,7 @@ fn count(output: impl Read, runner: Option<Runner>, heard: &Heard, shown: &Shown
     (tally, failures)
 }
 
-fn pass_on(complaints: impl Read, heard: &Heard, shown: &Shown) {
+fn pass_on(complaints: impl Read, heard: &Heard, shown: &Output) {
     lines(complaints, heard).for_each(|line| shown.complaint(&line));
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Must never do: pass a tier in which no test ran, or check at the desk otherwise than in CI.
 
-mod lanes;
+mod background;
 
 use crate::plugins::{self, Profile};
 use crate::report::Report;
@@ -102,19 +102,19 @@ impl Tier {
     }
 
     /// Whether it takes all of the processor that it gets. The others mostly wait.
-    fn is_reckoned(self) -> bool {
+    fn is_cpu_bound(self) -> bool {
         matches!(self, Self::Static | Self::Unit | Self::Seeded)
     }
 
     /// Whether its tests fly in real time, so that a machine that stands still can fail them: these are tried again, alone. What is
-    /// reckoned, or flown in simulated time, comes out the same each time: a second try could only hide that it does not.
+    /// computed, or flown in simulated time, comes out the same each time: a second try could only hide that it does not.
     fn is_in_real_time(self) -> bool {
         // Playwright tries them again itself, and `web-ui/*/playwright.config.ts` says whether
-        self.is_of_cargo() && !self.is_reckoned()
+        self.is_run_by_cargo() && !self.is_cpu_bound()
     }
 
     /// Whether cargo runs it, and so waits for what else cargo does.
-    fn is_of_cargo(self) -> bool {
+    fn is_run_by_cargo(self) -> bool {
         !matches!(self, Self::Ui | Self::UiSoak)
     }
 
@@ -167,7 +167,7 @@ pub fn run(workspace: &Workspace, tiers: &[Tier], long_ones_too: bool) -> Result
     }
     let built = build_all(workspace, &mut report, whole);
     match &built {
-        Some(built) => lanes::run(&tiers, &run, built, &mut report),
+        Some(built) => background::run(&tiers, &run, built, &mut report),
         None => tiers
             .iter()
             .for_each(|tier| report.left_out(tier.name(), "the workspace does not compile")),

@@ -205,17 +205,17 @@ fn what_comes_out_the_same_each_time_is_tried_again_only_after_a_standstill() {
 }
 
 #[test]
-fn what_ran_beside_counts() {
+fn what_ran_in_the_background_counts() {
     let mut report = Report::new();
-    let mut beside = report.beside();
+    let mut background = report.background();
     report.check("good", "nothing", || Ok(()));
-    beside.step(
+    background.step(
         "one",
         "nothing",
         printing(&["test result: ok. 3 passed; 0 failed; 0 ignored"], 0),
     );
-    assert!(!beside.check("bad", "mend it", || bail!("broken")));
-    report.join(beside);
+    assert!(!background.check("bad", "mend it", || bail!("broken")));
+    report.join(background);
     assert_eq!((report.total().passed, report.total().failed), (3, 1));
     assert_eq!(code(report), format!("{:?}", ExitCode::FAILURE));
 }
@@ -223,12 +223,12 @@ fn what_ran_beside_counts() {
 #[test]
 fn who_is_tried_again_is_alone() {
     let mut report = Report::new();
-    let mut beside = report.beside();
+    let mut background = report.background();
     let ended = std::sync::atomic::AtomicBool::new(false);
     let (begun, has_begun) = std::sync::mpsc::channel();
     std::thread::scope(|scope| {
         scope.spawn(|| {
-            beside.check("long", "nothing", || {
+            background.check("long", "nothing", || {
                 begun.send(())?;
                 std::thread::sleep(std::time::Duration::from_millis(300));
                 ended.store(true, std::sync::atomic::Ordering::SeqCst);
@@ -237,10 +237,7 @@ fn who_is_tried_again_is_alone() {
         });
         has_begun.recv().expect("it begins");
         let again = |_: &[String]| {
-            assert!(
-                ended.load(std::sync::atomic::Ordering::SeqCst),
-                "it runs beside another"
-            );
+            assert!(ended.load(std::sync::atomic::Ordering::SeqCst), "it does not run alone");
             printing(&["test result: ok. 1 passed; 0 failed; 0 ignored"], 0)
         };
         assert!(report.tests("flights", "nothing", failing_of(9, &["a::b"]), again));
