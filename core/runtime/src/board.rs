@@ -8,6 +8,7 @@ use crate::by_hand::{Hand, Relays};
 use crate::coordination::Coordination;
 use crate::emergency::EmergencyUnlock;
 use crate::events::EventLog;
+use crate::overrun::Overrun;
 use crate::own_tracks::OwnTracks;
 use crate::paired::PairedLink;
 use crate::payload::PayloadCell;
@@ -80,6 +81,8 @@ pub struct Board {
     pub actors: Mutex<BTreeMap<String, ActorHealth>>,
     /// Restarts of plugin instances, the newest last; as many as are kept.
     pub restarts: Mutex<VecDeque<RestartRecord>>,
+    /// Whether this computer's control loop comes in time.
+    pub(crate) overrun: Mutex<Overrun>,
     /// Held while the instances of a plugin are exchanged for another version.
     pub exchanging: tokio::sync::Mutex<()>,
     /// Aircraft and movers that were sighted over MAVLink.
@@ -161,6 +164,7 @@ impl Board {
             unadopted: Mutex::default(),
             actors: Mutex::default(),
             restarts: Mutex::default(),
+            overrun: Mutex::default(),
             exchanging: tokio::sync::Mutex::default(),
             sightings: Sightings::new(),
             references: References::new(max_speed_m_s),

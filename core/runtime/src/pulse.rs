@@ -6,7 +6,6 @@
 
 use crate::board::{Board, PeerEntry, PeerSnapshot, airborne, kinematics};
 use crate::neighbours;
-use crate::overrun::Overrun;
 use crate::payload::{PayloadCell, PayloadMessage};
 use crate::snapshot::EventKind;
 use crate::vehicle::VehicleMessage;
@@ -30,7 +29,6 @@ pub struct Beat;
 pub struct PulseState {
     board: Arc<Board>,
     beats: JoinHandle<()>,
-    overrun: Overrun,
 }
 
 impl Drop for PulseState {
@@ -56,17 +54,14 @@ impl Actor for Pulse {
                 }
             }
         });
-        Ok(PulseState {
-            board,
-            beats,
-            overrun: Overrun::default(),
-        })
+        Ok(PulseState { board, beats })
     }
 
     async fn handle(&self, _: ActorRef<Beat>, _: Beat, state: &mut PulseState) -> Result<(), ActorProcessingErr> {
         let (board, now) = (&state.board, state.board.now());
         let period_s = 1.0 / board.config.node.control_rate_hz;
-        if let Some((severity, kind, text)) = state.overrun.beat(now, period_s) {
+        let told = board.overrun.lock().beat(now, period_s);
+        if let Some((severity, kind, text)) = told {
             board.events.record(now, None, severity, kind, text);
         }
         beat(board);

@@ -27,7 +27,7 @@ const CLOCK_ERROR_S: f64 = 0.05;
 const LOOK_AGAIN_S: f64 = 0.7;
 /// Who was last heard so much sooner than a succession, at most, went together with the former holder, in seconds.
 const TOGETHER_S: f64 = 3.0;
-/// Somebody missed for so long counts as gone when the office is taken, in seconds.
+/// Somebody missed for so long counts as gone when the office is taken, in seconds. Time in which this computer stood still does not count.
 const MISSING_S: f64 = 0.4;
 
 /// The holder that this node succeeded because it was missed, until it is clear who else is.
@@ -87,10 +87,13 @@ impl CoordinatorState {
         let Some(swarm) = &self.board.swarm else { return };
         // As old as the picture is, which is made anew several times a second.
         let longest_s = now.seconds_since(since) + TOGETHER_S;
+        let overrun = self.board.overrun.lock();
+        let silence_s = |heard_s: f64| overrun.silence_s(now.plus_seconds(-heard_s), now);
         let mut gone: Vec<NodeId> = (swarm.picture.load().nodes.iter())
-            .filter(|node| node.heard_s > LOOK_AGAIN_S && node.heard_s < longest_s)
+            .filter(|node| silence_s(node.heard_s) > LOOK_AGAIN_S && node.heard_s < longest_s)
             .map(|node| node.node)
             .collect();
+        drop(overrun);
         gone.push(missed);
         self.interrupt_if_apart(&members, &gone);
     }
@@ -198,9 +201,10 @@ impl CoordinatorState {
 
     fn missing(&self, members: &[VehicleId]) -> Vec<VehicleId> {
         let (peers, now) = (self.board.peers.load(), self.board.now());
+        let overrun = self.board.overrun.lock();
         let heard = |id: &VehicleId| {
             let entry = peers.entry(*id);
-            entry.is_some_and(|e| e.link.connected && now.seconds_since(e.link.last_heard) < MISSING_S)
+            entry.is_some_and(|e| e.link.connected && overrun.silence_s(e.link.last_heard, now) < MISSING_S)
         };
         members.iter().copied().filter(|id| !heard(id)).collect()
     }
