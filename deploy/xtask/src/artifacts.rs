@@ -20,8 +20,10 @@ pub struct Artifact {
     pub kind: Vec<String>,
     /// The files.
     pub files: Vec<PathBuf>,
-    /// Whether it is a test program.
+    /// Whether it holds tests.
     pub is_test: bool,
+    /// The program that runs them, or that it is.
+    pub executable: Option<PathBuf>,
 }
 
 #[derive(Deserialize)]
@@ -32,6 +34,7 @@ struct Message {
     profile: Option<MessageProfile>,
     #[serde(default)]
     filenames: Vec<PathBuf>,
+    executable: Option<PathBuf>,
 }
 
 #[derive(Deserialize)]
@@ -71,13 +74,10 @@ impl Message {
             kind: self.target?.kind,
             files: self.filenames,
             is_test: self.profile?.test,
+            executable: self.executable,
         })
     }
 }
-
-/// The arguments that select the unit tier: tests beside the code, and the own test files of crates that are no tier. Those of the tiers say
-/// `test = false` in their manifests, and so are left out where they are not named.
-pub const UNIT_TARGETS: [&str; 2] = ["--workspace", "--tests"];
 
 /// The arguments that build what the tests run and load. The examples that measure or draw something are left out unless the run is a
 /// whole one: nothing loads them.
@@ -93,7 +93,7 @@ pub fn all_targets(workspace: &Workspace, whole: bool) -> Vec<String> {
         .packages
         .iter()
         .filter(|package| is_tier_or_fixture(&package.folder));
-    arguments.extend(tiers.flat_map(test_targets));
+    arguments.extend(tiers.flat_map(|package| targets(package, "test")));
     let loaded = workspace.packages.iter().filter(|package| has_loaded_examples(package));
     arguments.extend(loaded.flat_map(|package| targets(package, "example")));
     arguments
@@ -101,17 +101,6 @@ pub fn all_targets(workspace: &Workspace, whole: bool) -> Vec<String> {
 
 fn has_loaded_examples(package: &Package) -> bool {
     package.folder.contains("/fixtures/") || package.folder == "core/plugin-host"
-}
-
-/// The arguments that select the tests of one tier's crate.
-pub fn tier_targets(package: &Package) -> Vec<String> {
-    let mut arguments = vec!["--workspace".to_owned()];
-    arguments.extend(test_targets(package));
-    arguments
-}
-
-fn test_targets(package: &Package) -> impl Iterator<Item = String> {
-    targets(package, "test")
 }
 
 /// The arguments that name the package's targets of a kind: `test`, `example`.

@@ -64,6 +64,16 @@ impl Failures {
         }
     }
 
+    /// Takes in what another program told.
+    pub fn add(&mut self, other: Self) {
+        self.names.extend(other.names);
+        self.unsteady.extend(other.unsteady);
+        self.unended.extend(other.unended);
+        self.begun += other.begun;
+        self.ended += other.ended;
+        self.stood_still |= other.stood_still;
+    }
+
     /// The tests that had not ended when the output did; where several run at a time, those that had run for more than a minute.
     pub fn unended(&self) -> Vec<String> {
         self.unended.clone()

@@ -27,7 +27,7 @@ pub struct Report {
     started: Instant,
     done: Vec<Done>,
     output: Output,
-    /// Held by each step in the background, and alone by tests that are tried again.
+    /// Held by each step, and alone by tests that are tried again.
     machine: Arc<RwLock<()>>,
 }
 
@@ -73,8 +73,11 @@ impl Report {
 
     /// Runs a child process as a step, once.
     pub fn step(&mut self, name: &str, advice: &str, step: Step) -> bool {
-        let step = step.output(&self.output);
-        self.record(name, advice, |tally, _| step.run(tally))
+        let (step, machine) = (step.output(&self.output), self.machine.clone());
+        self.record(name, advice, |tally, _| {
+            let _held = machine.read();
+            step.run(tally)
+        })
     }
 
     /// Runs tests in real time as a step. Those that fail are tried once more, alone, unless they are many: `again` makes the command
@@ -106,10 +109,11 @@ impl Report {
     ) -> bool {
         let (output, machine) = (self.output.clone(), self.machine.clone());
         let (step, again) = (step.output(&output), |names: &[String]| again(names).output(&output));
-        let in_background = self.is_background();
         self.record(name, advice, |tally, unsteady| {
             let mut failures = Failures::default();
+            let held = machine.read();
             let outcome = step.run_and_name(tally, &mut failures);
+            drop(held);
             let names = failures.names();
             unsteady.extend([names, failures.unsteady()].concat());
             let count = names.len() as u64;
@@ -122,8 +126,8 @@ impl Report {
                 unsteady.clear();
                 return Err(error);
             }
-            // the background ends its step, and begins no other
-            let _alone = (!in_background).then(|| machine.write());
+            // the others end their steps, and begin no further ones
+            let _alone = machine.write();
             try_again(name, names, again, &output).inspect_err(|_| unsteady.clear())?;
             tally.failed = 0;
             tally.unsteady += count;
@@ -133,7 +137,11 @@ impl Report {
 
     /// Runs a check of our own as a step.
     pub fn check(&mut self, name: &str, advice: &str, check: impl FnOnce() -> Result<()>) -> bool {
-        self.record(name, advice, |_, _| check())
+        let machine = self.machine.clone();
+        self.record(name, advice, |_, _| {
+            let _held = machine.read();
+            check()
+        })
     }
 
     /// Notes something that was left out, and why.
@@ -149,8 +157,6 @@ impl Report {
         work: impl FnOnce(&mut Tally, &mut Vec<String>) -> Result<()>,
     ) -> bool {
         let in_background = self.is_background();
-        let machine = self.machine.clone();
-        let _held = in_background.then(|| machine.read());
         if in_background {
             println!("-- {name}: begun in the background, shown when it has ended");
         }

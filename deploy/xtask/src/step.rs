@@ -29,9 +29,9 @@ const LOOK_EVERY: Duration = Duration::from_millis(50);
 /// machine that is only busy lets each run more often than that.
 const STOOD_STILL: Duration = Duration::from_millis(750);
 
-/// A command to run.
+/// A command to run, or several one after the other.
 pub struct Step {
-    command: Command,
+    commands: Vec<Command>,
     runner: Option<Runner>,
     must_run_some: bool,
     quiet: Duration,
@@ -46,7 +46,7 @@ impl Step {
     /// A command that counts no tests.
     pub fn new(command: Command) -> Self {
         Self {
-            command,
+            commands: vec![command],
             runner: None,
             must_run_some: false,
             quiet: QUIET,
@@ -60,28 +60,24 @@ impl Step {
     /// A command that runs tests; running none is a failure.
     pub fn tests(command: Command, runner: Runner) -> Self {
         Self {
-            command,
-            runner: Some(runner),
             must_run_some: true,
-            quiet: QUIET,
-            total: TOTAL,
-            output: Output::default(),
-            #[cfg(test)]
-            standstill: false,
+            ..Self::perhaps_tests(command, runner)
+        }
+    }
+
+    /// Test programs, all of which are run, also after one that fails; no test in any of them is a failure.
+    pub fn programs(commands: Vec<Command>, runner: Runner) -> Self {
+        Self {
+            commands,
+            ..Self::tests(Command::new("none"), runner)
         }
     }
 
     /// A command that runs tests if there are any.
     pub fn perhaps_tests(command: Command, runner: Runner) -> Self {
         Self {
-            command,
             runner: Some(runner),
-            must_run_some: false,
-            quiet: QUIET,
-            total: TOTAL,
-            output: Output::default(),
-            #[cfg(test)]
-            standstill: false,
+            ..Self::new(command)
         }
     }
 
@@ -111,14 +107,37 @@ impl Step {
 
     /// The same, and tells which tests failed.
     pub fn run_and_name(mut self, tally: &mut Tally, failures: &mut Failures) -> Result<()> {
-        let name = self.command.get_program().to_string_lossy().into_owned();
-        ensure!(!processes::is_interrupted(), "interrupted");
-        self.command.stdin(Stdio::null());
-        if std::io::stdout().is_terminal() {
-            self.command.env("CARGO_TERM_COLOR", "always");
+        let commands = std::mem::take(&mut self.commands);
+        let mut outcomes = Vec::new();
+        for command in commands {
+            let name = command.get_program().to_string_lossy().into_owned();
+            let outcome = self.run_one(&name, command, tally, failures);
+            outcomes.extend(outcome.err().map(|error| (name, error)));
         }
-        let mut child = self
-            .command
+        #[cfg(test)]
+        if self.standstill {
+            failures.note_standstill();
+        }
+        match outcomes.len() {
+            0 if self.must_run_some && tally.ran() == 0 => {
+                bail!("no test ran: a tier without tests proves nothing")
+            }
+            0 => Ok(()),
+            1 => Err(outcomes.remove(0).1),
+            count => {
+                let told: Vec<String> = outcomes.iter().map(|(_, error)| format!("{error:#}")).collect();
+                bail!("{count} programs failed: {}", told.join("; "))
+            }
+        }
+    }
+
+    fn run_one(&self, name: &str, mut command: Command, tally: &mut Tally, failures: &mut Failures) -> Result<()> {
+        ensure!(!processes::is_interrupted(), "interrupted");
+        if std::io::stdout().is_terminal() {
+            command.env("CARGO_TERM_COLOR", "always");
+        }
+        let mut child = command
+            .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             // so that everything it starts is found, also when those in between are gone
@@ -133,8 +152,9 @@ impl Step {
         let (shown, shown_too) = (self.output.clone(), self.output.clone());
         let reader = std::thread::spawn(move || count(output, runner, &of_output, &shown));
         let passer = std::thread::spawn(move || pass_on(complaints, &of_complaints, &shown_too));
-        let mut stood_still = false;
-        let status = wait(&mut child, &heard, self.quiet, self.total, || stood_still = true);
+        let status = wait(&mut child, &heard, self.quiet, self.total, || {
+            failures.note_standstill()
+        });
         // who still holds an end of the outputs would keep the readers for ever
         let left = processes::below(child.id());
         if !left.is_empty() && status.is_ok() {
@@ -147,21 +167,13 @@ impl Step {
         let _ = passer.join();
         *tally += counted;
         let unended = failed.unended();
-        *failures = failed;
-        #[cfg(test)]
-        let stood_still = stood_still || self.standstill;
-        if stood_still {
-            failures.note_standstill();
-        }
+        failures.add(failed);
         let status = match status {
             Ok(status) => status,
             Err(error) if unended.is_empty() => return Err(error),
             Err(error) => return Err(error.context(format!("did not end: {}", unended.join(", ")))),
         };
         match status.code() {
-            Some(0) if self.must_run_some && tally.ran() == 0 => {
-                bail!("no test ran: a tier without tests proves nothing")
-            }
             Some(0) => Ok(()),
             Some(code) => bail!("{name} ended with exit code {code}"),
             None => bail!("{name} was ended by a signal"),

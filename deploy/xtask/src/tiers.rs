@@ -2,8 +2,10 @@
 //!
 //! Must never do: pass a tier in which no test ran, or check at the desk otherwise than in CI.
 
-mod background;
+mod lanes;
+mod programs;
 
+use self::programs::Built;
 use crate::plugins::{self, Profile};
 use crate::report::Report;
 use crate::step::Step;
@@ -110,12 +112,7 @@ impl Tier {
     /// computed, or flown in simulated time, comes out the same each time: a second try could only hide that it does not.
     fn is_in_real_time(self) -> bool {
         // Playwright tries them again itself, and `web-ui/*/playwright.config.ts` says whether
-        self.is_run_by_cargo() && !self.is_cpu_bound()
-    }
-
-    /// Whether cargo runs it, and so waits for what else cargo does.
-    fn is_run_by_cargo(self) -> bool {
-        !matches!(self, Self::Ui | Self::UiSoak)
+        !self.is_cpu_bound() && !matches!(self, Self::Ui | Self::UiSoak)
     }
 
     /// Whether it runs only where it is named, and with `--all`.
@@ -167,7 +164,7 @@ pub fn run(workspace: &Workspace, tiers: &[Tier], long_ones_too: bool) -> Result
     }
     let built = build_all(workspace, &mut report, whole);
     match &built {
-        Some(built) => background::run(&tiers, &run, built, &mut report),
+        Some(built) => lanes::run(&tiers, &run, built, &mut report),
         None => tiers
             .iter()
             .for_each(|tier| report.left_out(tier.name(), "the workspace does not compile")),
@@ -253,39 +250,24 @@ fn static_checks(workspace: &Workspace, report: &mut Report, whole: bool) {
     }
 }
 
-/// Where the artefacts under test are; the tests find them through these variables (see skein-testkit).
-struct Built {
-    binary: PathBuf,
-    plugins: PathBuf,
-}
-
-impl Built {
-    fn tell<'c>(&self, command: &'c mut Command) -> &'c mut Command {
-        command
-            .env("SKEIN_BINARY", &self.binary)
-            .env("SKEIN_PLUGINS", &self.plugins)
-    }
-}
-
 /// Program, plugins, tests: everything in one go.
 fn build_all(workspace: &Workspace, report: &mut Report, whole: bool) -> Option<Built> {
-    let mut plugins = None;
+    let mut built = None;
     report.check("everything built", "mend the compile error above", || {
         let mut build = workspace.cargo();
         build.arg("build").args(artifacts::all_targets(workspace, whole));
         let made = artifacts::build(workspace, build)?;
-        plugins = Some(plugins::collect(workspace, Profile::Dev, &made)?);
+        let plugins = plugins::collect(workspace, Profile::Dev, &made)?;
+        built = Some(Built::new(workspace, made, plugins));
         Ok(())
     });
-    let binary = workspace.target.join(Profile::Dev.folder()).join("skein");
-    plugins.map(|plugins| Built { binary, plugins })
+    built
 }
 
 fn unit(workspace: &Workspace, report: &mut Report, built: &Built) {
     let advice = format!("{SEE_TESTS} `cargo xtask test unit`");
     let at_a_time = ["--test-threads", Tier::Unit.at_a_time()].map(str::to_owned);
-    let targets = artifacts::UNIT_TARGETS.map(str::to_owned);
-    let crates = |arguments: &[String]| cargo_tests(workspace, built, &targets, arguments);
+    let crates = |arguments: &[String]| built.unit_tests(arguments);
     report.same_each_time("unit: crates", &advice, crates(&at_a_time), |names| {
         crates(&alone(names))
     });
@@ -315,44 +297,21 @@ fn multihost(workspace: &Workspace, report: &mut Report, built: &Built, may_be_l
 }
 
 fn crate_tier(workspace: &Workspace, report: &mut Report, tier: Tier, built: &Built, whole: bool) {
-    if let Some(package) = tier.package().and_then(|name| workspace.package(name)) {
-        let targets = artifacts::tier_targets(package);
-        run_tier(workspace, report, tier, built, targets, tier.only_when_whole(whole));
-    }
-}
-
-fn run_tier(
-    workspace: &Workspace,
-    report: &mut Report,
-    tier: Tier,
-    built: &Built,
-    targets: Vec<String>,
-    arguments: &[&str],
-) {
-    let told: Vec<String> = arguments.iter().map(|argument| (*argument).to_owned()).collect();
+    let Some(package) = tier.package().and_then(|name| workspace.package(name)) else {
+        return;
+    };
+    let told: Vec<String> = (tier.only_when_whole(whole).iter())
+        .map(|argument| (*argument).to_owned())
+        .collect();
     let at_a_time = ["--test-threads", tier.at_a_time()].map(str::to_owned);
-    let all = [&at_a_time[..], &told].concat();
-    let first = cargo_tests(workspace, built, &targets, &all);
+    let first = built.tests_of(package, &[&at_a_time[..], &told].concat());
     let advice = format!("{SEE_TESTS} `cargo xtask test {}`", tier.name());
-    let again = |names: &[String]| cargo_tests(workspace, built, &targets, &[told.clone(), alone(names)].concat());
+    let again = |names: &[String]| built.tests_of(package, &[told.clone(), alone(names)].concat());
     if tier.is_in_real_time() {
         report.tests(tier.name(), &advice, first, again);
     } else {
         report.same_each_time(tier.name(), &advice, first, again);
     }
-}
-
-/// What property tests draw their inputs from. Every run draws the same, so that it comes out the same; `--all` draws others, and more.
-const DRAWN_FROM: &str = "PROPTEST_RNG_SEED";
-const SEED_OF_EVERY_RUN: &str = "1";
-
-/// `cargo test` of these targets; the arguments are those of the test programs.
-fn cargo_tests(workspace: &Workspace, built: &Built, targets: &[String], arguments: &[String]) -> Step {
-    let mut tests = workspace.cargo();
-    tests.arg("test").args(targets).args(["--no-fail-fast", "--"]);
-    tests.env(DRAWN_FROM, SEED_OF_EVERY_RUN);
-    built.tell(tests.args(arguments));
-    Step::tests(tests, Runner::CargoTest)
 }
 
 /// Only these tests, one after the other.

@@ -16,7 +16,7 @@ use std::sync::{Arc, OnceLock};
 /// Packages under `fixtures/`; each example of theirs is one library.
 pub const FIXTURE_PACKAGES: [&str; 2] = ["misbehaving", "failing-model"];
 
-/// The fixture of that name, built in the profile of the test.
+/// The fixture of that name, built in the profile of the test, unless `SKEIN_EXAMPLES` says where it has been built.
 ///
 /// # Panics
 /// If it does not compile.
@@ -24,6 +24,9 @@ pub const FIXTURE_PACKAGES: [&str; 2] = ["misbehaving", "failing-model"];
 pub fn fixture(name: &str) -> PathBuf {
     static BUILT: OnceLock<PathBuf> = OnceLock::new();
     let folder = BUILT.get_or_init(|| {
+        if let Some(built) = std::env::var_os("SKEIN_EXAMPLES") {
+            return built.into();
+        }
         let mut arguments = vec!["--examples"];
         arguments.extend(profile_dir().ends_with("release").then_some("--release"));
         build(&FIXTURE_PACKAGES.map(package), &target_dir(), &arguments);

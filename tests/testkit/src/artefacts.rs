@@ -1,7 +1,7 @@
 //! The artefacts under test: the program, the plugins, fixtures. Built through cargo once per run, in the profile of the test itself.
 //!
-//! `cargo xtask test` builds them beforehand and says where they are (`SKEIN_BINARY`, `SKEIN_PLUGINS`); a plain `cargo test` builds
-//! them here. Must never do: test what was built from other sources.
+//! `cargo xtask test` builds them beforehand and says where they are (`SKEIN_BINARY`, `SKEIN_PLUGINS`, `SKEIN_EXAMPLES`); a plain `cargo test`
+//! builds them here. Must never do: test what was built from other sources.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -64,8 +64,11 @@ pub fn plugins_dir() -> PathBuf {
 /// If it does not compile, or is no `cdylib`.
 #[must_use]
 pub fn example_library(package: &str, example: &str) -> PathBuf {
-    cargo(&["build", "--quiet", "--package", package, "--example", example]);
-    present(profile_dir().join("examples").join(format!("lib{example}.so")))
+    let folder = told("SKEIN_EXAMPLES").unwrap_or_else(|| {
+        cargo(&["build", "--quiet", "--package", package, "--example", example]);
+        profile_dir().join("examples")
+    });
+    present(folder.join(format!("lib{example}.so")))
 }
 
 /// A place that the environment names; it must be there.

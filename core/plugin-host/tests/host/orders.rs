@@ -9,10 +9,13 @@ use std::process::Command;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
-/// The folder with the built examples.
+/// The folder with the built examples: built here, unless `SKEIN_EXAMPLES` says where they are.
 fn examples() -> &'static Path {
     static BUILT: OnceLock<PathBuf> = OnceLock::new();
     BUILT.get_or_init(|| {
+        if let Some(built) = std::env::var_os("SKEIN_EXAMPLES") {
+            return built.into();
+        }
         let program = std::env::current_exe().expect("a test knows its own program");
         let profile = program.ancestors().nth(2).expect("it lies in a build directory");
         let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));

@@ -243,3 +243,27 @@ fn who_is_tried_again_is_alone() {
         assert!(report.tests("flights", "nothing", failing_of(9, &["a::b"]), again));
     });
 }
+
+#[test]
+fn those_of_two_lanes_are_tried_again_one_after_the_other() {
+    use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
+    let mut report = Report::new();
+    let mut beside = report.background();
+    let (trying, together) = (AtomicUsize::new(0), std::sync::Barrier::new(2));
+    let again = |_: &[String]| {
+        assert_eq!(trying.fetch_add(1, SeqCst), 0, "it does not run alone");
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        trying.fetch_sub(1, SeqCst);
+        printing(&["test result: ok. 1 passed; 0 failed; 0 ignored"], 0)
+    };
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            together.wait();
+            assert!(beside.tests("others", "nothing", failing_of(9, &["c::d"]), again));
+        });
+        together.wait();
+        assert!(report.tests("flights", "nothing", failing_of(9, &["a::b"]), again));
+    });
+    report.join(beside);
+    assert_eq!(report.unsteady_tests(), [("flights", "a::b"), ("others", "c::d")]);
+}

@@ -161,3 +161,34 @@ fn a_run_that_was_stopped_for_a_while_is_noticed() {
     );
     assert!(is_standstill(now, now + Duration::from_secs(2)));
 }
+
+#[test]
+fn of_several_programs_all_are_run_and_what_failed_in_one_is_named() {
+    let result =
+        |passed: u32, failed: u32| format!("echo 'test result: x. {passed} passed; {failed} failed; 0 ignored'");
+    let failing = format!(
+        "echo 'running 3 tests'; echo 'failures:'; echo '    a::b'; {}; exit 101",
+        result(2, 1)
+    );
+    let passing = format!("echo 'running 4 tests'; {}", result(4, 0));
+    let (mut tally, mut failures) = (Tally::default(), Failures::default());
+    let step = Step::programs(vec![shell(&failing), shell(&passing)], Runner::CargoTest);
+    assert!(
+        step.run_and_name(&mut tally, &mut failures)
+            .is_err_and(|error| error.to_string().contains("101"))
+    );
+    assert_eq!((tally.passed, tally.failed), (6, 1));
+    assert_eq!(failures.names(), ["a::b"]);
+
+    let crashing = shell("echo 'running 3 tests'; kill -ABRT $$");
+    let (mut tally, mut failures) = (Tally::default(), Failures::default());
+    let step = Step::programs(vec![shell(&failing), crashing], Runner::CargoTest);
+    assert!(step.run_and_name(&mut tally, &mut failures).is_err());
+    assert!(failures.names().is_empty(), "what else failed is not known");
+
+    assert!(
+        Step::programs(Vec::new(), Runner::CargoTest)
+            .run(&mut Tally::default())
+            .is_err()
+    );
+}

@@ -1,0 +1,64 @@
+//! Which tiers run beside each other: two that fly in real time, since each leaves a good part of the processor idle, and in the background what
+//! only computes.
+//!
+//! Must never do: run a long flight beside another one.
+
+use super::{Built, Run, Tier};
+use crate::report::Report;
+use parking_lot::Mutex;
+use rustix::process::nice;
+use std::collections::VecDeque;
+
+/// By so much what only computes stands back behind what flies.
+const NICENESS: i32 = 10;
+
+/// Runs these tiers.
+pub(super) fn run(tiers: &[Tier], run: &Run<'_>, built: &Built, report: &mut Report) {
+    let (cpu_bound, flown): (Vec<Tier>, Vec<Tier>) = tiers.iter().partition(|tier| tier.is_cpu_bound());
+    let (long, flown): (Vec<Tier>, Vec<Tier>) = flown.into_iter().partition(|tier| tier.is_long());
+    if flown.is_empty() && long.is_empty() {
+        cpu_bound.iter().for_each(|tier| run.tier(*tier, built, report));
+        return;
+    }
+    let queue = Mutex::new(longest_first(flown));
+    let next = || queue.lock().pop_front();
+    let (mut background, mut beside) = (report.background(), report.background());
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            // on Linux this holds for the thread, and for the processes it starts; where it does not work all are alike
+            let _ = nice(NICENESS);
+            let lints_last = |tier: &&Tier| **tier == Tier::Static;
+            let (last, first): (Vec<&Tier>, Vec<&Tier>) = cpu_bound.iter().partition(lints_last);
+            [first, last]
+                .concat()
+                .iter()
+                .for_each(|tier| run.tier(**tier, built, &mut background));
+        });
+        let other = scope.spawn(|| {
+            while let Some(tier) = next() {
+                run.tier(tier, built, &mut beside);
+            }
+        });
+        while let Some(tier) = next() {
+            run.tier(tier, built, report);
+        }
+        // a panic there is told when the scope ends
+        let _ = other.join();
+        long.iter().for_each(|tier| run.tier(*tier, built, report));
+    });
+    report.join(beside);
+    report.join(background);
+}
+
+/// So that none is left over for the end, in which nothing runs beside it.
+fn longest_first(mut tiers: Vec<Tier>) -> VecDeque<Tier> {
+    let order = [
+        Tier::Integration,
+        Tier::Ui,
+        Tier::Interop,
+        Tier::PluginBoundary,
+        Tier::E2e,
+    ];
+    tiers.sort_by_key(|tier| order.iter().position(|known| known == tier).unwrap_or(order.len()));
+    tiers.into()
+}
