@@ -79,24 +79,20 @@ impl Message {
     }
 }
 
-/// The arguments that build what the tests run and load. The examples that measure or draw something are left out unless the run is a
-/// whole one: nothing loads them.
-pub fn all_targets(workspace: &Workspace, whole: bool) -> Vec<String> {
-    let selected = [
-        "--workspace",
-        "--lib",
-        "--bins",
-        if whole { "--all-targets" } else { "--tests" },
-    ];
-    let mut arguments = selected.map(str::to_owned).to_vec();
-    let tiers = workspace
-        .packages
-        .iter()
-        .filter(|package| is_tier_or_fixture(&package.folder));
-    arguments.extend(tiers.flat_map(|package| targets(package, "test")));
+/// The arguments of the builds that make what the tests run and load, one after the other. The examples that measure or draw something are left
+/// out unless the run is a whole one: nothing loads them. The tests of tiers say `test = false`: cargo builds these only where they are named,
+/// and not beside `--tests`.
+pub fn builds(workspace: &Workspace, whole: bool, tiers: &[&Package]) -> Vec<Vec<String>> {
+    let of = |selected: &[&str]| selected.iter().map(|argument| (*argument).to_owned()).collect();
+    let tests = if whole { "--all-targets" } else { "--tests" };
+    let mut first: Vec<String> = of(&["--workspace", "--lib", "--bins", tests]);
     let loaded = workspace.packages.iter().filter(|package| has_loaded_examples(package));
-    arguments.extend(loaded.flat_map(|package| targets(package, "example")));
-    arguments
+    first.extend(loaded.flat_map(|package| targets(package, "example")));
+    let named: Vec<String> = tiers.iter().flat_map(|package| targets(package, "test")).collect();
+    if named.is_empty() {
+        return vec![first];
+    }
+    vec![first, [of(&["--workspace"]), named].concat()]
 }
 
 fn has_loaded_examples(package: &Package) -> bool {

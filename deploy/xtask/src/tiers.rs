@@ -11,7 +11,7 @@ use crate::report::Report;
 use crate::step::Step;
 use crate::tally::Runner;
 use crate::unsteady::History;
-use crate::workspace::Workspace;
+use crate::workspace::{Package, Workspace};
 use crate::{artifacts, browser, lints, long_runs, namespaces, tidy, ui};
 use anyhow::{Result, ensure};
 use std::path::{Path, PathBuf};
@@ -162,7 +162,7 @@ pub fn run(workspace: &Workspace, tiers: &[Tier], long_ones_too: bool) -> Result
     if needs_page {
         report.check("dashboard built", "run `cargo xtask build-ui`", || ui::build(workspace));
     }
-    let built = build_all(workspace, &mut report, whole);
+    let built = build_all(&run, &tiers, &mut report);
     match &built {
         Some(built) => lanes::run(&tiers, &run, built, &mut report),
         None => tiers
@@ -251,12 +251,18 @@ fn static_checks(workspace: &Workspace, report: &mut Report, whole: bool) {
 }
 
 /// Program, plugins, tests: everything in one go.
-fn build_all(workspace: &Workspace, report: &mut Report, whole: bool) -> Option<Built> {
+fn build_all(run: &Run<'_>, tiers: &[Tier], report: &mut Report) -> Option<Built> {
+    let workspace = run.workspace;
+    let packages = tiers.iter().filter_map(|tier| workspace.package(tier.package()?));
+    let packages: Vec<&Package> = packages.collect();
     let mut built = None;
     report.check("everything built", "mend the compile error above", || {
-        let mut build = workspace.cargo();
-        build.arg("build").args(artifacts::all_targets(workspace, whole));
-        let made = artifacts::build(workspace, build)?;
+        let mut made = Vec::new();
+        for arguments in artifacts::builds(workspace, run.whole, &packages) {
+            let mut build = workspace.cargo();
+            build.arg("build").args(arguments);
+            made.extend(artifacts::build(workspace, build)?);
+        }
         let plugins = plugins::collect(workspace, Profile::Dev, &made)?;
         built = Some(Built::new(workspace, made, plugins));
         Ok(())
