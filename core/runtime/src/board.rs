@@ -298,6 +298,13 @@ impl Board {
             .is_none_or(|swarm| swarm.role.load().acting.is_some())
     }
 
+    /// Whether this node may fix the swarm's frame: alone, or because nobody disputes that it coordinates.
+    #[must_use]
+    pub fn may_fix_frame(&self, now: NodeTime) -> bool {
+        let swarm = self.swarm.as_ref();
+        swarm.is_none_or(|swarm| swarm.role.load().is_undisputed(now))
+    }
+
     /// Takes one of this node's vehicles out of the formation; tells whether it was in it.
     pub fn withdraw(&self, cell: &VehicleCell) -> bool {
         cell.withdrawals.fetch_add(1, Ordering::Relaxed);

@@ -78,7 +78,7 @@ fn beat(board: &Board) {
         let (mut telemetry, link) = cell.link.load().0.read(now);
         telemetry.simulated |= cell.simulated;
         if board.frame().is_none()
-            && board.coordinates()
+            && board.may_fix_frame(now)
             && let Some(place) = board.resume.origin().or(telemetry.home).or(telemetry.global)
             && telemetry.local_frame.is_some()
             && board.fix_frame(place)
@@ -135,7 +135,7 @@ fn beat(board: &Board) {
 fn add_others(board: &Board, entries: &mut Vec<PeerEntry>, now: NodeTime) {
     let Some(swarm) = &board.swarm else { return };
     let others = swarm.peers(board.config.link.lost_after_s, board.frame(), now);
-    if let (None, true) = (board.frame(), board.coordinates())
+    if let (None, true) = (board.frame(), board.may_fix_frame(now))
         && let Some(place) = others.iter().find_map(|e| e.telemetry.home.or(e.telemetry.global))
     {
         board.fix_frame(place);

@@ -10,10 +10,8 @@ use crate::output::Output;
 use crate::step::Step;
 use crate::tally::Tally;
 use anyhow::{Result, bail, ensure};
-use parking_lot::RwLock;
 use std::fmt::Write;
 use std::process::ExitCode;
-use std::sync::Arc;
 use std::time::Instant;
 
 /// So many tests of a step are tried again at most, and no more than a third of it. A machine that others use too stands still for some
@@ -23,13 +21,23 @@ const MOST_TRIED_AGAIN: u64 = 6;
 const MOST_TRIES: usize = 10;
 
 /// Collects what the steps of a run came to.
-pub struct Report {
+pub struct Report<'r> {
     started: Instant,
     done: Vec<Done>,
     output: Output,
-    /// Held by each step, and alone by tests that are tried again.
-    machine: Arc<RwLock<()>>,
+    /// Tests that are tried again when nothing runs beside them any more; none if nothing does at any time.
+    deferred: Option<Vec<Deferred<'r>>>,
 }
+
+/// Tests that failed and are to be tried again.
+struct Deferred<'r> {
+    step: String,
+    tests: Vec<String>,
+    again: Again<'r>,
+}
+
+/// Makes the command for tests of these names.
+type Again<'r> = Box<dyn Fn(&[String]) -> Step + Send + 'r>;
 
 struct Done {
     name: String,
@@ -41,15 +49,20 @@ struct Done {
     in_background: bool,
 }
 
-impl Report {
+impl<'r> Report<'r> {
     /// An empty one; the clock starts.
     pub fn new() -> Self {
         Self {
             started: Instant::now(),
             done: Vec::new(),
             output: Output::default(),
-            machine: Arc::default(),
+            deferred: None,
         }
+    }
+
+    /// From now on steps run beside each other: tests are tried again by [`Self::try_deferred`].
+    pub fn defer(&mut self) {
+        self.deferred.get_or_insert_default();
     }
 
     /// One for steps that run in the background of this one's. What they print is shown when each has ended.
@@ -58,13 +71,39 @@ impl Report {
             started: Instant::now(),
             done: Vec::new(),
             output: Output::buffered(),
-            machine: self.machine.clone(),
+            deferred: self.deferred.as_ref().map(|_| Vec::new()),
         }
     }
 
     /// Takes in what ran in the background.
     pub fn join(&mut self, background: Self) {
         self.done.extend(background.done);
+        self.deferred
+            .get_or_insert_default()
+            .extend(background.deferred.unwrap_or_default());
+    }
+
+    /// Tries those tests again that failed while others ran beside them. Nothing runs beside any from now on.
+    pub fn try_deferred(&mut self) {
+        for Deferred { step, tests, again } in self.deferred.take().unwrap_or_default() {
+            println!("== {step}, once more");
+            let outcome = try_again(&step, &tests, again, &Output::Live);
+            let Some(done) = self.done.iter_mut().rev().find(|done| done.name == step) else {
+                continue;
+            };
+            match outcome {
+                Ok(()) => {
+                    println!("ok {step}, when tried again");
+                    done.failure = None;
+                    done.tally.passed_again(tests.len() as u64);
+                }
+                Err(error) => {
+                    println!("!! {step} failed again: {error:#}");
+                    done.failure = Some(format!("{error:#}"));
+                    done.unsteady.clear();
+                }
+            }
+        }
     }
 
     fn is_background(&self) -> bool {
@@ -73,29 +112,44 @@ impl Report {
 
     /// Runs a child process as a step, once.
     pub fn step(&mut self, name: &str, advice: &str, step: Step) -> bool {
-        let (step, machine) = (step.output(&self.output), self.machine.clone());
-        self.record(name, advice, |tally, _| {
-            let _held = machine.read();
-            step.run(tally)
-        })
+        let step = step.output(&self.output);
+        self.record(name, advice, |tally, _| step.run(tally))
     }
 
     /// Runs tests in real time as a step. Those that fail are tried once more, alone, unless they are many: `again` makes the command
     /// for those named. While the machine stands still in a try, that says nothing of those that fail: they are tried anew, however many.
-    pub fn tests(&mut self, name: &str, advice: &str, step: Step, again: impl Fn(&[String]) -> Step) -> bool {
+    pub fn tests(
+        &mut self,
+        name: &str,
+        advice: &str,
+        step: Step,
+        again: impl Fn(&[String]) -> Step + Send + 'r,
+    ) -> bool {
         self.tried_again(name, advice, step, again, |failed, _, ran| may_be_noise(failed, ran))
     }
 
     /// The same for tests that their runner has tried again itself: of those that passed then the same holds, and those that did not have
     /// failed, unless the machine stood still.
-    pub fn tries_itself(&mut self, name: &str, advice: &str, step: Step, again: impl Fn(&[String]) -> Step) -> bool {
+    pub fn tries_itself(
+        &mut self,
+        name: &str,
+        advice: &str,
+        step: Step,
+        again: impl Fn(&[String]) -> Step + Send + 'r,
+    ) -> bool {
         let may_be = |failed, unsteady, ran| failed == 0 && may_be_noise(unsteady, ran);
         self.tried_again(name, advice, step, again, may_be)
     }
 
     /// Runs tests as a step that come out the same each time: one that fails has failed. Only where the machine stood still they are tried
     /// again, for some wait for something in real time all the same; one that is wrong fails then, too.
-    pub fn same_each_time(&mut self, name: &str, advice: &str, step: Step, again: impl Fn(&[String]) -> Step) -> bool {
+    pub fn same_each_time(
+        &mut self,
+        name: &str,
+        advice: &str,
+        step: Step,
+        again: impl Fn(&[String]) -> Step + Send + 'r,
+    ) -> bool {
         self.tried_again(name, advice, step, again, |failed, _, _| failed == 0)
     }
 
@@ -104,16 +158,15 @@ impl Report {
         name: &str,
         advice: &str,
         step: Step,
-        again: impl Fn(&[String]) -> Step,
+        again: impl Fn(&[String]) -> Step + Send + 'r,
         may_be_noise: impl Fn(u64, u64, u64) -> bool,
     ) -> bool {
-        let (output, machine) = (self.output.clone(), self.machine.clone());
-        let (step, again) = (step.output(&output), |names: &[String]| again(names).output(&output));
-        self.record(name, advice, |tally, unsteady| {
+        let output = self.output.clone();
+        let step = step.output(&output);
+        let (defers, mut deferred) = (self.deferred.is_some(), Vec::new());
+        let passed = self.record(name, advice, |tally, unsteady| {
             let mut failures = Failures::default();
-            let held = machine.read();
             let outcome = step.run_and_name(tally, &mut failures);
-            drop(held);
             let names = failures.names();
             unsteady.extend([names, failures.unsteady()].concat());
             let count = names.len() as u64;
@@ -126,22 +179,27 @@ impl Report {
                 unsteady.clear();
                 return Err(error);
             }
-            // the others end their steps, and begin no further ones
-            let _alone = machine.write();
-            try_again(name, names, again, &output).inspect_err(|_| unsteady.clear())?;
-            tally.failed = 0;
-            tally.unsteady += count;
+            if defers {
+                deferred = names.to_vec();
+                bail!("{}: tried again at the end, alone", names.join(", "));
+            }
+            try_again(name, names, &again, &output).inspect_err(|_| unsteady.clear())?;
+            tally.passed_again(count);
             Ok(())
-        })
+        });
+        if let (Some(all), false) = (&mut self.deferred, deferred.is_empty()) {
+            all.push(Deferred {
+                step: name.to_owned(),
+                tests: deferred,
+                again: Box::new(again),
+            });
+        }
+        passed
     }
 
     /// Runs a check of our own as a step.
     pub fn check(&mut self, name: &str, advice: &str, check: impl FnOnce() -> Result<()>) -> bool {
-        let machine = self.machine.clone();
-        self.record(name, advice, |_, _| {
-            let _held = machine.read();
-            check()
-        })
+        self.record(name, advice, |_, _| check())
     }
 
     /// Notes something that was left out, and why.

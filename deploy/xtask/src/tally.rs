@@ -40,6 +40,12 @@ impl Tally {
         self.passed + self.failed + self.unsteady
     }
 
+    /// All that failed, so many, passed when they were tried again.
+    pub fn passed_again(&mut self, count: u64) {
+        self.failed = self.failed.saturating_sub(count);
+        self.unsteady += count;
+    }
+
     /// Adds what one line of a runner's output says; other lines add nothing.
     pub fn read(&mut self, runner: Runner, line: &str) {
         let line = plain(line);

@@ -87,9 +87,8 @@ impl Tier {
     /// starved by others.
     fn at_a_time(self) -> &'static str {
         match self {
-            Self::Unit | Self::Faults => "4",
-            Self::Integration => "5",
-            Self::E2e | Self::Interop => "2",
+            Self::Unit => "4",
+            Self::Integration | Self::Faults => "3",
             _ => "1",
         }
     }
@@ -137,6 +136,11 @@ impl Tier {
 
 /// Runs the tiers named; with none, every tier.
 pub fn run(workspace: &Workspace, tiers: &[Tier], long_ones_too: bool) -> Result<ExitCode> {
+    #[expect(
+        clippy::needless_late_init,
+        reason = "the report knows how to try its tests again, and so has to be dropped first"
+    )]
+    let built;
     let mut report = Report::new();
     let everything = tiers.is_empty();
     let known = ALL.iter().map(|(tier, _)| *tier);
@@ -162,7 +166,7 @@ pub fn run(workspace: &Workspace, tiers: &[Tier], long_ones_too: bool) -> Result
     if needs_page {
         report.check("dashboard built", "run `cargo xtask build-ui`", || ui::build(workspace));
     }
-    let built = build_all(&run, &tiers, &mut report);
+    built = build_all(&run, &tiers, &mut report);
     match &built {
         Some(built) => lanes::run(&tiers, &run, built, &mut report),
         None => tiers
@@ -187,8 +191,8 @@ struct Run<'w> {
     whole: bool,
 }
 
-impl Run<'_> {
-    fn tier(&self, tier: Tier, built: &Built, report: &mut Report) {
+impl<'r> Run<'r> {
+    fn tier(&self, tier: Tier, built: &'r Built, report: &mut Report<'r>) {
         let workspace = self.workspace;
         match tier {
             Tier::Static => lints::check(workspace, report),
@@ -270,11 +274,11 @@ fn build_all(run: &Run<'_>, tiers: &[Tier], report: &mut Report) -> Option<Built
     built
 }
 
-fn unit(workspace: &Workspace, report: &mut Report, built: &Built) {
+fn unit<'r>(workspace: &'r Workspace, report: &mut Report<'r>, built: &'r Built) {
     let advice = format!("{SEE_TESTS} `cargo xtask test unit`");
     let at_a_time = ["--test-threads", Tier::Unit.at_a_time()].map(str::to_owned);
-    let crates = |arguments: &[String]| built.unit_tests(arguments);
-    report.same_each_time("unit: crates", &advice, crates(&at_a_time), |names| {
+    let crates = move |arguments: &[String]| built.unit_tests(arguments);
+    report.same_each_time("unit: crates", &advice, crates(&at_a_time), move |names| {
         crates(&alone(names))
     });
     let mut examples = workspace.cargo();
@@ -290,7 +294,7 @@ fn unit(workspace: &Workspace, report: &mut Report, built: &Built) {
     report.step("unit: dashboard", "run `npm test` in web-ui", tests);
 }
 
-fn multihost(workspace: &Workspace, report: &mut Report, built: &Built, may_be_left_out: bool) {
+fn multihost<'r>(workspace: &'r Workspace, report: &mut Report<'r>, built: &'r Built, may_be_left_out: bool) {
     let advice =
         "run it as root, on a Linux kernel with namespaces, veth and TUN devices; it needs ip and tc of iproute2";
     match namespaces::can_be_made() {
@@ -302,7 +306,7 @@ fn multihost(workspace: &Workspace, report: &mut Report, built: &Built, may_be_l
     }
 }
 
-fn crate_tier(workspace: &Workspace, report: &mut Report, tier: Tier, built: &Built, whole: bool) {
+fn crate_tier<'r>(workspace: &'r Workspace, report: &mut Report<'r>, tier: Tier, built: &'r Built, whole: bool) {
     let Some(package) = tier.package().and_then(|name| workspace.package(name)) else {
         return;
     };
@@ -312,7 +316,7 @@ fn crate_tier(workspace: &Workspace, report: &mut Report, tier: Tier, built: &Bu
     let at_a_time = ["--test-threads", tier.at_a_time()].map(str::to_owned);
     let first = built.tests_of(package, &[&at_a_time[..], &told].concat());
     let advice = format!("{SEE_TESTS} `cargo xtask test {}`", tier.name());
-    let again = |names: &[String]| built.tests_of(package, &[told.clone(), alone(names)].concat());
+    let again = move |names: &[String]| built.tests_of(package, &[told.clone(), alone(names)].concat());
     if tier.is_in_real_time() {
         report.tests(tier.name(), &advice, first, again);
     } else {
@@ -329,11 +333,11 @@ fn alone(names: &[String]) -> Vec<String> {
 /// Those whose name has this tag run only where the tier is named, and with `--all`.
 const LONG_IN_BROWSER: &str = "@long";
 
-fn browser_tests(workspace: &Workspace, report: &mut Report, built: &Built, whole: bool) {
+fn browser_tests<'r>(workspace: &'r Workspace, report: &mut Report<'r>, built: &'r Built, whole: bool) {
     let Some(chromium) = chromium(report, Tier::Ui) else {
         return;
     };
-    let tests = |options: &[&str]| {
+    let tests = move |options: &[&str]| {
         let mut tests = in_browser(workspace, built, &chromium, "e2e");
         tests.arg("--").args(options);
         if !whole {
@@ -343,7 +347,7 @@ fn browser_tests(workspace: &Workspace, report: &mut Report, built: &Built, whol
     };
     let advice = format!("{SEE_TESTS} `cargo xtask test ui`; traces are in test-results/");
     // Playwright has tried them again itself; these are tried anew where the machine stood still.
-    report.tries_itself("ui", &advice, tests(&[]), |_| tests(&["--last-failed"]));
+    report.tries_itself("ui", &advice, tests(&[]), move |_| tests(&["--last-failed"]));
 }
 
 fn browser_soak(workspace: &Workspace, report: &mut Report, built: &Built) {

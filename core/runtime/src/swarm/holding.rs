@@ -126,9 +126,11 @@ impl SwarmState {
         let silent_s = self.watch.silent_s(now);
         let Some(swarm) = &self.board.swarm else { return };
         let before = **swarm.role.load();
+        let acting = self.office.acting();
         let role = Role {
             node: self.office.node(),
-            acting: self.office.acting(),
+            acting,
+            acting_since: acting.and(before.acting_since.or(Some(now))),
             bereaved: self.bereaved,
             allegiance,
             coordinator_seen: match self.office.acting() {

@@ -22,6 +22,8 @@ pub struct Role {
     pub node: NodeId,
     /// The term in which it coordinates, if it does.
     pub acting: Option<Term>,
+    /// Since when it has coordinated without a break.
+    pub acting_since: Option<NodeTime>,
     /// The holder that it succeeded because that one was missed; none if somebody asked, or nobody held the office.
     pub bereaved: Option<NodeId>,
     /// Whom it obeys.
@@ -34,7 +36,19 @@ pub struct Role {
     pub observer: bool,
 }
 
+/// Two nodes may claim the office at the same moment, where nobody holds it. By then the one that loses it has heard of that, in seconds: ten
+/// beacons.
+const UNDISPUTED_AFTER_S: f64 = 1.0;
+
 impl Role {
+    /// Whether it has coordinated for so long that nobody else does for having claimed the office at the same moment. What can never be taken
+    /// back, the swarm's frame, waits for that: two nodes with frames of their own would never obey each other.
+    #[must_use]
+    pub fn is_undisputed(&self, now: NodeTime) -> bool {
+        self.acting_since
+            .is_some_and(|since| now.seconds_since(since) >= UNDISPUTED_AFTER_S)
+    }
+
     /// The node that coordinates, if one is obeyed.
     #[must_use]
     pub fn coordinator(&self) -> Option<NodeId> {
@@ -89,6 +103,7 @@ impl SwarmShare {
         let role = Role {
             node,
             acting: None,
+            acting_since: None,
             bereaved: None,
             allegiance: Allegiance::Nobody,
             coordinator_seen: None,
@@ -110,7 +125,11 @@ impl SwarmShare {
     /// The actor that speaks for this node has ended: it coordinates no more until the next one knows better.
     pub fn silence(&self) {
         let role = **self.role.load();
-        self.role.store(Arc::new(Role { acting: None, ..role }));
+        self.role.store(Arc::new(Role {
+            acting: None,
+            acting_since: None,
+            ..role
+        }));
     }
 
     /// Which node flies a vehicle, if another one does.
@@ -196,5 +215,29 @@ impl RemoteVehicle {
             node: Some(self.node),
             ..self.sheet.as_deref()?.clone()
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    //! What can never be taken back waits until nobody disputes the office.
+
+    use super::*;
+
+    #[test]
+    fn who_has_just_taken_the_office_is_not_undisputed() {
+        let at = NodeTime::from_seconds;
+        let share = SwarmShare::new(NodeId(1), false);
+        let role = **share.role.load();
+        assert!(!role.is_undisputed(at(100.0)), "it does not coordinate");
+        let acting = Role {
+            acting_since: Some(at(100.0)),
+            ..role
+        };
+        assert!(!acting.is_undisputed(at(100.9)));
+        assert!(acting.is_undisputed(at(101.0)));
+        share.role.store(Arc::new(acting));
+        share.silence();
+        assert!(!share.role.load().is_undisputed(at(102.0)));
     }
 }

@@ -5,7 +5,7 @@ use crate::tally::Runner;
 use anyhow::bail;
 use std::process::Command;
 
-fn code(report: Report) -> String {
+fn code(report: Report<'_>) -> String {
     format!("{:?}", report.close())
 }
 
@@ -180,18 +180,18 @@ fn whom_its_runner_has_tried_again_is_not_tried_a_third_time() {
 
 #[test]
 fn who_fails_while_the_machine_stands_still_is_tried_until_it_does_not() {
+    let tried = parking_lot::Mutex::new(Vec::new());
     let mut report = Report::new();
-    let tried = std::cell::RefCell::new(Vec::new());
     let both = || failing_of(2, &["a", "b"]).with_standstill();
     let passed = report.tests("flights", "", both(), |names| {
-        tried.borrow_mut().push(names.join(" "));
+        tried.lock().push(names.join(" "));
         match names.len() {
             2 => failing_of(2, &["b"]).with_standstill(),
             _ => passing(1),
         }
     });
     assert!(passed, "all of them, more than a third, and one twice");
-    assert_eq!(*tried.borrow(), ["a b", "b"]);
+    assert_eq!(*tried.lock(), ["a b", "b"]);
     assert_eq!((report.total().failed, report.total().unsteady), (0, 2));
     assert!(!report.tests("flights", "", both(), |_| failing_of(2, &["a", "b"])));
 }
@@ -221,49 +221,27 @@ fn what_ran_in_the_background_counts() {
 }
 
 #[test]
-fn who_is_tried_again_is_alone() {
-    let mut report = Report::new();
-    let mut background = report.background();
+fn who_fails_beside_others_is_tried_again_when_they_have_ended() {
     let ended = std::sync::atomic::AtomicBool::new(false);
-    let (begun, has_begun) = std::sync::mpsc::channel();
-    std::thread::scope(|scope| {
-        scope.spawn(|| {
-            background.check("long", "nothing", || {
-                begun.send(())?;
-                std::thread::sleep(std::time::Duration::from_millis(300));
-                ended.store(true, std::sync::atomic::Ordering::SeqCst);
-                Ok(())
-            });
-        });
-        has_begun.recv().expect("it begins");
-        let again = |_: &[String]| {
-            assert!(ended.load(std::sync::atomic::Ordering::SeqCst), "it does not run alone");
-            printing(&["test result: ok. 1 passed; 0 failed; 0 ignored"], 0)
-        };
-        assert!(report.tests("flights", "nothing", failing_of(9, &["a::b"]), again));
-    });
-}
-
-#[test]
-fn those_of_two_lanes_are_tried_again_one_after_the_other() {
-    use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
     let mut report = Report::new();
+    report.defer();
     let mut beside = report.background();
-    let (trying, together) = (AtomicUsize::new(0), std::sync::Barrier::new(2));
     let again = |_: &[String]| {
-        assert_eq!(trying.fetch_add(1, SeqCst), 0, "it does not run alone");
-        std::thread::sleep(std::time::Duration::from_millis(50));
-        trying.fetch_sub(1, SeqCst);
-        printing(&["test result: ok. 1 passed; 0 failed; 0 ignored"], 0)
+        assert!(ended.load(std::sync::atomic::Ordering::SeqCst), "it does not run alone");
+        passing(1)
     };
     std::thread::scope(|scope| {
         scope.spawn(|| {
-            together.wait();
-            assert!(beside.tests("others", "nothing", failing_of(9, &["c::d"]), again));
+            assert!(!beside.tests("others", "nothing", failing_of(9, &["c::d"]), again));
+            assert!(!beside.tests("wrong", "nothing", failing_of(9, &["e::f"]), |_| failing(&["e::f"])));
         });
-        together.wait();
-        assert!(report.tests("flights", "nothing", failing_of(9, &["a::b"]), again));
+        assert!(!report.tests("flights", "nothing", failing_of(9, &["a::b"]), again));
     });
+    ended.store(true, std::sync::atomic::Ordering::SeqCst);
     report.join(beside);
+    report.try_deferred();
     assert_eq!(report.unsteady_tests(), [("flights", "a::b"), ("others", "c::d")]);
+    let total = report.total();
+    assert_eq!((total.passed, total.failed, total.unsteady), (24, 1, 2));
+    assert_eq!(code(report), format!("{:?}", ExitCode::FAILURE));
 }

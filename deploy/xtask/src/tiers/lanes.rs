@@ -10,10 +10,10 @@ use rustix::process::nice;
 use std::collections::VecDeque;
 
 /// By so much what only computes stands back behind what flies.
-const NICENESS: i32 = 10;
+const NICENESS: i32 = 19;
 
 /// Runs these tiers.
-pub(super) fn run(tiers: &[Tier], run: &Run<'_>, built: &Built, report: &mut Report) {
+pub(super) fn run<'r>(tiers: &[Tier], run: &Run<'r>, built: &'r Built, report: &mut Report<'r>) {
     let (cpu_bound, flown): (Vec<Tier>, Vec<Tier>) = tiers.iter().partition(|tier| tier.is_cpu_bound());
     let (long, flown): (Vec<Tier>, Vec<Tier>) = flown.into_iter().partition(|tier| tier.is_long());
     if flown.is_empty() && long.is_empty() {
@@ -22,6 +22,7 @@ pub(super) fn run(tiers: &[Tier], run: &Run<'_>, built: &Built, report: &mut Rep
     }
     let queue = Mutex::new(longest_first(flown));
     let next = || queue.lock().pop_front();
+    report.defer();
     let (mut background, mut beside) = (report.background(), report.background());
     std::thread::scope(|scope| {
         scope.spawn(|| {
@@ -48,6 +49,7 @@ pub(super) fn run(tiers: &[Tier], run: &Run<'_>, built: &Built, report: &mut Rep
     });
     report.join(beside);
     report.join(background);
+    report.try_deferred();
 }
 
 /// So that none is left over for the end, in which nothing runs beside it.
