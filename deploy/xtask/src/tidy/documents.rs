@@ -93,7 +93,7 @@ fn map_of_the_code(workspace: &Workspace, files: &[File]) -> Vec<Finding> {
 }
 
 /// A relative link leads to something that is there, and to a heading that is in it; what is included is there.
-fn leads(root: &Path, file: &File, whole: &BTreeMap<&str, String>) -> Vec<Finding> {
+pub fn leads(root: &Path, file: &File, whole: &BTreeMap<&str, String>) -> Vec<Finding> {
     let mut findings = Vec::new();
     for (index, line) in file.text.lines().enumerate() {
         if let Some(path) = include(line).map(|path| resolved(folder(&file.path), path))
