@@ -26,7 +26,7 @@ struct Site<'a> {
     pictures: BTreeSet<String>,
 }
 
-/// Writes all pages that are not generated, and `book.toml`, to a folder.
+/// Writes all pages that are not generated, and how they look, to a folder.
 pub fn write(workspace: &Workspace, into: &Path) -> Result<()> {
     let root = workspace.root.as_path();
     let pages = chapters(&read(root, &format!("{PAGES}/SUMMARY.md"))?);
@@ -54,7 +54,10 @@ pub fn write(workspace: &Workspace, into: &Path) -> Result<()> {
         std::fs::create_dir_all(&to)?;
         std::fs::copy(root.join(picture), to.join(name)).with_context(|| format!("cannot copy {picture}"))?;
     }
-    super::write(&into.join("book.toml"), &read(root, "deploy/docs/book.toml")?)
+    for name in ["book.toml", "site.css"] {
+        super::write(&into.join(name), &read(root, &format!("deploy/docs/{name}"))?)?;
+    }
+    Ok(())
 }
 
 /// The pages that a summary names and that stand in the source tree.
@@ -85,21 +88,14 @@ impl Site<'_> {
         let mut in_code = false;
         for line in text.lines() {
             in_code ^= line.trim_start().starts_with("```");
-            if let Some(path) = include(line) {
-                let path = resolved(folder(document), path);
-                out.push_str(&if path.ends_with(".md") && !in_code {
-                    self.page(&path, page)?
-                } else {
-                    read(self.root, &path)?
-                });
-            } else if in_code {
-                out.push_str(line);
-            } else {
-                out.push_str(&self.line(line, document, page));
-            }
-            if !out.ends_with('\n') {
-                out.push('\n');
-            }
+            let shown = match include(line).map(|path| resolved(folder(document), path)) {
+                Some(path) if path.ends_with(".md") && !in_code => self.page(&path, page)?,
+                Some(path) => read(self.root, &path)?,
+                None if in_code => line.to_owned(),
+                None => self.line(line, document, page),
+            };
+            out.push_str(shown.trim_end_matches('\n'));
+            out.push('\n');
         }
         Ok(out)
     }

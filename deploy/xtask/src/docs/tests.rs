@@ -24,6 +24,25 @@ fn links_and_headings_are_found_outside_of_code() {
 }
 
 #[test]
+fn a_page_keeps_its_lines_and_its_links_lead_where_the_site_is_read() {
+    let folder = tempfile::tempdir().expect("can be made");
+    let file = |path: &str, text: &str| super::write(&folder.path().join(path), text).expect("written");
+    file("core/a.md", "# A\n\n[b](b.rs) [guide](../deploy/docs/src/guide.md#x)\n");
+    file("core/b.rs", "");
+    file(
+        "deploy/docs/src/guide.md",
+        "One.\n\n![p](../../../p.png)\n```toml\n{{#include ../../../core/b.rs}}\n```\n",
+    );
+    file("deploy/docs/src/in/page.md", "{{#include ../../../../core/a.md}}\n");
+    let page = |name: &str| super::pages::whole(folder.path(), &format!("{}/{name}", super::PAGES)).expect("is there");
+    assert_eq!(page("guide.md"), "One.\n\n![p](pictures/p.png)\n```toml\n\n```\n");
+    assert_eq!(
+        page("in/page.md"),
+        "# A\n\n[b](https://github.com/skein-swarm/skein/blob/main/core/b.rs) [guide](../guide.md#x)\n"
+    );
+}
+
+#[test]
 fn a_help_text_is_cut_to_what_is_its_own() {
     let help = "Fly\n\nCommands:\n  run   Run\n  help  Help\n\nOptions:\n      --log <FILTER>\n          What\n\n      --seed <SEED>\n          Seed\n\n  -h, --help\n          Print\n\nEnd";
     assert_eq!(commands(help), ["run"]);
