@@ -17,6 +17,8 @@ use std::process::{Command, ExitCode};
 
 /// Where the site's own pages are.
 pub const PAGES: &str = "deploy/docs/src";
+/// The table of their contents.
+pub const SUMMARY: &str = "deploy/docs/src/SUMMARY.md";
 /// Pages that are made when the site is built.
 pub const GENERATED: [&str; 4] = [
     "reference/api.md",

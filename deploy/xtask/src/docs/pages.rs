@@ -6,7 +6,7 @@
 //! Must never do: change what a text says.
 
 use super::links::{self, folder, include, resolved};
-use super::{GENERATED, PAGES};
+use super::{GENERATED, PAGES, SUMMARY};
 use crate::workspace::Workspace;
 use anyhow::{Context, Result};
 use std::collections::{BTreeMap, BTreeSet};
@@ -29,7 +29,7 @@ struct Site<'a> {
 /// Writes all pages that are not generated, and how they look, to a folder.
 pub fn write(workspace: &Workspace, into: &Path) -> Result<()> {
     let root = workspace.root.as_path();
-    let pages = chapters(&read(root, &format!("{PAGES}/SUMMARY.md"))?);
+    let pages = chapters(&read(root, SUMMARY)?);
     let pages: Vec<String> = pages.iter().map(|page| format!("{PAGES}/{page}")).collect();
     let mut site = Site {
         root,
@@ -43,7 +43,7 @@ pub fn write(workspace: &Workspace, into: &Path) -> Result<()> {
             }
         }
     }
-    for page in pages.iter().chain([&format!("{PAGES}/SUMMARY.md")]) {
+    for page in pages.iter().chain([&SUMMARY.to_owned()]) {
         let text = site.page(page, page)?;
         let name = page.strip_prefix(PAGES).unwrap_or(page).trim_start_matches('/');
         super::write(&into.join("src").join(name), &text)?;

@@ -5,7 +5,7 @@
 
 use super::{File, Finding};
 use crate::docs::links::{self, anchors, folder, include, resolved};
-use crate::docs::{GENERATED, PAGES, pages};
+use crate::docs::{GENERATED, PAGES, SUMMARY, pages};
 use crate::workspace::Workspace;
 use clap::CommandFactory;
 use std::collections::BTreeMap;
@@ -107,7 +107,8 @@ pub fn leads(root: &Path, file: &File, whole: &BTreeMap<&str, String>) -> Vec<Fi
             "" => file.path.clone(),
             path => resolved(folder(&file.path), path),
         };
-        if is_generated(&path) {
+        // Elsewhere than on the site a generated page is not there: only the summary leads to it.
+        if file.path == SUMMARY && is_generated(&path) {
             continue;
         }
         if !root.join(&path).exists() {
@@ -129,12 +130,11 @@ fn is_generated(path: &str) -> bool {
 
 /// The summary of the site names every page of it, and every page that is generated.
 pub fn site(files: &[File]) -> Vec<Finding> {
-    let name = format!("{PAGES}/SUMMARY.md");
-    let Some(summary) = files.iter().find(|file| file.path == name) else {
+    let Some(summary) = files.iter().find(|file| file.path == SUMMARY) else {
         return Vec::new();
     };
     let named: Vec<&str> = links::of(&summary.text).iter().map(|link| link.path).collect();
-    let written = files.iter().filter(|file| file.is("md") && file.path != name);
+    let written = files.iter().filter(|file| file.is("md") && file.path != SUMMARY);
     let pages = written.filter_map(|file| Some(file.path.strip_prefix(PAGES)?.trim_start_matches('/')));
     let missing = pages.chain(GENERATED).filter(|page| !named.contains(page));
     missing
