@@ -70,7 +70,7 @@ fn mdbook(workspace: &Workspace) -> Result<PathBuf> {
     println!("installing mdbook into {} (some minutes, once)", tools.display());
     let mut install = workspace.cargo();
     install
-        .args(["install", "--locked", "--root"])
+        .args(["install", "--locked", "--version", "^0.5", "--root"])
         .arg(&tools)
         .arg("mdbook");
     ensure!(install.status()?.success(), "mdbook was not installed: see above");
