@@ -25,6 +25,11 @@ pub fn install() {
             .inspect_err(|error| tracing::warn!("counters are not shown at /metrics: {error}"))
             .ok()
     });
+    metrics::describe_gauge!("skein_streams_open", "Event streams that are open.");
+    metrics::describe_counter!(
+        "skein_stream_events_missed_total",
+        "Events that readers of a stream missed because they were slow."
+    );
 }
 
 /// Folds what the recorder collected.
@@ -91,6 +96,12 @@ fn describe() {
         "Distance to where its task wants it."
     );
     describe_gauge!("skein_actor_up", "1 if the actor or model instance is running.");
+    describe_gauge!("skein_plugin_restarts", "How often the instance was started again.");
+    describe_gauge!("skein_plugin_call_p50_seconds", "Median time of a call into it.");
+    describe_gauge!(
+        "skein_plugin_call_p99_seconds",
+        "99th percentile of the time of a call into it."
+    );
     metrics::describe_counter!("skein_actor_restarts_total", "How often it was started again.");
 }
 

@@ -35,10 +35,10 @@ fn every_example_parses_and_makes_sense() {
 }
 
 #[test]
-fn the_readme_shows_a_configuration_that_works() {
-    let readme =
-        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../README.md")).expect("README.md");
-    let shown = readme
+fn the_documentation_shows_a_configuration_that_works() {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../deploy/docs/src/install.md");
+    let page = std::fs::read_to_string(page).expect("install.md");
+    let shown = page
         .split("```toml")
         .nth(1)
         .and_then(|rest| rest.split("```").next())

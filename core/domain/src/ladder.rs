@@ -1,5 +1,5 @@
 //! The words of the ladder of reactions: what can go wrong with a vehicle in flight, what is done about it, and what is told of it.
-//! The state machine itself is `skein-safety`'s; its written table is `core/safety/LADDER.md`.
+//! The state machine itself is `skein-safety`'s; its written table is `deploy/docs/src/failsafe-policy.md`.
 //!
 //! Must never do: decide anything.
 

@@ -1,6 +1,6 @@
 //! The swarm as an ordinary citizen of ROS 2: each vehicle a node in a namespace of its own, with standard messages in the frames of REP-103 and
 //! REP-105; commands as services; velocities that expire. Native: no ROS 2 needs to be installed. Names, types, qualities and rates are tabled
-//! in the README beside this crate.
+//! in `deploy/docs/src/ros2.md`.
 //!
 //! Must never do: make an actor of the node wait. It reads snapshots on a thread of its own and hands commands to the node's handle.
 #![forbid(unsafe_code)]

@@ -1,5 +1,5 @@
 //! The ladder of reactions of one vehicle: what goes wrong with it is reported, and answered step by step, each step within a bounded
-//! time. `LADDER.md` beside this crate is the written table.
+//! time. `deploy/docs/src/failsafe-policy.md` is the written table.
 //!
 //! The rules: of several triggers the strongest reaction wins, and all are reported. A weaker reaction never replaces a stronger
 //! one in force. What was ordered must be seen to take effect, or the next stronger is ordered, up to stopping the setpoint stream.

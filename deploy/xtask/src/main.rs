@@ -8,6 +8,7 @@ mod bench;
 mod browser;
 mod debian;
 mod demo;
+mod docs;
 mod failures;
 mod fast;
 mod lints;
@@ -82,6 +83,8 @@ enum Task {
     },
     /// Checks the habits of the house that neither rustc nor clippy can check.
     Tidy,
+    /// Builds the documentation as a site, with mdBook, and says where to open it.
+    Docs,
     /// Flies the demo's vehicles and takes pictures of every panel of the dashboard, at three widths, light and dark.
     #[command(alias = "screenshot")]
     Screenshots {
@@ -130,18 +133,12 @@ fn run(task: Task) -> Result<ExitCode> {
         Task::Px4(arguments) => px4::run(&workspace, &arguments),
         Task::Bench { arguments } => bench::run(&workspace, &arguments),
         Task::Tidy => tidy::run(&workspace),
+        Task::Docs => docs::run(&workspace),
         Task::Screenshots {
             into,
             keep,
             vehicles,
             after_s,
-        } => {
-            let into = into.unwrap_or_else(|| workspace.target.join("screenshots"));
-            screenshot::run(&workspace, &into, vehicles, after_s)?;
-            if keep {
-                screenshot::keep(&workspace, &into)?;
-            }
-            Ok(ExitCode::SUCCESS)
-        }
+        } => screenshot::take(&workspace, into, vehicles, after_s, keep).map(|()| ExitCode::SUCCESS),
     }
 }

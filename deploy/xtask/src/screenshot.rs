@@ -41,8 +41,18 @@ const KEPT: [&str; 20] = [
     "pages/390-dark-commands.webp",
 ];
 
+/// Takes all pictures, and renews those that are kept if that is asked for.
+pub fn take(workspace: &Workspace, into: Option<PathBuf>, vehicles: u16, after_s: u64, keep_them: bool) -> Result<()> {
+    let into = into.unwrap_or_else(|| workspace.target.join("screenshots"));
+    run(workspace, &into, vehicles, after_s)?;
+    if keep_them {
+        keep(workspace, &into)?;
+    }
+    Ok(())
+}
+
 /// Copies those that are kept to where they are.
-pub fn keep(workspace: &Workspace, from: &Path) -> Result<()> {
+fn keep(workspace: &Workspace, from: &Path) -> Result<()> {
     let kept = workspace.root.join(KEPT_IN);
     if kept.exists() {
         std::fs::remove_dir_all(&kept)?;
@@ -56,7 +66,7 @@ pub fn keep(workspace: &Workspace, from: &Path) -> Result<()> {
 }
 
 /// Starts the demo's vehicles and takes the pictures; the script flies them.
-pub fn run(workspace: &Workspace, into: &Path, vehicles: u16, after_s: u64) -> Result<()> {
+fn run(workspace: &Workspace, into: &Path, vehicles: u16, after_s: u64) -> Result<()> {
     let built = std::env::var_os(BINARY);
     if built.is_none() {
         demo::build(workspace)?;

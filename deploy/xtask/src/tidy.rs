@@ -98,6 +98,14 @@ pub fn check(workspace: &Workspace) -> Result<()> {
     Ok(())
 }
 
+/// Checks the rules about documents alone; an error if one is broken.
+pub fn check_documents(workspace: &Workspace) -> Result<()> {
+    let findings = documents::check(workspace, &files(workspace)?);
+    findings.iter().for_each(|finding| println!("{finding}"));
+    ensure!(findings.is_empty(), "{} findings", findings.len());
+    Ok(())
+}
+
 /// Folders that builds and tests make. The list follows `.gitignore`; git itself may be missing where this runs.
 const MADE: [&str; 6] = ["target", "node_modules", "dist", "test-results", "corpus", "artifacts"];
 

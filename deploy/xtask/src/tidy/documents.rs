@@ -1,8 +1,14 @@
-//! Rules about documents: the map names every member, links lead somewhere, commands exist, no words of process.
+//! Rules about documents: the map names every member, links and their anchors lead somewhere, the site has every page, commands and names of
+//! ROS 2 exist, no words of process.
+//!
+//! Must never do: look at other hosts.
 
 use super::{File, Finding};
+use crate::docs::links::{self, anchors, folder, include, resolved};
+use crate::docs::{GENERATED, PAGES, SUMMARY, pages};
 use crate::workspace::Workspace;
 use clap::CommandFactory;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Words about how the work is organised; they mean nothing to a reader. Put together here so that this file passes.
@@ -54,10 +60,20 @@ pub fn check(workspace: &Workspace, files: &[File]) -> Vec<Finding> {
         .get_subcommands()
         .map(|command| command.get_name().to_owned())
         .collect();
-    for file in files.iter().filter(|file| file.is("md")) {
-        findings.extend(links(&workspace.root, file));
+    let documents: Vec<&File> = files.iter().filter(|file| file.is("md")).collect();
+    let whole: BTreeMap<&str, String> = documents
+        .iter()
+        .map(|file| {
+            let text = pages::whole(&workspace.root, &file.path);
+            (file.path.as_str(), text.unwrap_or_else(|_| file.text.clone()))
+        })
+        .collect();
+    for file in documents {
+        findings.extend(leads(&workspace.root, file, &whole));
         findings.extend(commands_exist(file, &commands));
     }
+    findings.extend(site(files));
+    findings.extend(ros2_names(files));
     findings
 }
 
@@ -76,20 +92,92 @@ fn map_of_the_code(workspace: &Workspace, files: &[File]) -> Vec<Finding> {
         .collect()
 }
 
-/// A relative link leads to something that is there.
-fn links(root: &Path, file: &File) -> Vec<Finding> {
-    let folder = Path::new(&file.path).parent().unwrap_or(Path::new(""));
+/// A relative link leads to something that is there, and to a heading that is in it; what is included is there.
+pub fn leads(root: &Path, file: &File, whole: &BTreeMap<&str, String>) -> Vec<Finding> {
     let mut findings = Vec::new();
     for (index, line) in file.text.lines().enumerate() {
-        for target in line.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
-            let target = target.split('#').next().unwrap_or(target);
-            let elsewhere = target.is_empty() || target.contains("://") || target.starts_with("mailto:");
-            if !elsewhere && !root.join(folder).join(target).exists() {
-                findings.push(file.finding(index + 1, "links", format!("leads to {target}, which is not there")));
-            }
+        if let Some(path) = include(line).map(|path| resolved(folder(&file.path), path))
+            && !root.join(&path).is_file()
+        {
+            findings.push(file.finding(index + 1, "links", format!("includes {path}, which is not there")));
+        }
+    }
+    for link in links::of(&file.text) {
+        let path = match link.path {
+            "" => file.path.clone(),
+            path => resolved(folder(&file.path), path),
+        };
+        // Elsewhere than on the site a generated page is not there: only the summary leads to it.
+        if file.path == SUMMARY && is_generated(&path) {
+            continue;
+        }
+        if !root.join(&path).exists() {
+            findings.push(file.finding(link.line, "links", format!("leads to {path}, which is not there")));
+        } else if let (Some(anchor), Some(text)) = (link.anchor, whole.get(path.as_str()))
+            && !anchors(text).iter().any(|known| known == anchor)
+        {
+            let what = format!("leads to the heading #{anchor} of {path}, which is not there");
+            findings.push(file.finding(link.line, "links", what));
         }
     }
     findings
+}
+
+fn is_generated(path: &str) -> bool {
+    path.strip_prefix(PAGES)
+        .is_some_and(|page| GENERATED.contains(&page.trim_start_matches('/')))
+}
+
+/// The summary of the site names every page of it, and every page that is generated.
+pub fn site(files: &[File]) -> Vec<Finding> {
+    let Some(summary) = files.iter().find(|file| file.path == SUMMARY) else {
+        return Vec::new();
+    };
+    let named: Vec<&str> = links::of(&summary.text).iter().map(|link| link.path).collect();
+    let written = files.iter().filter(|file| file.is("md") && file.path != SUMMARY);
+    let pages = written.filter_map(|file| Some(file.path.strip_prefix(PAGES)?.trim_start_matches('/')));
+    let missing = pages.chain(GENERATED).filter(|page| !named.contains(page));
+    missing
+        .map(|page| summary.finding(0, "site", format!("does not name the page {page}")))
+        .collect()
+}
+
+/// Where topics and services of ROS 2 are made, and the calls whose first text is a name.
+const ROS2_SOURCES: [&str; 3] = [
+    "core/ros2/src/services/commands.rs",
+    "core/ros2/src/swarm.rs",
+    "core/ros2/src/vehicle.rs",
+];
+const ROS2_CALLS: [&str; 5] = [
+    "place.voice(",
+    "place.ear::<",
+    "place.server::<",
+    "let topic = format!(",
+    "\", VehicleCommand::",
+];
+
+/// The guide to ROS 2 names every topic and service that there is.
+pub fn ros2_names(files: &[File]) -> Vec<Finding> {
+    let guide = format!("{PAGES}/ros2.md");
+    let Some(guide) = files.iter().find(|file| file.path == guide) else {
+        return Vec::new();
+    };
+    let sources = files.iter().filter(|file| ROS2_SOURCES.contains(&file.path.as_str()));
+    let lines = sources.flat_map(|file| file.text.lines());
+    let names = lines
+        .filter(|line| ROS2_CALLS.iter().any(|call| line.contains(call)) && !line.contains("to_string"))
+        .filter_map(|line| line.split('"').nth(1))
+        .map(|name| name.rsplit('}').next().unwrap_or(name).trim_start_matches('/'));
+    names
+        .filter(|name| !guide.text.contains(&format!("{name}`")))
+        .map(|name| {
+            guide.finding(
+                0,
+                "ros2-names",
+                format!("does not name `{name}`, which the program offers"),
+            )
+        })
+        .collect()
 }
 
 /// A command that a document names is one that there is.

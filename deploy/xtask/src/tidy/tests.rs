@@ -201,6 +201,39 @@ fn documents_hold_no_words_of_process_and_no_commands_that_are_not() {
 }
 
 #[test]
+fn a_link_needs_its_file_and_its_heading() {
+    let root = Workspace::load().expect("cargo describes the workspace").root;
+    let whole = |text: &str| std::collections::BTreeMap::from([("README.md", text.to_owned())]);
+    let found = |text: &str| {
+        let file = file("deploy/a.md", text);
+        rules(&documents::leads(&root, &file, &whole("# Fly it"))).join(" ")
+    };
+    assert_eq!(found("[a](../README.md#fly-it) [b](config) [c](https://a.b/c)"), "");
+    assert_eq!(found("[a](../README.md#sail-it)"), "links");
+    assert_eq!(found("[a](../NOT.md)\n\n{{#include nothing.md}}"), "links links");
+}
+
+#[test]
+fn the_site_names_its_pages_and_the_names_of_ros_2() {
+    let page = |name: &str, text: &str| file(&format!("{}/{name}", crate::docs::PAGES), text);
+    let generated = crate::docs::GENERATED.map(|name| format!("[x]({name})")).join("\n");
+    let summary = page("SUMMARY.md", &format!("[ros2](ros2.md)\n{generated}"));
+    let guide = page("ros2.md", "`<vehicle>/pose`, `arm`");
+    let source = |line: &str| file("core/ros2/src/vehicle.rs", line);
+    let files = [summary, guide, source("pose: place.voice(\"pose\", &motion)?,")];
+    assert!(documents::site(&files).is_empty() && documents::ros2_names(&files).is_empty());
+    let [summary, guide, _] = files;
+    let more = [
+        summary,
+        guide,
+        page("new.md", ""),
+        source("place.server::<Trigger>(\"land\")?;"),
+    ];
+    assert_eq!(rules(&documents::site(&more)), ["site"]);
+    assert_eq!(rules(&documents::ros2_names(&more)), ["ros2-names"]);
+}
+
+#[test]
 fn an_exception_needs_a_reason_and_a_cause() {
     let finding = Finding {
         path: "a.rs".to_owned(),

@@ -1,5 +1,5 @@
 //! The ladder of reactions in flight: each trigger is brought about in the simulator, and what the node then does is told by its events and
-//! seen in the truth. No step comes before the time that core/safety/LADDER.md gives it; that none comes late is judged in simulated time, for
+//! seen in the truth. No step comes before the time that deploy/docs/src/failsafe-policy.md gives it; that none comes late is judged in simulated time, for
 //! every rung of the table (core/safety, `every_rung_reacts_at_its_time`).
 
 use skein_domain::fence::{AltitudeReference, BreachAction, FencePlan, FenceZone, ZoneKind, ZoneOutline};

@@ -1,5 +1,5 @@
-//! The bodies that the documents show, sent to a node: each example of the OpenAPI document, and what README and tutorial print, is taken,
-//! or refused for the state of things; none for what it is.
+//! The bodies that the documents show, sent to a node: each example of the OpenAPI document, and what the guides and the tutorial print, is
+//! taken, or refused for the state of things; none for what it is.
 #![allow(
     clippy::unwrap_used,
     reason = "what tests share may stop at the first surprise, as they do"
@@ -222,10 +222,14 @@ fn foreseen(preview: &Value) {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_readme_and_tutorial_print_is_taken() {
+async fn what_guides_and_tutorial_print_is_taken() {
     let swarm = swarm().await;
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
-    for file in ["README.md", "plugins/TUTORIAL.md"] {
+    for file in [
+        "deploy/docs/src/operator.md",
+        "deploy/docs/src/several-computers.md",
+        "plugins/TUTORIAL.md",
+    ] {
         let bodies = printed(&std::fs::read_to_string(format!("{root}/{file}")).unwrap());
         assert!(!bodies.is_empty(), "{file} shows none");
         for (operation, body) in bodies {
