@@ -15,8 +15,8 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use skein_domain::{NodeId, Refusal, VehicleId};
 use skein_runtime::NodeHandle;
-use skein_runtime::NodeRole;
-use skein_runtime::{ApiAnswer, ApiRequest, ApiServer};
+use skein_state::asks::{ApiAnswer, ApiRequest, ApiServer};
+use skein_view::NodeRole;
 use std::sync::Arc;
 use tower::ServiceExt;
 

@@ -26,7 +26,8 @@ use axum::routing::{MethodRouter, delete, get, post, put};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::Value;
 use skein_domain::VehicleId;
-use skein_runtime::{Fault, FleetSnapshot, VehicleSnapshot};
+use skein_runtime::Fault;
+use skein_view::{FleetSnapshot, VehicleSnapshot};
 use utoipa::openapi::HttpMethod;
 
 /// Makes the schema of a type in a document.

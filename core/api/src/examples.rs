@@ -10,8 +10,9 @@ use crate::protocol::{
 };
 use serde_json::{Value, json};
 use skein_config::PayloadRule;
+use skein_coordination::ReferenceReport;
 use skein_domain::{FormationRequest, TrajectoryRequest};
-use skein_runtime::{Fault, ReferenceReport};
+use skein_runtime::Fault;
 
 /// A body that there is an example of.
 pub trait Example {

@@ -14,16 +14,15 @@ use crate::protocol::{
 };
 use crate::wire::{self, Field, Header, Record, flag};
 use skein_config::PayloadRule;
+use skein_coordination::ReferenceReport;
 use skein_domain::payload::{CameraCommand, CameraState, GimbalCommand, GimbalState, RadioCommand, RadioState};
 use skein_domain::{
     FlightMode, FlightState, FormationRequest, GnssFix, LandedState, ParameterList, TrajectoryObjection,
     TrajectoryPlan, TrajectoryRequest,
 };
-use skein_runtime::snapshot::FleetSnapshot;
-use skein_runtime::{
-    EmergencyKey, Fault, FenceAnswer, FormationReceipt, ParameterReceipt, PreflightAnswer, ReferenceReport,
-    UpgradeReceipt,
-};
+use skein_runtime::{EmergencyKey, Fault, FenceAnswer, ParameterReceipt, PreflightAnswer, UpgradeReceipt};
+use skein_view::FleetSnapshot;
+use skein_view::FormationReceipt;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use ts_rs::{Config, TS, TypeVisitor};

@@ -6,7 +6,7 @@ use crate::app::App;
 use crate::protocol::{EndpointReport, LinkReport, VehicleLinkReport};
 use axum::Json;
 use axum::extract::State;
-use skein_runtime::VehicleSnapshot;
+use skein_view::VehicleSnapshot;
 
 pub(crate) async fn links(State(app): State<App>) -> Json<LinkReport> {
     let snapshot = app.node.snapshot();

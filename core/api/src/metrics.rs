@@ -8,7 +8,7 @@ use metrics::{counter, gauge};
 use metrics_exporter_prometheus::{PrometheusBuilder, PrometheusHandle};
 use skein_domain::FlightState;
 use skein_runtime::NodeHandle;
-use skein_runtime::snapshot::{ActorHealth, ActorStatus, FleetSnapshot, PluginHealth, VehicleSnapshot};
+use skein_view::{ActorHealth, ActorStatus, FleetSnapshot, PluginHealth, VehicleSnapshot};
 use std::sync::OnceLock;
 use std::time::Duration;
 

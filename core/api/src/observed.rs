@@ -13,7 +13,7 @@ use serde::de::DeserializeOwned;
 use skein_domain::payload::{CameraPose, CameraState, GimbalState, PayloadKind};
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{NodeTime, VehicleId};
-use skein_runtime::{PayloadSnapshot, VehicleSnapshot};
+use skein_view::{PayloadSnapshot, VehicleSnapshot};
 
 /// A frame older than this says nothing of where the camera looks now, in seconds.
 const FRAME_COUNTS_S: f64 = 2.0;

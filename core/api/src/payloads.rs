@@ -16,7 +16,8 @@ use serde::Deserialize;
 use skein_config::PayloadRule;
 use skein_domain::payload::PixelFormat;
 use skein_domain::{Refusal, VehicleId};
-use skein_runtime::{CommandReceipt, PluginRefusal, UpgradeReceipt};
+use skein_runtime::{PluginRefusal, UpgradeReceipt};
+use skein_view::CommandReceipt;
 
 /// A vehicle and one of its payloads.
 type Of = Result<Path<(VehicleId, String)>, PathRejection>;

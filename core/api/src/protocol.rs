@@ -15,6 +15,7 @@ pub use supervision::{SupervisedPayload, SupervisedVehicle, SupervisionTree};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use skein_config::Isolation;
+use skein_coordination::ReferenceSnapshot;
 use skein_domain::control::{Console, VehicleControl};
 use skein_domain::fence::FencePlan;
 use skein_domain::payload::PayloadKind;
@@ -22,13 +23,10 @@ use skein_domain::{
     EnergyState, Geodetic, LadderState, NodeId, NodeTime, OffsetFrd, Refusal, Route, SwarmFrame, SystemId,
     TrajectoryStatus, VehicleCommand, VehicleId,
 };
-use skein_runtime::snapshot::{
-    ActorHealth, Avoidance, EventRecord, FormationSnapshot, UnadoptedVehicle, VehicleSnapshot,
-};
-use skein_runtime::{
-    CommandReceipt, ControlAction, ControlReceipt, FormationForecast, PayloadSnapshot, PluginInfo, ReferenceSnapshot,
-    RestartRecord, ResumeQuestion, SwarmSnapshot, Targets,
-};
+use skein_runtime::{ControlAction, ControlReceipt, PluginInfo, Targets};
+use skein_view::{ActorHealth, Avoidance, EventRecord, FormationSnapshot, UnadoptedVehicle, VehicleSnapshot};
+use skein_view::{CommandReceipt, FormationForecast};
+use skein_view::{PayloadSnapshot, RestartRecord, ResumeQuestion, SwarmSnapshot};
 use ts_rs::TS;
 
 /// Version of the stream's messages and of the binary frame.

@@ -8,9 +8,10 @@ use axum::Json;
 use axum::extract::rejection::PathRejection;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
+use skein_coordination::ReferenceReport;
 use skein_domain::{FormationRequest, OffsetFrd, Refusal};
 use skein_flight::formation;
-use skein_runtime::{ReferenceReport, VehicleSnapshot};
+use skein_view::VehicleSnapshot;
 
 /// No place of a formation is farther from its anchor along any axis, in metres.
 const FARTHEST_PLACE_M: f64 = 100_000.0;

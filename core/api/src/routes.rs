@@ -17,8 +17,10 @@ use axum::response::{IntoResponse, Response};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use skein_domain::{FormationRequest, Refusal, VehicleId};
-use skein_runtime::snapshot::{ActorHealth, ActorStatus};
-use skein_runtime::{Fault, FormationReceipt, VehicleSnapshot};
+use skein_runtime::Fault;
+use skein_view::FormationReceipt;
+use skein_view::VehicleSnapshot;
+use skein_view::{ActorHealth, ActorStatus};
 
 /// A picture of the fleet older than this is nothing to rely on. It is renewed many times a second.
 const STALLED_AFTER_S: f64 = 1.0;

@@ -6,7 +6,7 @@ use crate::protocol::{DeadMan, DeadManState, VehicleSafety};
 use skein_domain::ladder::TriggerMode;
 use skein_domain::{EnergyState, LadderState};
 use skein_runtime::NodeHandle;
-use skein_runtime::snapshot::{Avoidance, FleetSnapshot, VehicleSnapshot};
+use skein_view::{Avoidance, FleetSnapshot, VehicleSnapshot};
 
 /// Shares of a battery are told in hundredths.
 const SHARE: f64 = 0.01;

@@ -23,7 +23,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use skein_domain::control::{LONGEST_CONSOLE_TEXT, VehicleControl};
 use skein_domain::{Stick, VehicleId};
-use skein_runtime::EventRecord;
+use skein_view::EventRecord;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;

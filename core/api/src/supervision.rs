@@ -6,7 +6,7 @@ use crate::app::App;
 use crate::protocol::{SupervisedPayload, SupervisedVehicle, SupervisionTree};
 use axum::Json;
 use axum::extract::State;
-use skein_runtime::VehicleSnapshot;
+use skein_view::VehicleSnapshot;
 
 pub(crate) async fn tree(State(app): State<App>) -> Json<SupervisionTree> {
     let snapshot = app.node.snapshot();

@@ -8,7 +8,7 @@ use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
 use skein_domain::Refusal;
-use skein_runtime::SwarmSnapshot;
+use skein_view::SwarmSnapshot;
 
 pub(crate) async fn swarm(State(app): State<App>) -> Result<Json<SwarmSnapshot>, ApiError> {
     let alone = Refusal::NotPermitted {

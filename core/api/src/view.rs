@@ -8,8 +8,9 @@ use axum::body::Bytes;
 use axum::extract::ws::Utf8Bytes;
 use parking_lot::Mutex;
 use skein_domain::NodeTime;
-use skein_runtime::snapshot::FleetSnapshot;
-use skein_runtime::{NodeHandle, PayloadSnapshot};
+use skein_runtime::NodeHandle;
+use skein_view::FleetSnapshot;
+use skein_view::PayloadSnapshot;
 use std::sync::Arc;
 
 /// A frame is made anew from the same snapshot after so long, so that its ages are right.
@@ -112,7 +113,7 @@ fn payload_info(payload: &PayloadSnapshot) -> PayloadInfo {
 
 /// What is not in the binary frame.
 fn fleet_info(snapshot: &FleetSnapshot, node: &NodeHandle) -> FleetInfo {
-    let vehicle = |vehicle: &skein_runtime::VehicleSnapshot| VehicleInfo {
+    let vehicle = |vehicle: &skein_view::VehicleSnapshot| VehicleInfo {
         id: vehicle.id,
         node: vehicle.node,
         name: vehicle.name.clone(),

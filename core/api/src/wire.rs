@@ -5,7 +5,7 @@
 
 use serde::Serialize;
 use skein_domain::{FlightState, Geodetic, NodeTime, SwarmFrame};
-use skein_runtime::snapshot::{ActorStatus, FleetSnapshot, VehicleSnapshot};
+use skein_view::{ActorStatus, FleetSnapshot, VehicleSnapshot};
 
 /// "SKN1", read as a little-endian number.
 pub const FRAME_MAGIC: u32 = 0x314E_4B53;

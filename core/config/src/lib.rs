@@ -26,8 +26,8 @@ pub use resume::{ResumeSettings, ResumeThen};
 pub use ros2::Ros2Settings;
 pub use settings::{
     AdoptionRule, CoordinatorSettings, EndpointSettings, Escalation, FaultSettings, FenceSettings, Isolation,
-    LinkSettings, NewcomerSettings, NodeConfig, NodeSettings, OnStop, PayloadRule, PluginSettings, SafetySettings,
-    WebSettings,
+    LinkSettings, NewcomerSettings, NodeConfig, NodeSettings, OnStop, PayloadRule, PluginSettings, ReturningSettings,
+    SafetySettings, WebSettings,
 };
 pub use swarm::{Apart, SwarmSettings, SwarmTransport, ZenohSettings};
 

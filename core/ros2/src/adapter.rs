@@ -10,7 +10,8 @@ use crate::{Ros2Error, names};
 use ros2_client::Context;
 use skein_dds::Place;
 use skein_domain::VehicleId;
-use skein_runtime::{FleetSnapshot, NodeHandle};
+use skein_runtime::NodeHandle;
+use skein_view::FleetSnapshot;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
@@ -206,7 +207,7 @@ impl Speaker<'_> {
     }
 
     fn say_health(&self, fleet: &FleetSnapshot, stamps: &Stamps) {
-        let of = |vehicle: &skein_runtime::VehicleSnapshot| Some(self.vehicles.get(&vehicle.id)?.health(vehicle));
+        let of = |vehicle: &skein_view::VehicleSnapshot| Some(self.vehicles.get(&vehicle.id)?.health(vehicle));
         let vehicles = fleet.vehicles.iter().filter_map(of).collect();
         self.swarm.say_health(fleet, vehicles, stamps);
     }

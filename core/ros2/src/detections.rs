@@ -9,7 +9,7 @@ use crate::interfaces::vision::{
     BoundingBox2D, Detection2D, Detection2DArray, ObjectHypothesis, ObjectHypothesisWithPose, Point2D, Pose2D,
 };
 use skein_domain::payload::{DetectorState, Finding, PayloadKind};
-use skein_runtime::{PayloadSnapshot, VehicleSnapshot};
+use skein_view::{PayloadSnapshot, VehicleSnapshot};
 
 /// More than these are not told of one picture.
 const MOST: usize = 256;

@@ -10,8 +10,9 @@ use crate::interfaces::vision::Detection3DArray;
 use crate::stamp::Stamps;
 use crate::{Ros2Error, Tasks, frames, names, quality, services, translate};
 use ros2_client::{Context, Spinner};
-use skein_runtime::snapshot::ActorStatus;
-use skein_runtime::{FleetSnapshot, NodeHandle};
+use skein_runtime::NodeHandle;
+use skein_view::ActorStatus;
+use skein_view::FleetSnapshot;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 

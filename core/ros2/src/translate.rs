@@ -19,7 +19,7 @@ use crate::stamp::Stamps;
 use skein_domain::payload::Track;
 use skein_domain::telemetry::{GnssFix, VehicleKinematics};
 use skein_domain::{PositionNed, SwarmFrame};
-use skein_runtime::{FleetSnapshot, PayloadSnapshot, VehicleSnapshot};
+use skein_view::{FleetSnapshot, PayloadSnapshot, VehicleSnapshot};
 
 /// The codes of `sensor_msgs` that are used here.
 const STATUS_NO_FIX: i8 = -1;

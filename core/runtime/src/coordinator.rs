@@ -12,15 +12,16 @@ mod trajectories;
 pub use planning::Planned;
 pub use trajectories::{PlannedTrajectories, TrajectoryAnswer, TrajectoryAsk};
 
-use crate::board::{Board, PeerSnapshot};
-use crate::coordination::{self, Coordination, Formation};
-use crate::handle::{FormationForecast, FormationReceipt};
-use crate::snapshot::EventKind;
 use planning::Purpose;
 use ractor::{Actor, ActorProcessingErr, ActorRef, RpcReplyPort};
+use skein_coordination::{self as coordination, Coordination, Formation};
 use skein_domain::exchange::Severity;
 use skein_domain::{FormationAnchor, FormationRequest, NodeTime, Refusal, Route, VehicleId};
 use skein_failover::Term;
+use skein_state::SharedState;
+use skein_view::EventKind;
+use skein_view::PeerSnapshot;
+use skein_view::{FormationForecast, FormationReceipt};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
@@ -58,9 +59,9 @@ pub enum CoordinatorMessage {
     Review,
 }
 
-/// State: all that must survive is on the board.
+/// State: all that must survive is in the shared state.
 pub struct CoordinatorState {
-    board: Arc<Board>,
+    shared: Arc<SharedState>,
     /// Grows with every change of the formation: a plan made for an earlier one does not fit.
     generation: u64,
     /// Grows with every change of the trajectories.
@@ -88,19 +89,19 @@ pub struct CoordinatorState {
 impl Actor for Coordinator {
     type Msg = CoordinatorMessage;
     type State = CoordinatorState;
-    type Arguments = Arc<Board>;
+    type Arguments = Arc<SharedState>;
 
     async fn pre_start(
         &self,
         myself: ActorRef<CoordinatorMessage>,
-        board: Arc<Board>,
+        shared: Arc<SharedState>,
     ) -> Result<CoordinatorState, ActorProcessingErr> {
-        let period = Duration::from_secs_f64(1.0 / board.config.node.control_rate_hz);
+        let period = Duration::from_secs_f64(1.0 / shared.config.node.control_rate_hz);
         myself.send_interval(period, || CoordinatorMessage::Watch);
         myself.send_after(REVIEW_PERIOD, || CoordinatorMessage::Review);
-        let settled = is_settled(&board.coordination.lock(), board.now());
+        let settled = is_settled(&shared.coordination.lock(), shared.now());
         Ok(CoordinatorState {
-            board,
+            shared,
             generation: 0,
             flights_version: 0,
             regrouping: false,
@@ -132,7 +133,7 @@ impl Actor for Coordinator {
                 Err(refusal) => drop(reply.send(Err(refusal))),
             },
             CoordinatorMessage::Dissolve(reply) => {
-                state.board.coordination.lock().interrupted = None;
+                state.shared.coordination.lock().interrupted = None;
                 state.dissolve();
                 let _ = reply.send(Ok(()));
             }
@@ -161,9 +162,9 @@ impl CoordinatorState {
     /// Whether a request can be planned at all.
     fn admit(&self, request: &FormationRequest) -> Result<(), Refusal> {
         if let FormationAnchor::Path { route } = &request.anchor {
-            self.board.gate().route(route)?;
+            self.shared.gate().route(route)?;
         }
-        if self.board.frame().is_none() {
+        if self.shared.frame().is_none() {
             return Err(Refusal::NoSwarmFrame);
         }
         Ok(())
@@ -172,7 +173,7 @@ impl CoordinatorState {
     fn fly(&mut self, formation: Formation, severity: Severity, text: String) {
         let view_blocked = formation.view_blocked.clone();
         self.leave_trajectories(&formation.members);
-        let leader_changed = self.board.coordination.lock().take_up(formation);
+        let leader_changed = self.shared.coordination.lock().take_up(formation);
         self.generation += 1;
         if leader_changed {
             self.clear_anchors();
@@ -186,20 +187,26 @@ impl CoordinatorState {
     }
 
     fn record(&self, severity: Severity, text: impl Into<String>) {
-        self.board
+        self.shared
             .events
-            .record(self.board.now(), None, severity, EventKind::Formation, text);
+            .record(self.shared.now(), None, severity, EventKind::Formation, text);
     }
 
     /// The anchor of a former leader must not be followed.
     fn clear_anchors(&self) {
-        let leader = self.board.coordination.lock().formation.as_ref().and_then(|f| f.leader);
-        for cell in self.board.cells() {
+        let leader = self
+            .shared
+            .coordination
+            .lock()
+            .formation
+            .as_ref()
+            .and_then(|f| f.leader);
+        for cell in self.shared.cells() {
             if Some(cell.id) != leader {
                 cell.state.lock().anchor = None;
             }
         }
-        if let Some(swarm) = &self.board.swarm {
+        if let Some(swarm) = &self.shared.swarm {
             for (id, remote) in swarm.vehicles.write().iter_mut() {
                 if Some(*id) != leader {
                     remote.anchor = None;
@@ -209,20 +216,20 @@ impl CoordinatorState {
     }
 
     fn publish(&mut self) {
-        let now = self.board.now();
-        let coordination = self.board.coordination.lock();
+        let now = self.shared.now();
+        let coordination = self.shared.coordination.lock();
         self.settled = is_settled(&coordination, now);
-        let before = self.board.intent.load();
-        let withdrawn = self.board.withdrawn.lock().clone();
+        let before = self.shared.intent.load();
+        let withdrawn = self.shared.withdrawn.lock().clone();
         let intent = coordination::intent(&before, &coordination, &withdrawn, now);
         drop(coordination);
         let intent = self.with_holds(intent, &before, &withdrawn);
-        self.board.intent.store(Arc::new(self.outranking(intent)));
+        self.shared.intent.store(Arc::new(self.outranking(intent)));
     }
 
     fn dissolve(&mut self) {
         {
-            let mut coordination = self.board.coordination.lock();
+            let mut coordination = self.shared.coordination.lock();
             coordination.formation = None;
             coordination.route = None;
             coordination.unheard.clear();
@@ -237,16 +244,16 @@ impl CoordinatorState {
 
     /// Has the leader fly a route, as fast and as wide as the formation can; gives it as it is flown.
     fn set_route(&mut self, route: Route) -> Result<Route, Refusal> {
-        let peers = self.board.peers.load_full();
+        let peers = self.shared.peers.load_full();
         let asked_m_s = route.speed_m_s;
-        let (limits, gate) = (self.plan_limits(), self.board.gate());
+        let (limits, gate) = (self.plan_limits(), self.shared.gate());
         let fitted = self
-            .board
+            .shared
             .coordination
             .lock()
             .set_route(route, &peers, &limits, &gate)?;
         let slower = fitted.speed_m_s < asked_m_s;
-        for cell in self.board.cells() {
+        for cell in self.shared.cells() {
             cell.state.lock().route_finished = None;
         }
         self.publish();
@@ -265,16 +272,16 @@ impl CoordinatorState {
     /// Every control period: a leader that is lost is replaced at once, without planning; a shape that has been reached is handed to its
     /// members where they keep it by themselves.
     fn watch(&mut self) {
-        let now = self.board.now();
+        let now = self.shared.now();
         if !self.is_in_office() {
             return;
         }
-        self.board.see_coordinator();
-        let Some(formation) = self.board.coordination.lock().formation.clone() else {
+        self.shared.see_coordinator();
+        let Some(formation) = self.shared.coordination.lock().formation.clone() else {
             return;
         };
-        let peers = self.board.peers.load_full();
-        let withdrawn = self.board.withdrawn.lock().clone();
+        let peers = self.shared.peers.load_full();
+        let withdrawn = self.shared.withdrawn.lock().clone();
         if let Some(lost) = self.judging(&peers, &withdrawn, now).lost_leader(&formation) {
             let order = self.plan_limits().leader_order;
             if let Some(next) = coordination::succeed(&formation, lost, now, &order, &peers) {
@@ -302,19 +309,19 @@ impl CoordinatorState {
         // A lost leader is succeeded, with everyone where they are, before anything is planned without it.
         let generation = self.generation;
         self.watch();
-        if !self.board.coordinates() {
+        if !self.shared.coordinates() {
             return;
         }
         if self.generation != generation {
             // Who has just lost the lead still shows the state it had: the next review sees who is left.
             return;
         }
-        let peers = self.board.peers.load_full();
+        let peers = self.shared.peers.load_full();
         self.review_trajectories(&peers);
-        let now = self.board.now();
+        let now = self.shared.now();
         let finished = |leader| self.has_finished_route(leader);
         let (newcomers, formation) = {
-            let mut coordination = self.board.coordination.lock();
+            let mut coordination = self.shared.coordination.lock();
             coordination.follow_route(&peers, finished);
             (coordination.newcomers(&peers), coordination.formation.clone())
         };
@@ -332,7 +339,7 @@ impl CoordinatorState {
         if self.regrouping || now < self.not_before {
             return;
         }
-        let withdrawn = self.board.withdrawn.lock().clone();
+        let withdrawn = self.shared.withdrawn.lock().clone();
         let judging = self.judging(&peers, &withdrawn, now);
         if let Some(changed) = judging.changed(&formation, &self.joins, self.reshape) {
             self.note_unheard(&peers, &changed.gone);
@@ -353,7 +360,7 @@ impl CoordinatorState {
         coordination::Judging {
             peers,
             withdrawn,
-            leader_lost_after_s: self.board.config.coordinator.leader_lost_after_s,
+            leader_lost_after_s: self.shared.config.coordinator.leader_lost_after_s,
             now,
         }
     }

@@ -3,11 +3,9 @@
 //! Mailbox: one message, from itself, twice a second. Must never do: read or write DDS itself, which has a thread of its own; hold what a restart must not lose, which is
 //! the table of links.
 
-use crate::board::Board;
 use crate::fleet::{Discovery, FleetMessage};
 use crate::listening::tell;
-use crate::node::Parts;
-use crate::snapshot::{EventKind, UnadoptedVehicle};
+use crate::parts::Parts;
 use ractor::{Actor, ActorProcessingErr, ActorRef};
 use skein_config::LinkKind;
 use skein_dds::Place;
@@ -16,6 +14,8 @@ use skein_domain::exchange::Severity;
 use skein_link_dds::naming::Namespace;
 use skein_link_dds::{DdsArguments, DdsEvent, DdsNode};
 use skein_link_px4::LinkSettings;
+use skein_state::SharedState;
+use skein_view::{EventKind, UnadoptedVehicle};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -27,8 +27,8 @@ pub struct DdsLinks;
 
 /// What it is started with.
 pub struct DdsLinksArguments {
-    /// The board.
-    pub board: Arc<Board>,
+    /// The shared state.
+    pub shared: Arc<SharedState>,
     /// Where the fleet and the table of links are.
     pub parts: Arc<Parts>,
     /// The node's participant.
@@ -51,7 +51,7 @@ impl Actor for DdsLinks {
         arguments: DdsLinksArguments,
     ) -> Result<DdsNode, ActorProcessingErr> {
         let DdsLinksArguments {
-            board,
+            shared,
             parts,
             place,
             settings,
@@ -61,10 +61,10 @@ impl Actor for DdsLinks {
             let participant = place.participant().map_err(|error| error.to_string())?;
             let arguments = DdsArguments {
                 participant,
-                clock: board.clock.clone(),
+                clock: shared.clock.clone(),
                 settings,
                 links: parts.dds_links.clone(),
-                events: Arc::new(move |event| noticed(&board, &parts, event)),
+                events: Arc::new(move |event| noticed(&shared, &parts, event)),
             };
             DdsNode::start(arguments).map_err(|error| error.to_string())
         });
@@ -87,7 +87,7 @@ fn named(namespace: &Namespace) -> String {
     format!("DDS {namespace}")
 }
 
-fn noticed(board: &Board, parts: &Parts, event: DdsEvent) {
+fn noticed(shared: &SharedState, parts: &Parts, event: DdsEvent) {
     // Before a vehicle is admitted nothing that it says is believed, its system id neither.
     let not_taken = |namespace: &Namespace, why: String| {
         tell(
@@ -107,7 +107,7 @@ fn noticed(board: &Board, parts: &Parts, event: DdsEvent) {
         } => {
             tracing::info!(namespace = %link.namespace(), ?releases, "messages of a vehicle fit");
             let endpoint = named(link.namespace());
-            board.unadopted.lock().retain(|u| u.endpoint != endpoint);
+            shared.unadopted.lock().retain(|u| u.endpoint != endpoint);
             return tell(
                 parts,
                 FleetMessage::Discovered(Discovery {
@@ -128,7 +128,7 @@ fn noticed(board: &Board, parts: &Parts, event: DdsEvent) {
         }
         DdsEvent::DuplicateCleared { namespace, system_id } => {
             let endpoint = named(&namespace);
-            board.unadopted.lock().retain(|u| u.endpoint != endpoint);
+            shared.unadopted.lock().retain(|u| u.endpoint != endpoint);
             let text = format!("system id {system_id} is unique again on {endpoint}");
             (Severity::Advisory, text)
         }
@@ -138,7 +138,7 @@ fn noticed(board: &Board, parts: &Parts, event: DdsEvent) {
             format!("another program writes to {topic}, from which a vehicle takes commands"),
         ),
     };
-    board
+    shared
         .events
-        .record(board.now(), None, severity, EventKind::Notice, text);
+        .record(shared.now(), None, severity, EventKind::Notice, text);
 }

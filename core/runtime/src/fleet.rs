@@ -8,13 +8,8 @@ mod probation;
 
 pub use payloads::{payload_cell, payload_kind};
 
-use crate::board::{Board, LinkSlot, VehicleCell};
-use crate::paired::PairedLink;
-use crate::plugin_life::{LifeIdentity, LifeRecord};
-use crate::restart::{Decision, RestartHistory, VEHICLE_LIMITS};
-use crate::snapshot::{ActorStatus, EventKind, UnadoptedVehicle};
 use crate::vehicle::{Vehicle, VehicleArguments};
-use payloads::{PayloadKey, PayloadRecord};
+use payloads::{PayloadKey, SupervisedPayload};
 use probation::Probation;
 use ractor::{Actor, ActorId, ActorProcessingErr, ActorRef, RpcReplyPort, SupervisionEvent};
 use skein_config::{AdoptionRule, LinkKind, PayloadRule};
@@ -22,6 +17,11 @@ use skein_domain::exchange::Severity;
 use skein_domain::link::VehicleLink;
 use skein_domain::{AutopilotCommand, FlightMode, FlightState, Incarnation, Refusal, RequestId, SystemId, VehicleId};
 use skein_plugin_host::{Plugin, PluginKind};
+use skein_state::PairedLink;
+use skein_state::restart::{Decision, RestartHistory, VEHICLE_LIMITS};
+use skein_state::{LinkSlot, SharedState, VehicleRecord};
+use skein_state::{PluginIdentity, PluginRecord};
+use skein_view::{ActorStatus, EventKind, UnadoptedVehicle};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::time::Duration;
@@ -67,10 +67,10 @@ pub struct Discovery {
 
 /// State.
 pub struct FleetState {
-    board: Arc<Board>,
+    shared: Arc<SharedState>,
     children: HashMap<ActorId, Child>,
     records: BTreeMap<VehicleId, Record>,
-    payload_records: BTreeMap<PayloadKey, PayloadRecord>,
+    payload_records: BTreeMap<PayloadKey, SupervisedPayload>,
     probation: Probation,
 }
 
@@ -83,22 +83,22 @@ struct Record {
 impl Actor for Fleet {
     type Msg = FleetMessage;
     type State = FleetState;
-    type Arguments = Arc<Board>;
+    type Arguments = Arc<SharedState>;
 
     async fn pre_start(
         &self,
         myself: ActorRef<FleetMessage>,
-        board: Arc<Board>,
+        shared: Arc<SharedState>,
     ) -> Result<FleetState, ActorProcessingErr> {
         let mut state = FleetState {
-            board,
+            shared,
             children: HashMap::new(),
             records: BTreeMap::new(),
             payload_records: BTreeMap::new(),
             probation: Probation::default(),
         };
-        // After a restart of the fleet itself, its vehicles are on the board.
-        for cell in state.board.cells() {
+        // After a restart of the fleet itself, its vehicles are in the shared state.
+        for cell in state.shared.cells() {
             let incarnation = cell.state.lock().actor.incarnation;
             state.records.insert(
                 cell.id,
@@ -124,7 +124,7 @@ impl Actor for Fleet {
             FleetMessage::Trouble(trouble) => state.not_adopted(trouble),
             FleetMessage::LookAtNewcomers => state.look_at_newcomers(&myself).await,
             FleetMessage::Restart(id) => {
-                if let Some(cell) = state.board.cell(id) {
+                if let Some(cell) = state.shared.cell(id) {
                     state.start(&myself, cell).await;
                 }
             }
@@ -184,18 +184,18 @@ impl Discovery {
 
 impl FleetState {
     async fn discovered(&mut self, myself: &ActorRef<FleetMessage>, discovery: Discovery) {
-        let rules = &self.board.config.adopt;
+        let rules = &self.shared.config.adopt;
         let Some(rule) = rules.iter().find(|rule| fits(rule, &discovery)).cloned() else {
             return self.not_adopted(discovery.unadopted("no adoption rule fits it".to_owned()));
         };
         let id = vehicle_id(&discovery, &rule);
         let flown_before = || {
-            self.board
+            self.shared
                 .resume
                 .before()
                 .is_some_and(|flown| flown.vehicles.contains_key(&id))
         };
-        let known = self.board.cell(id).is_some() || flown_before();
+        let known = self.shared.cell(id).is_some() || flown_before();
         let now = if known {
             Some(discovery)
         } else {
@@ -221,12 +221,12 @@ impl FleetState {
     ) -> Result<(), String> {
         let (endpoint, system_id) = (&discovery.endpoint, discovery.system_id);
         let id = vehicle_id(discovery, rule);
-        let now = self.board.now();
-        if let Some(known) = self.board.cell(id) {
+        let now = self.shared.now();
+        if let Some(known) = self.shared.cell(id) {
             return self.heard_again(&known, discovery);
         }
         let plugin = self
-            .board
+            .shared
             .catalog
             .get(&rule.model)
             .filter(|plugin| plugin.manifest().kind == PluginKind::UAV_MODEL)
@@ -237,7 +237,7 @@ impl FleetState {
             .replace("{vehicle_id}", &id.to_string());
         let link = self.link_of(id, discovery, rule);
         let cell = self.new_cell(id, name, link, plugin, rule)?;
-        self.board
+        self.shared
             .unadopted
             .lock()
             .retain(|u| u.system_id != system_id || u.endpoint != *endpoint);
@@ -245,12 +245,12 @@ impl FleetState {
             "{} adopted: system id {system_id} on {endpoint}, model {}",
             cell.name, rule.model
         );
-        self.board
+        self.shared
             .events
             .record(now, Some(id), Severity::Info, EventKind::Adopted, text);
-        self.board.insert_cell(cell.clone());
+        self.shared.insert_cell(cell.clone());
         // Heard before it was ours, it would be kept away from as a stranger in its own place.
-        self.board
+        self.shared
             .sightings
             .forget(&skein_link_px4::sighting::source_of(system_id.0));
         self.records.insert(id, Record::default());
@@ -260,13 +260,13 @@ impl FleetState {
     }
 
     /// A vehicle of ours is heard anew: over its second link, or over a new one in place of one that is lost.
-    fn heard_again(&mut self, known: &VehicleCell, discovery: &Discovery) -> Result<(), String> {
-        let now = self.board.now();
+    fn heard_again(&mut self, known: &VehicleRecord, discovery: &Discovery) -> Result<(), String> {
+        let now = self.shared.now();
         let Discovery {
             endpoint, kind, link, ..
         } = discovery;
         let (id, name) = (known.id, &known.name);
-        if let Some(pair) = self.board.pairs.lock().get(&id) {
+        if let Some(pair) = self.shared.pairs.lock().get(&id) {
             let attached = pair.attach(now, *kind, link.clone());
             return attached.then_some(()).ok_or_else(|| {
                 let active = pair.active();
@@ -279,7 +279,7 @@ impl FleetState {
         }
         known.link.store(Arc::new(LinkSlot(link.clone())));
         let text = format!("{name} is back, heard on {endpoint}");
-        self.board
+        self.shared
             .events
             .record(now, Some(id), Severity::Advisory, EventKind::LinkRegained, text);
         Ok(())
@@ -291,7 +291,7 @@ impl FleetState {
         match rule.links.as_slice() {
             [first, second] => {
                 let pair = Arc::new(PairedLink::new([*first, *second], discovery.kind, link));
-                self.board.pairs.lock().insert(id, pair.clone());
+                self.shared.pairs.lock().insert(id, pair.clone());
                 pair
             }
             _ => link,
@@ -306,17 +306,17 @@ impl FleetState {
         link: Arc<dyn VehicleLink>,
         plugin: Arc<Plugin>,
         rule: &AdoptionRule,
-    ) -> Result<Arc<VehicleCell>, String> {
+    ) -> Result<Arc<VehicleRecord>, String> {
         let system_id = link.system_id();
-        let identity = LifeIdentity {
+        let identity = PluginIdentity {
             name: format!("model-{id}"),
             label: format!("{name}: model"),
             vehicle: id,
             payload: None,
             system_id,
         };
-        let life = LifeRecord::new(identity, plugin, rule.model_config_json(), rule.model_isolation);
-        let cell = Arc::new(VehicleCell::new(
+        let life = PluginRecord::new(identity, plugin, rule.model_config_json(), rule.model_isolation);
+        let cell = Arc::new(VehicleRecord::new(
             id,
             name,
             system_id,
@@ -325,7 +325,7 @@ impl FleetState {
             link,
         ));
         for payload in &rule.payloads {
-            let payload = payload_cell(&self.board, &cell, payload).map_err(|refusal| refusal.to_string())?;
+            let payload = payload_cell(&self.shared, &cell, payload).map_err(|refusal| refusal.to_string())?;
             cell.payloads.write().insert(payload.name.clone(), Arc::new(payload));
         }
         Ok(cell)
@@ -336,21 +336,21 @@ impl FleetState {
             "system id {} on {} is not flown: {}",
             trouble.system_id, trouble.endpoint, trouble.why
         );
-        self.board
+        self.shared
             .events
-            .record(self.board.now(), None, Severity::Warning, EventKind::NotAdopted, text);
-        let mut unadopted = self.board.unadopted.lock();
+            .record(self.shared.now(), None, Severity::Warning, EventKind::NotAdopted, text);
+        let mut unadopted = self.shared.unadopted.lock();
         unadopted.retain(|u| u.system_id != trouble.system_id || u.endpoint != trouble.endpoint);
         unadopted.push(trouble);
     }
 
     /// Starts the next incarnation of a vehicle's actor. Its `pre_start` only takes what lies ready, so that nothing is waited for.
-    async fn start(&mut self, myself: &ActorRef<FleetMessage>, cell: Arc<VehicleCell>) {
+    async fn start(&mut self, myself: &ActorRef<FleetMessage>, cell: Arc<VehicleRecord>) {
         let id = cell.id;
         let record = self.records.entry(id).or_default();
         record.incarnation = record.incarnation.next();
         let arguments = VehicleArguments {
-            board: self.board.clone(),
+            shared: self.shared.clone(),
             cell,
             incarnation: record.incarnation,
         };
@@ -363,8 +363,8 @@ impl FleetState {
     }
 
     async fn ended(&mut self, myself: &ActorRef<FleetMessage>, id: VehicleId, error: &str) {
-        let Some(cell) = self.board.cell(id) else { return };
-        let now = self.board.now();
+        let Some(cell) = self.shared.cell(id) else { return };
+        let now = self.shared.now();
         cell.actor.store(None);
         let record = self.records.entry(id).or_default();
         let decision = record
@@ -387,23 +387,23 @@ impl FleetState {
         match decision {
             Decision::RestartAfter(delay_s) => {
                 let text = format!("{}: actor ended ({error}); restarting", cell.name);
-                self.board.events.record(now, Some(id), Severity::Warning, kind, text);
+                self.shared.events.record(now, Some(id), Severity::Warning, kind, text);
                 // Through the mailbox even without a delay, so that one crashing vehicle cannot keep the fleet in this loop.
                 myself.send_after(Duration::from_secs_f64(delay_s), move || FleetMessage::Restart(id));
             }
             Decision::GiveUp => {
                 let text = format!("{}: actor failed too often ({error}); its autopilot holds", cell.name);
-                self.board.events.record(now, Some(id), Severity::Critical, kind, text);
-                give_up(&self.board, &cell);
+                self.shared.events.record(now, Some(id), Severity::Critical, kind, text);
+                give_up(&self.shared, &cell);
             }
         }
     }
 }
 
 /// Nobody steers the vehicle any more: its autopilot is told to hold by itself.
-fn give_up(board: &Board, cell: &VehicleCell) {
-    let now = board.now();
-    if board
+fn give_up(shared: &SharedState, cell: &VehicleRecord) {
+    let now = shared.now();
+    if shared
         .peers
         .load()
         .entry(cell.id)

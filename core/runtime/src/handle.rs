@@ -3,25 +3,36 @@
 mod commands;
 mod control;
 mod coordination;
+mod emergency;
+mod fences;
+pub(crate) mod flying_on;
 mod parameters;
 mod parting;
+mod plugins;
+mod preflight;
 mod resume;
+pub(crate) mod serving;
 mod stick;
 mod trajectories;
 
 pub use control::{ControlAction, ControlReceipt};
+pub use emergency::EmergencyKey;
+pub use fences::FenceAnswer;
 pub use parameters::ParameterReceipt;
+pub use plugins::{InstanceUpgrade, PluginInfo, PluginRefusal, UpgradeReceipt};
+pub use preflight::PreflightAnswer;
 
-use crate::board::Board;
-use crate::node::Parts;
-use crate::plugins::PluginOrder;
-use crate::references::{ReferenceReport, ReferenceSnapshot};
-use crate::snapshot::{EventKind, EventRecord, FleetSnapshot};
+use plugins::PluginOrder;
+
+use crate::parts::Parts;
 use serde::{Deserialize, Serialize};
 use skein_config::NodeConfig;
+use skein_coordination::{ReferenceReport, ReferenceSnapshot};
 use skein_domain::exchange::{FaultDrill, Severity};
-use skein_domain::{AnchorReference, CommandId, NodeTime, PositionNed, Refusal, SlotMove, VehicleId};
+use skein_domain::{AnchorReference, NodeTime, Refusal, SlotMove, VehicleId};
 use skein_link_px4::EndpointMetrics;
+use skein_state::SharedState;
+use skein_view::{EventKind, EventRecord, FleetSnapshot};
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -37,66 +48,6 @@ pub enum Targets {
     All,
     /// These vehicles.
     Vehicles(#[schemars(length(min = 1, max = 1024), extend("uniqueItems" = true))] Vec<VehicleId>),
-}
-
-/// What became of a command at one vehicle: taken up (how it goes on comes as events), or refused.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
-pub struct CommandReceipt {
-    /// The vehicle.
-    pub vehicle: VehicleId,
-    /// The command's id; events about its progress carry it.
-    pub id: CommandId,
-    /// Why it was refused; absent if it was taken up.
-    pub refusal: Option<Refusal>,
-}
-
-/// What a change of formation will look like.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
-pub struct FormationReceipt {
-    /// Who leads; nobody if it is anchored to something else than a vehicle.
-    pub leader: Option<VehicleId>,
-    /// Who takes part, leader first.
-    pub members: Vec<VehicleId>,
-    /// How long the change takes in seconds.
-    pub duration_s: f64,
-    /// Smallest distance between any two vehicles on the way, in metres; null for one alone.
-    pub planned_min_distance_m: Option<f64>,
-    /// How fast it can go as a whole, in metres per second.
-    pub max_speed_m_s: f64,
-    /// Members that carry a camera and whose places leave it no free view, neither ahead nor outwards.
-    pub view_blocked: Vec<VehicleId>,
-}
-
-/// How a change of formation would go if it were begun now.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
-pub struct FormationForecast {
-    /// What would be answered.
-    pub receipt: FormationReceipt,
-    /// Where the formation would look while its anchor stands where it is, in radians clockwise from north.
-    pub heading_rad: f64,
-    /// Who would take which place, leader first.
-    pub ways: Vec<ForeseenWay>,
-}
-
-/// From where a vehicle would go into which place of a formation, in metres about the swarm's origin. With a turning formation or a
-/// detour around another vehicle the way itself is no straight line.
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    PartialEq,
-    Serialize,
-    Deserialize,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
-pub struct ForeseenWay {
-    /// The vehicle.
-    pub vehicle: VehicleId,
-    /// Where it is.
-    pub from: PositionNed,
-    /// Where its place is while the anchor stands where it is.
-    pub to: PositionNed,
 }
 
 /// A fault to inject, where the configuration permits it. A plugin is the vehicle's UAV model, or with a name its payload.
@@ -144,7 +95,7 @@ pub enum Fault {
 /// A running node, for everyone outside of it. Cheap to clone.
 #[derive(Clone)]
 pub struct NodeHandle {
-    pub(crate) board: Arc<Board>,
+    pub(crate) shared: Arc<SharedState>,
     pub(crate) parts: Arc<Parts>,
 }
 
@@ -155,12 +106,12 @@ const ANSWER_WITHIN: Duration = Duration::from_secs(2);
 const PLAN_WITHIN: Duration = Duration::from_secs(20);
 
 impl NodeHandle {
-    pub(crate) fn new(board: Arc<Board>, parts: Arc<Parts>) -> Self {
-        Self { board, parts }
+    pub(crate) fn new(shared: Arc<SharedState>, parts: Arc<Parts>) -> Self {
+        Self { shared, parts }
     }
 
-    pub(crate) fn board(&self) -> &Arc<Board> {
-        &self.board
+    pub(crate) fn shared(&self) -> &Arc<SharedState> {
+        &self.shared
     }
 
     pub(crate) fn parts(&self) -> &Arc<Parts> {
@@ -170,31 +121,31 @@ impl NodeHandle {
     /// Now, on the node's clock.
     #[must_use]
     pub fn now(&self) -> NodeTime {
-        self.board.now()
+        self.shared.now()
     }
 
     /// The node's name.
     #[must_use]
     pub fn name(&self) -> &str {
-        &self.board.config.node.name
+        &self.shared.config.node.name
     }
 
     /// The configuration it was built with.
     #[must_use]
     pub fn config(&self) -> &NodeConfig {
-        &self.board.config
+        &self.shared.config
     }
 
     /// The newest picture of the fleet.
     #[must_use]
     pub fn snapshot(&self) -> Arc<FleetSnapshot> {
-        self.board.picture.load_full()
+        self.shared.picture.load_full()
     }
 
     /// Waits for a picture that was begun from now on: who has changed something, and then looks, is not to see what was before.
     /// Does not wait longer than a few pictures take: where none are made, the old one tells by its time how old it is.
     pub async fn next_snapshot(&self) -> Arc<FleetSnapshot> {
-        let (from, period) = (self.now(), 1.0 / self.board.config.node.snapshot_rate_hz);
+        let (from, period) = (self.now(), 1.0 / self.shared.config.node.snapshot_rate_hz);
         for _ in 0..20 {
             let picture = self.snapshot();
             if picture.time > from {
@@ -208,19 +159,19 @@ impl NodeHandle {
     /// New events from now on.
     #[must_use]
     pub fn subscribe(&self) -> broadcast::Receiver<Arc<EventRecord>> {
-        self.board.events.subscribe()
+        self.shared.events.subscribe()
     }
 
     /// Kept events with a greater sequence number.
     #[must_use]
     pub fn events_after(&self, seq: u64) -> Vec<Arc<EventRecord>> {
-        self.board.events.after(seq)
+        self.shared.events.after(seq)
     }
 
     /// Marks alerts as seen by an operator. Returns how many were not before.
     #[must_use]
     pub fn acknowledge(&self, events: &[u64]) -> usize {
-        self.board.events.acknowledge(self.board.now(), events)
+        self.shared.events.acknowledge(self.shared.now(), events)
     }
 
     /// Local addresses of the endpoints, by name.
@@ -238,8 +189,8 @@ impl NodeHandle {
     /// Where each follower belongs relative to its leader at this moment, and the anchor: what a referee compares with the truth.
     #[must_use]
     pub fn slots(&self) -> Option<FormationSlots> {
-        let formation = self.board.coordination.lock().formation.clone()?;
-        let peers = self.board.peers.load_full();
+        let formation = self.shared.coordination.lock().formation.clone()?;
+        let peers = self.shared.peers.load_full();
         let anchor = match formation.leader {
             Some(leader) => peers.entry(leader).and_then(|e| e.anchor),
             None => peers.anchor,
@@ -255,13 +206,13 @@ impl NodeHandle {
 
     /// An operator gives a sign of life: the dead man's switch, where the configuration has it on, counts from the last one.
     pub fn hear_operator(&self) {
-        self.board.hear_operator();
+        self.shared.hear_operator();
     }
 
     /// When an operator last gave a sign of life, if ever.
     #[must_use]
     pub fn operator_heard(&self) -> Option<NodeTime> {
-        self.board.operator_heard()
+        self.shared.operator_heard()
     }
 
     /// Tells where a reference is that formations may be anchored to.
@@ -269,7 +220,7 @@ impl NodeHandle {
     /// # Errors
     /// For a name or a number that is of no use.
     pub fn tell_reference(&self, name: &str, report: ReferenceReport) -> Result<(), Refusal> {
-        self.board.references.tell(name, report, self.now())
+        self.shared.references.tell(name, report, self.now())
     }
 
     /// Forgets a reference.
@@ -277,7 +228,7 @@ impl NodeHandle {
     /// # Errors
     /// If none of that name is known.
     pub fn forget_reference(&self, name: &str) -> Result<(), Refusal> {
-        let known = self.board.references.forget(name);
+        let known = self.shared.references.forget(name);
         known
             .then_some(())
             .ok_or_else(|| Refusal::UnknownReference { name: name.to_owned() })
@@ -286,7 +237,7 @@ impl NodeHandle {
     /// All references.
     #[must_use]
     pub fn references(&self) -> Vec<ReferenceSnapshot> {
-        self.board.references.list(self.now())
+        self.shared.references.list(self.now())
     }
 
     /// Injects a fault.
@@ -294,17 +245,17 @@ impl NodeHandle {
     /// # Errors
     /// When the configuration does not permit it, or there is no such vehicle.
     pub async fn inject_fault(&self, fault: Fault) -> Result<(), Refusal> {
-        if !self.board.config.faults.enabled {
+        if !self.shared.config.faults.enabled {
             return Err(Refusal::NotPermitted {
                 detail: "fault injection is off (faults.enabled)".into(),
             });
         }
         let text = format!("fault injected: {fault:?}");
-        self.board
+        self.shared
             .events
             .record(self.now(), None, Severity::Advisory, EventKind::Notice, text);
         let actor_of = |vehicle: VehicleId| {
-            let cell = self.board.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+            let cell = self.shared.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
             cell.actor.load_full().ok_or(Refusal::NotRunning {
                 what: format!("actor of vehicle {vehicle}"),
             })
@@ -331,7 +282,7 @@ impl NodeHandle {
                 Ok(())
             }
             Fault::CoordinatorAway { away } => {
-                self.board.coordinator_away.store(away, Ordering::Release);
+                self.shared.coordinator_away.store(away, Ordering::Release);
                 if let Some(coordinator) = self.parts.coordinator.load_full().filter(|_| away) {
                     coordinator.kill();
                 }

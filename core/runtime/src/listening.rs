@@ -1,46 +1,46 @@
 //! What endpoints notice, carried to the fleet and the event log. Runs on the endpoints' tasks: must never wait.
 
-use crate::board::Board;
 use crate::fleet::{Discovery, FleetMessage};
-use crate::node::Parts;
-use crate::references::ReferenceReport;
-use crate::snapshot::{EventKind, UnadoptedVehicle};
+use crate::parts::Parts;
 use skein_config::LinkKind;
+use skein_coordination::ReferenceReport;
 use skein_domain::SystemId;
 use skein_domain::exchange::Severity;
 use skein_link_px4::{EndpointEvent, EventSink, ReferenceSink, Sighting, Source};
+use skein_state::SharedState;
+use skein_view::{EventKind, UnadoptedVehicle};
 use std::sync::Arc;
 
 /// Where an endpoint's events go.
-pub fn sink(board: &Arc<Board>, parts: &Arc<Parts>) -> EventSink {
-    let (board, parts) = (board.clone(), parts.clone());
-    Arc::new(move |event| noticed(&board, &parts, event))
+pub fn sink(shared: &Arc<SharedState>, parts: &Arc<Parts>) -> EventSink {
+    let (shared, parts) = (shared.clone(), parts.clone());
+    Arc::new(move |event| noticed(&shared, &parts, event))
 }
 
 /// Where an endpoint's sightings of others go: kept away from, and known as references under the name of their source.
-pub fn sightings(board: &Arc<Board>) -> Arc<dyn ReferenceSink> {
-    Arc::new(Sighted(board.clone()))
+pub fn sightings(shared: &Arc<SharedState>) -> Arc<dyn ReferenceSink> {
+    Arc::new(Sighted(shared.clone()))
 }
 
-struct Sighted(Arc<Board>);
+struct Sighted(Arc<SharedState>);
 
 impl ReferenceSink for Sighted {
     fn sighted(&self, sighting: Sighting) {
-        let board = &self.0;
-        if let Some(frame) = board.frame() {
+        let shared = &self.0;
+        if let Some(frame) = shared.frame() {
             let report = ReferenceReport {
                 position: frame.position(&sighting.place),
                 velocity: sighting.velocity,
                 heading_rad: sighting.heading_rad,
             };
             // One that is out of order says nothing new.
-            let _ = board.references.tell(&sighting.source, report, sighting.time);
+            let _ = shared.references.tell(&sighting.source, report, sighting.time);
         }
-        board.sightings.sighted(sighting);
+        shared.sightings.sighted(sighting);
     }
 }
 
-fn noticed(board: &Board, parts: &Parts, event: EndpointEvent) {
+fn noticed(shared: &SharedState, parts: &Parts, event: EndpointEvent) {
     let (severity, text) = match event {
         EndpointEvent::Discovered {
             link,
@@ -81,7 +81,7 @@ fn noticed(board: &Board, parts: &Parts, event: EndpointEvent) {
             (Severity::Warning, format!("endpoint {endpoint} is down: {reason}"))
         }
         EndpointEvent::DuplicateCleared { system_id, remaining } => {
-            board.unadopted.lock().retain(|u| u.system_id.0 != system_id);
+            shared.unadopted.lock().retain(|u| u.system_id.0 != system_id);
             (
                 Severity::Advisory,
                 format!("system id {system_id} is unique again, heard from {remaining}"),
@@ -96,9 +96,9 @@ fn noticed(board: &Board, parts: &Parts, event: EndpointEvent) {
             format!("the vehicle at {source} changed its system id from {from} to {to}"),
         ),
     };
-    board
+    shared
         .events
-        .record(board.now(), None, severity, EventKind::Notice, text);
+        .record(shared.now(), None, severity, EventKind::Notice, text);
 }
 
 fn two_senders(first: &Source, second: &Source) -> String {
@@ -113,7 +113,7 @@ fn two_senders(first: &Source, second: &Source) -> String {
 /// Tells the fleet. Must not wait.
 pub fn tell(parts: &Parts, message: FleetMessage) {
     if let Some(fleet) = parts.fleet.load_full() {
-        // A fleet that has just ended finds its vehicles on the board; what it misses here is heard again.
+        // A fleet that has just ended finds its vehicles in the shared state; what it misses here is heard again.
         let _ = fleet.cast(message);
     }
 }

@@ -1,31 +1,30 @@
-//! The node actor: root of the supervision tree. It starts endpoints, fleet, pulse, coordinator and observer, and starts again
+//! The node actor: root of the supervision tree. It starts endpoints, fleet, control loop, coordinator and observer, and starts again
 //! whichever of them ends.
 //!
 //! Must never do: wait for a child, or take part in flying.
 
 use crate::clock::TokioClock;
-use crate::coordinator::{Coordinator, CoordinatorMessage};
+use crate::control_loop::ControlLoop;
+use crate::coordinator::Coordinator;
 use crate::dds_links::{DdsLinks, DdsLinksArguments};
-use crate::fleet::{Fleet, FleetMessage};
+use crate::fleet::Fleet;
 use crate::handle::NodeHandle;
+use crate::handle::serving::carry_out;
 use crate::listening;
 use crate::observer::Observer;
-use crate::pulse::Pulse;
-use crate::restart::{Decision, NODE_LIMITS, RestartHistory};
+use crate::parts::Parts;
 use crate::resume::{Keeper, KeeperArguments};
-use crate::snapshot::{ActorHealth, ActorStatus, EventKind};
-use crate::swarm::{Swarm, SwarmArguments, SwarmSetup};
 use crate::wiring::{self, WiringError};
-use arc_swap::ArcSwapOption;
 use ractor::{Actor, ActorCell, ActorId, ActorProcessingErr, ActorRef, RpcReplyPort, SpawnErr, SupervisionEvent};
+use skein_cluster::{Swarm, SwarmArguments, SwarmSetup};
 use skein_config::NodeConfig;
 use skein_dds::Place;
 use skein_domain::exchange::Severity;
 use skein_domain::{Clock, Incarnation, NodeTime};
-use skein_link_dds::DdsLinkTable;
-use skein_link_px4::{Endpoint, EndpointArguments, EndpointSettings, LinkSettings, LinkTable};
+use skein_link_px4::{Endpoint, EndpointArguments, EndpointSettings, LinkSettings};
+use skein_state::restart::{Decision, NODE_LIMITS, RestartHistory};
+use skein_view::{ActorHealth, ActorStatus, EventKind};
 use std::collections::{BTreeMap, HashMap};
-use std::net::SocketAddr;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -89,9 +88,9 @@ impl Node {
         let clock: Arc<dyn Clock> = Arc::new(TokioClock::start_at(began));
         let endpoints = wiring::endpoints(&config)?;
         let dds = config.flies_over_dds().then(|| (place, wiring::link_settings(&config)));
-        let board = Arc::new(wiring::board(config, clock)?);
+        let shared = Arc::new(wiring::shared(config, clock)?);
         let parts = Arc::new(Parts::default());
-        let handle = NodeHandle::new(board, parts);
+        let handle = NodeHandle::new(shared, parts);
         let shared = NodeArguments {
             handle: handle.clone(),
             endpoints,
@@ -135,21 +134,6 @@ impl Node {
     }
 }
 
-/// Where the parts of the node can be reached; empty while one is being restarted.
-#[derive(Default)]
-pub struct Parts {
-    /// The coordinator.
-    pub coordinator: ArcSwapOption<ActorRef<CoordinatorMessage>>,
-    /// The fleet.
-    pub fleet: ArcSwapOption<ActorRef<FleetMessage>>,
-    /// Links and counters of all endpoints.
-    pub links: Arc<LinkTable>,
-    /// Links to vehicles over DDS.
-    pub dds_links: Arc<DdsLinkTable>,
-    /// Local addresses of the endpoints that are bound, by name.
-    pub bound: parking_lot::Mutex<BTreeMap<String, SocketAddr>>,
-}
-
 /// The root actor.
 struct NodeActor;
 
@@ -161,7 +145,7 @@ enum NodeMessage {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Part {
     Fleet,
-    Pulse,
+    ControlLoop,
     Coordinator,
     Observer,
     Keeper,
@@ -257,7 +241,7 @@ impl NodeState {
         let first = [
             Part::Fleet,
             Part::Coordinator,
-            Part::Pulse,
+            Part::ControlLoop,
             Part::Observer,
             Part::Keeper,
         ];
@@ -278,7 +262,7 @@ impl NodeState {
     fn name(&self, part: Part) -> String {
         match part {
             Part::Fleet => "fleet".into(),
-            Part::Pulse => "pulse".into(),
+            Part::ControlLoop => "control-loop".into(),
             Part::Coordinator => "coordinator".into(),
             Part::Observer => "observer".into(),
             Part::Keeper => "keeper".into(),
@@ -299,7 +283,7 @@ impl NodeState {
 
     /// A drill keeps it from being started.
     fn coordinator_is_away(&self) -> bool {
-        self.arguments.handle.board().coordinator_away.load(Ordering::Acquire)
+        self.arguments.handle.shared().coordinator_away.load(Ordering::Acquire)
     }
 
     /// Starts a part and puts it on record.
@@ -326,22 +310,24 @@ impl NodeState {
 
     /// Spawns a part's actor. Each `pre_start` only takes what lies ready or binds a socket, so that nothing is waited for.
     async fn spawn(&self, parent: ActorCell, part: Part) -> Result<ActorId, String> {
-        let (board, parts) = (self.arguments.handle.board().clone(), self.arguments.handle.parts());
+        let (shared, parts) = (self.arguments.handle.shared().clone(), self.arguments.handle.parts());
         match part {
             Part::Fleet => {
-                let fleet = spawned(Fleet::spawn_linked(None, Fleet, board, parent).await)?;
+                let fleet = spawned(Fleet::spawn_linked(None, Fleet, shared, parent).await)?;
                 let id = fleet.get_id();
                 parts.fleet.store(Some(Arc::new(fleet)));
                 Ok(id)
             }
             Part::Coordinator => {
-                let coordinator = spawned(Coordinator::spawn_linked(None, Coordinator, board, parent).await)?;
+                let coordinator = spawned(Coordinator::spawn_linked(None, Coordinator, shared, parent).await)?;
                 let id = coordinator.get_id();
                 parts.coordinator.store(Some(Arc::new(coordinator)));
                 Ok(id)
             }
-            Part::Pulse => Ok(spawned(Pulse::spawn_linked(None, Pulse, board, parent).await)?.get_id()),
-            Part::Observer => Ok(spawned(Observer::spawn_linked(None, Observer, board, parent).await)?.get_id()),
+            Part::ControlLoop => {
+                Ok(spawned(ControlLoop::spawn_linked(None, ControlLoop, shared, parent).await)?.get_id())
+            }
+            Part::Observer => Ok(spawned(Observer::spawn_linked(None, Observer, shared, parent).await)?.get_id()),
             Part::Keeper => {
                 let arguments = KeeperArguments {
                     handle: self.arguments.handle.clone(),
@@ -349,16 +335,14 @@ impl NodeState {
                 Ok(spawned(Keeper::spawn_linked(None, Keeper, arguments, parent).await)?.get_id())
             }
             Part::Swarm => {
-                let arguments = SwarmArguments {
-                    handle: self.arguments.handle.clone(),
-                    setup: self.arguments.swarm.clone().ok_or("not configured")?,
-                };
+                let handle = self.arguments.handle.clone();
+                let arguments = swarm_arguments(handle, self.arguments.swarm.clone().ok_or("not configured")?);
                 Ok(spawned(Swarm::spawn_linked(None, Swarm, arguments, parent).await)?.get_id())
             }
             Part::DdsLinks => {
                 let (place, settings) = self.arguments.dds.clone().ok_or("not configured")?;
                 let arguments = DdsLinksArguments {
-                    board,
+                    shared,
                     parts: parts.clone(),
                     place,
                     settings,
@@ -369,10 +353,10 @@ impl NodeState {
                 let settings = self.arguments.endpoints.get(i).cloned().ok_or("not configured")?;
                 let arguments = EndpointArguments {
                     settings,
-                    clock: board.clock.clone(),
+                    clock: shared.clock.clone(),
                     links: parts.links.clone(),
-                    events: listening::sink(&board, parts),
-                    references: Some(listening::sightings(&board)),
+                    events: listening::sink(&shared, parts),
+                    references: Some(listening::sightings(&shared)),
                 };
                 Ok(spawned(Endpoint::spawn_linked(None, Endpoint, arguments, parent).await)?.get_id())
             }
@@ -384,7 +368,7 @@ impl NodeState {
     }
 
     fn publish(&self, name: String, mut health: ActorHealth) {
-        let mut actors = self.arguments.handle.board().actors.lock();
+        let mut actors = self.arguments.handle.shared().actors.lock();
         if health.last_error.is_empty()
             && let Some(before) = actors.get(&name)
         {
@@ -398,7 +382,7 @@ impl NodeState {
             Part::Fleet => self.arguments.handle.parts().fleet.store(None),
             Part::Coordinator => self.arguments.handle.parts().coordinator.store(None),
             Part::Swarm => {
-                if let Some(swarm) = &self.arguments.handle.board().swarm {
+                if let Some(swarm) = &self.arguments.handle.shared().swarm {
                     swarm.actor.store(None);
                     swarm.silence();
                 }
@@ -422,7 +406,7 @@ impl NodeState {
         let text = format!("{name} ended ({error}); restarting");
         self.arguments
             .handle
-            .board()
+            .shared()
             .events
             .record(now, None, Severity::Warning, kind, text);
         self.publish(
@@ -446,5 +430,14 @@ fn spawned<M>(result: Result<(ActorRef<M>, JoinHandle<()>), SpawnErr>) -> Result
         Ok((actor, _)) => Ok(actor),
         Err(SpawnErr::StartupFailed(cause)) => Err(cause.to_string()),
         Err(other) => Err(other.to_string()),
+    }
+}
+
+/// What other nodes ask of this one goes through the handle, as what is asked here.
+fn swarm_arguments(handle: NodeHandle, setup: SwarmSetup) -> SwarmArguments {
+    SwarmArguments {
+        shared: handle.shared().clone(),
+        carry_out: Arc::new(move |ask, ahead_us| Box::pin(carry_out(handle.clone(), ask, ahead_us))),
+        setup,
     }
 }

@@ -1,5 +1,5 @@
 //! The payload actor: one per payload of a vehicle. It hands its plugin one batch of events when its tick is due and at once for a
-//! command, and carries out the effects: messages to the device pass the gate, a report goes to the board.
+//! command, and carries out the effects: messages to the device pass the gate, a report goes to the shared state.
 //!
 //! Order: commands and ticks are handled one after the other, as they came. Bound: at most one tick waits in the mailbox; messages of
 //! the device wait in queues that drop the oldest. Must never do: wait for another actor or for the device, or send anything that
@@ -10,135 +10,37 @@ mod period;
 mod tap;
 pub mod transport;
 
-pub use period::others;
-
-use crate::board::{Board, LinkSlot, VehicleCell};
-use crate::handle::CommandReceipt;
-use crate::plugin_life::{Called, LifeRecord, PluginLife};
-use crate::restart::PAYLOAD_LIMITS;
-use crate::snapshot::{ActorHealth, ActorStatus, EventKind, Restored};
-use crate::vehicle::VehicleMessage;
-use arc_swap::ArcSwapOption;
-use parking_lot::Mutex;
-use ractor::{Actor, ActorProcessingErr, ActorRef, RpcReplyPort};
-use skein_config::{Escalation, PayloadRule};
+use crate::plugin_life::{Called, PluginLife};
+use ractor::{Actor, ActorProcessingErr, ActorRef};
+use skein_config::Escalation;
 use skein_domain::exchange::{CommandProgress, Event, FaultDrill, Severity};
-use skein_domain::payload::PayloadKind;
-use skein_domain::preflight::PreflightItem;
-use skein_domain::{CommandId, Incarnation, NodeTime, Refusal, RequestId, VehicleCommand};
-use skein_plugin_host::{Frame, Plugin};
+use skein_domain::{CommandId, Incarnation, NodeTime, Refusal, VehicleCommand};
+use skein_plugin_host::Frame;
+use skein_state::restart::PAYLOAD_LIMITS;
+use skein_state::{Asker, LinkSlot, PayloadMessage, PayloadRecord, SharedState, VehicleMessage, VehicleRecord};
+use skein_view::{ActorHealth, ActorStatus, CommandReceipt, EventKind};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 use tap::Tap;
-use transport::{Transport, TransportAddress};
-
-/// One payload of a vehicle. It outlives its actor, so that a new incarnation finds its state.
-pub struct PayloadCell {
-    /// Its name on the vehicle.
-    pub name: String,
-    /// What it is.
-    pub kind: PayloadKind,
-    /// How it is configured.
-    pub rule: PayloadRule,
-    /// Its plugin instance.
-    pub life: Arc<LifeRecord>,
-    /// How its device is reached, if not over MAVLink.
-    pub transport: Option<TransportAddress>,
-    /// The running actor, if any.
-    pub actor: ArcSwapOption<ActorRef<PayloadMessage>>,
-    /// A tick has been sent and not yet been taken up.
-    pub tick_waiting: AtomicBool,
-    /// When the next tick is due, in microseconds of the node's clock.
-    pub next_tick_us: AtomicU64,
-    /// What it last published.
-    pub state: Mutex<PayloadPublished>,
-    /// The last frame it gave.
-    pub frame: ArcSwapOption<Frame>,
-}
-
-impl PayloadCell {
-    /// Time between two ticks in microseconds, as its plugin wishes.
-    pub fn tick_period_us(&self) -> u64 {
-        let rate_hz = self.life.plugin.load().manifest().tick_rate_hz.clamp(1, 1_000);
-        1_000_000 / u64::from(rate_hz)
-    }
-}
-
-/// What a payload publishes for its vehicle, its siblings and the screens.
-#[derive(Debug, Clone, Default)]
-pub struct PayloadPublished {
-    /// Actor's health.
-    pub actor: ActorHealth,
-    /// Its state as it reported it; none while it does not run.
-    pub report: Option<Report>,
-    /// Grows with every change of the report.
-    pub revision: u64,
-    /// What it has to say before its vehicle is armed.
-    pub preflight: Vec<PreflightItem>,
-    /// Why its transport does not work; empty if it does or has none.
-    pub transport_fault: String,
-}
-
-/// A state as a plugin reported it.
-#[derive(Debug, Clone)]
-pub struct Report {
-    /// As text, for other plugins.
-    pub json: Arc<str>,
-    /// Parsed, for screens.
-    pub value: Arc<serde_json::Value>,
-}
-
-/// Who asked a payload for something, and where the answer goes.
-pub enum Asker {
-    /// An operator or another program.
-    Operator(RpcReplyPort<CommandReceipt>),
-    /// The UAV model of its vehicle.
-    Model(RequestId),
-}
-
-/// What became of the exchange of a version.
-pub type ExchangeReply = RpcReplyPort<Result<Restored, String>>;
-
-/// What a payload actor is told. Private to the runtime.
-pub enum PayloadMessage {
-    /// Its tick is due.
-    Tick,
-    /// A command. Answered at once: taken up or refused.
-    Command {
-        /// Its id.
-        id: CommandId,
-        /// As JSON text.
-        command_json: String,
-        /// Who asks.
-        asker: Asker,
-    },
-    /// Make the plugin fail.
-    Drill(FaultDrill),
-    /// End the plugin's process, or make it panic if it has none of its own.
-    Kill,
-    /// Go over to another version.
-    Exchange(Arc<Plugin>, ExchangeReply),
-    /// Forget all failures and start anew.
-    Reset,
-}
+use transport::Transport;
 
 /// The actor.
 pub struct Payload;
 
 /// What an incarnation is started with.
 pub struct PayloadArguments {
-    pub board: Arc<Board>,
-    pub vehicle: Arc<VehicleCell>,
-    pub cell: Arc<PayloadCell>,
+    pub shared: Arc<SharedState>,
+    pub vehicle: Arc<VehicleRecord>,
+    pub cell: Arc<PayloadRecord>,
     pub incarnation: Incarnation,
 }
 
 /// State of one incarnation.
 pub struct PayloadState {
-    board: Arc<Board>,
-    vehicle: Arc<VehicleCell>,
-    cell: Arc<PayloadCell>,
+    shared: Arc<SharedState>,
+    vehicle: Arc<VehicleRecord>,
+    cell: Arc<PayloadRecord>,
     life: PluginLife,
     /// The tap, and the link it listens on.
     tap: Option<(Arc<Tap>, Arc<LinkSlot>)>,
@@ -169,7 +71,7 @@ impl Actor for Payload {
         arguments: PayloadArguments,
     ) -> Result<PayloadState, ActorProcessingErr> {
         let PayloadArguments {
-            board,
+            shared,
             vehicle,
             cell,
             incarnation,
@@ -181,13 +83,13 @@ impl Actor for Payload {
                 status: ActorStatus::Running,
                 incarnation,
                 last_error: std::mem::take(&mut published.actor.last_error),
-                since: board.now(),
+                since: shared.now(),
             };
         }
         cell.tick_waiting.store(false, Ordering::Release);
         cell.actor.store(Some(Arc::new(myself)));
         Ok(PayloadState {
-            life: PluginLife::new(board.clone(), cell.life.clone(), &PAYLOAD_LIMITS),
+            life: PluginLife::new(shared.clone(), cell.life.clone(), &PAYLOAD_LIMITS),
             tap: None,
             transport: cell.transport.clone().map(Transport::open),
             waiting: Vec::new(),
@@ -197,7 +99,7 @@ impl Actor for Payload {
             refusal: None,
             told_refusal: None,
             tracks: Arc::default(),
-            board,
+            shared,
             vehicle,
             cell,
         })
@@ -344,12 +246,12 @@ impl PayloadState {
     /// The plugin failed too often.
     fn escalate(&self, why: &str) {
         self.withdraw_report();
-        escalate(&self.board, &self.vehicle, &self.cell, why);
+        escalate(&self.shared, &self.vehicle, &self.cell, why);
     }
 }
 
 /// A payload failed too often, plugin or actor: its vehicle is degraded, and does what the configuration says.
-pub fn escalate(board: &Board, vehicle: &VehicleCell, cell: &PayloadCell, why: &str) {
+pub fn escalate(shared: &SharedState, vehicle: &VehicleRecord, cell: &PayloadRecord, why: &str) {
     let name = &cell.name;
     let (severity, what, command) = match cell.rule.on_failure {
         Escalation::Degrade => (Severity::Warning, "flies on without it", None),
@@ -361,16 +263,16 @@ pub fn escalate(board: &Board, vehicle: &VehicleCell, cell: &PayloadCell, why: &
         "{}: {name} failed too often ({why}); the vehicle is degraded and {what}",
         vehicle.name
     );
-    let now = board.now();
-    board.events.record(now, Some(vehicle.id), severity, kind, text);
-    let flying = board.peers.load().entry(vehicle.id).is_some_and(|e| e.airborne);
+    let now = shared.now();
+    shared.events.record(now, Some(vehicle.id), severity, kind, text);
+    let flying = shared.peers.load().entry(vehicle.id).is_some_and(|e| e.airborne);
     let Some(command) = command.filter(|_| flying) else {
         return;
     };
-    board.withdraw(vehicle);
+    shared.withdraw(vehicle);
     if let Some(actor) = vehicle.actor.load_full() {
         let message = VehicleMessage::Command {
-            id: board.next_command_id(),
+            id: shared.next_command_id(),
             command,
             legs: VecDeque::new(),
             not_before: now,

@@ -1,87 +1,22 @@
 //! The life of one plugin instance, whatever its kind: created, called, snapshotted with every call, started again from its snapshot
-//! after a failure, exchanged for another version, given up. Its actor owns it; what must outlive the actor is in [`LifeRecord`].
+//! after a failure, exchanged for another version, given up. Its actor owns it; what must outlive the actor is in [`skein_state::PluginRecord`].
 //!
 //! Must never do: carry out an effect of a batch that failed, or lose an event of one silently: they are handed to the next
 //! incarnation, once.
 
-use crate::board::Board;
-use crate::restart::{Decision, RestartHistory, RestartLimits, fraction};
-use crate::snapshot::{ActorStatus, EventKind, PluginHealth, RestartRecord, Restored};
-use arc_swap::ArcSwap;
-use parking_lot::Mutex;
 use skein_config::Isolation;
 use skein_domain::exchange::{Create, Effect, Event, EventBatch, FaultDrill, Severity};
-use skein_domain::{CommandId, Incarnation, NodeTime, SystemId, VehicleId};
+use skein_domain::{CommandId, Incarnation, NodeTime};
 use skein_plugin_host::{ChildLimits, Frame, Instance, Plugin, PluginError};
+use skein_state::PluginRecord;
+use skein_state::SharedState;
+use skein_state::restart::{Decision, RestartLimits, fraction};
+use skein_view::{ActorStatus, EventKind, RestartRecord, Restored};
 use std::sync::Arc;
 use std::time::Instant;
 
 /// Restarts that are kept for reports.
 const KEPT_RESTARTS: usize = 4_096;
-
-/// What is known of an instance beyond its actor's life.
-pub struct LifeRecord {
-    /// The vehicle it belongs to.
-    pub vehicle: VehicleId,
-    /// The payload's name on the vehicle; none for its UAV model.
-    pub payload: Option<String>,
-    /// How it is called in events, for example `uav-3: gimbal`.
-    pub label: String,
-    /// The vehicle's system id on its link.
-    pub system_id: SystemId,
-    /// Configuration of the instance as JSON text.
-    pub config_json: String,
-    /// Where it runs.
-    pub isolation: Isolation,
-    /// The version that is, or will be, running.
-    pub plugin: ArcSwap<Plugin>,
-    /// Its last snapshot.
-    pub snapshot: Mutex<Option<Vec<u8>>>,
-    /// Its health.
-    pub health: Mutex<PluginHealth>,
-    /// Its failures.
-    history: Mutex<RestartHistory>,
-}
-
-impl LifeRecord {
-    /// Of an instance that was never started. `name` is its name in the supervision tree, `label` that in events.
-    #[must_use]
-    pub fn new(identity: LifeIdentity, plugin: Arc<Plugin>, config_json: String, isolation: Isolation) -> Self {
-        let health = PluginHealth {
-            name: identity.name,
-            plugin: plugin.manifest().name.clone(),
-            version: plugin.manifest().version.clone(),
-            isolation,
-            ..PluginHealth::default()
-        };
-        Self {
-            vehicle: identity.vehicle,
-            payload: identity.payload,
-            label: identity.label,
-            system_id: identity.system_id,
-            config_json,
-            isolation,
-            plugin: ArcSwap::new(plugin),
-            snapshot: Mutex::new(None),
-            health: Mutex::new(health),
-            history: Mutex::default(),
-        }
-    }
-}
-
-/// Who an instance is.
-pub struct LifeIdentity {
-    /// Name in the supervision tree.
-    pub name: String,
-    /// Name in events.
-    pub label: String,
-    /// The vehicle.
-    pub vehicle: VehicleId,
-    /// The payload's name; none for a UAV model.
-    pub payload: Option<String>,
-    /// The vehicle's system id.
-    pub system_id: SystemId,
-}
 
 /// What a call came to.
 #[derive(Debug)]
@@ -96,8 +31,8 @@ pub enum Called {
 
 /// The running instance and what is needed to start it again.
 pub struct PluginLife {
-    board: Arc<Board>,
-    record: Arc<LifeRecord>,
+    shared: Arc<SharedState>,
+    record: Arc<PluginRecord>,
     limits: &'static RestartLimits,
     instance: Option<Instance>,
     incarnation: Incarnation,
@@ -115,13 +50,13 @@ pub struct PluginLife {
 
 impl PluginLife {
     /// For a new incarnation of the actor: goes on where the record says.
-    pub fn new(board: Arc<Board>, record: Arc<LifeRecord>, limits: &'static RestartLimits) -> Self {
+    pub fn new(shared: Arc<SharedState>, record: Arc<PluginRecord>, limits: &'static RestartLimits) -> Self {
         let (incarnation, given_up) = {
             let health = record.health.lock();
             (health.incarnation.next(), health.status == ActorStatus::GivenUp)
         };
         Self {
-            board,
+            shared,
             record,
             limits,
             instance: None,
@@ -150,7 +85,7 @@ impl PluginLife {
         if self.is_running() {
             return (true, None);
         }
-        let now = self.board.now();
+        let now = self.shared.now();
         if self.start_at.is_none_or(|at| at > now) {
             return (false, None);
         }
@@ -175,7 +110,7 @@ impl PluginLife {
         incarnation: Incarnation,
     ) -> Result<(Instance, Restored), PluginError> {
         let record = &self.record;
-        let settings = &self.board.config.plugins;
+        let settings = &self.shared.config.plugins;
         let isolation = match record.isolation {
             Isolation::InProcess => skein_plugin_host::Isolation::InProcess,
             Isolation::Child => skein_plugin_host::Isolation::Child(ChildLimits {
@@ -189,13 +124,13 @@ impl PluginLife {
             incarnation,
             config_json: record.config_json.clone(),
             snapshot: snapshot.clone(),
-            now: self.board.now(),
+            now: self.shared.now(),
             payload: record.payload.clone(),
             system_id: Some(record.system_id),
         };
         let runners = match record.payload {
-            None => &self.board.runners,
-            Some(_) => &self.board.payload_runners,
+            None => &self.shared.runners,
+            Some(_) => &self.shared.payload_runners,
         };
         let instance = runners.create(plugin, isolation, create).await?;
         let restored = match snapshot {
@@ -207,7 +142,7 @@ impl PluginLife {
     }
 
     fn started(&mut self, restored: Restored, asked: Instant) {
-        let now = self.board.now();
+        let now = self.shared.now();
         let restart = self.failed.take();
         self.statistics_at = NodeTime(0);
         {
@@ -242,7 +177,7 @@ impl PluginLife {
     }
 
     fn keep_restart(&self, time: NodeTime, took_s: f64, backoff_s: f64, restored: Restored) {
-        let mut restarts = self.board.restarts.lock();
+        let mut restarts = self.shared.restarts.lock();
         if restarts.len() == KEPT_RESTARTS {
             restarts.pop_front();
         }
@@ -266,7 +201,7 @@ impl PluginLife {
         // What a second incarnation fails with as well is not tried on a third.
         let beyond_hope: Vec<CommandId> = before.iter().filter_map(command_of).collect();
         events.splice(0..0, before);
-        let now = self.board.now();
+        let now = self.shared.now();
         match instance.call(EventBatch { now, events }, frames).await {
             Ok(answer) => {
                 *self.record.snapshot.lock() = Some(answer.snapshot);
@@ -289,10 +224,10 @@ impl PluginLife {
 
     /// Ends the failed instance and decides when the next starts; gives the reason if there is none.
     fn fail(&mut self, error: &str) -> Option<String> {
-        let now = self.board.now();
+        let now = self.shared.now();
         self.instance = None;
         self.incarnation = self.incarnation.next();
-        let decision = self.record.history.lock().decide(self.limits, now, fraction(now));
+        let decision = self.record.note_failure(self.limits, now, fraction(now));
         let (status, backoff_s) = match decision {
             Decision::RestartAfter(delay_s) => (ActorStatus::Restarting, Some(delay_s)),
             Decision::GiveUp => (ActorStatus::GivenUp, None),
@@ -331,7 +266,7 @@ impl PluginLife {
         let incarnation = self.incarnation.next();
         let (instance, restored) = self.create(plugin.clone(), snapshot, incarnation).await?;
         // Its first call decides: an empty batch does nothing, but has to come back.
-        let now = self.board.now();
+        let now = self.shared.now();
         let answer = instance
             .call(
                 EventBatch {
@@ -365,7 +300,7 @@ impl PluginLife {
 
     /// An operator's reset: the failures are forgotten and the instance starts anew, without its state if `fresh`.
     pub fn reset(&mut self, fresh: bool) {
-        self.record.history.lock().reset();
+        self.record.forget_failures();
         if fresh {
             *self.record.snapshot.lock() = None;
         }
@@ -374,7 +309,7 @@ impl PluginLife {
             self.incarnation = self.incarnation.next();
         }
         self.failed = None;
-        self.start_at = Some(self.board.now());
+        self.start_at = Some(self.shared.now());
         self.record.health.lock().status = ActorStatus::Restarting;
         self.tell(
             Severity::Advisory,
@@ -401,7 +336,7 @@ impl PluginLife {
 
     /// Writes the instance's call times into its health, twice a second: their quantiles cost more than a call.
     pub fn publish_statistics(&mut self) {
-        let now = self.board.now();
+        let now = self.shared.now();
         let Some(instance) = &self.instance else { return };
         if now < self.statistics_at {
             return;
@@ -422,9 +357,9 @@ impl PluginLife {
             status,
         };
         let text = format!("{} {what}", record.label);
-        self.board
+        self.shared
             .events
-            .record(self.board.now(), Some(record.vehicle), severity, kind, text);
+            .record(self.shared.now(), Some(record.vehicle), severity, kind, text);
     }
 }
 

@@ -1,5 +1,5 @@
 //! The vehicle actor: one per UAV. Once per control period it hands its UAV-model plugin one batch of events and carries out the
-//! effects it gets: setpoints and requests go through the safety gate to the link, everything else to the board.
+//! effects it gets: setpoints and requests go through the safety gate to the link, everything else to the shared state.
 //!
 //! Order: commands and ticks are handled one after the other, as they came. Bound: at most one tick waits in the mailbox; commands
 //! are few and never dropped. Must never do: wait for another actor, or for the vehicle.
@@ -13,83 +13,36 @@ mod route;
 mod taking_back;
 mod watch;
 
-pub use itinerary::Itinerary;
-pub use parameters::ParameterOrder;
 pub(crate) use parameters::words as parameter_words;
-pub use period::{own_state, told};
-pub use route::HeldRoute;
-pub use watch::Watch;
 
-use crate::board::{Board, VehicleCell};
-use crate::handle::CommandReceipt;
-use crate::payload::ExchangeReply;
+use crate::arming;
 use crate::plugin_life::PluginLife;
-use crate::preflight;
-use crate::restart::VEHICLE_LIMITS;
-use crate::snapshot::{ActorHealth, ActorStatus, EventKind};
 use model::Model;
 use parameters::Writes;
-use ractor::{Actor, ActorProcessingErr, ActorRef, RpcReplyPort};
+use ractor::{Actor, ActorProcessingErr, ActorRef};
 use skein_domain::exchange::{CommandProgress, Event, FaultDrill, Severity};
-use skein_domain::link::RoutePoint;
-use skein_domain::{CommandId, FlightState, Incarnation, NodeTime, PositionNed, Refusal, RequestId, VehicleCommand};
-use skein_plugin_host::Plugin;
+use skein_domain::{CommandId, FlightState, Incarnation, NodeTime, PositionNed, Refusal, VehicleCommand};
+use skein_state::restart::VEHICLE_LIMITS;
+use skein_state::{SharedState, VehicleMessage, VehicleRecord};
+use skein_view::{ActorHealth, ActorStatus, CommandReceipt, EventKind};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-
-/// What a vehicle actor is told. Private to the runtime: others go through `NodeHandle`.
-pub enum VehicleMessage {
-    /// The control period.
-    Tick,
-    /// An operator's command. Answered at once: taken up or refused.
-    Command {
-        /// Its id.
-        id: CommandId,
-        /// The command.
-        command: VehicleCommand,
-        /// How it is flown, if it takes more than one flight; empty if the model flies it by itself.
-        legs: VecDeque<VehicleCommand>,
-        /// Not to be begun before.
-        not_before: NodeTime,
-        /// Where the receipt goes; none if the node itself commands.
-        reply: Option<RpcReplyPort<CommandReceipt>>,
-    },
-    /// A payload's answer to a request of the model.
-    PayloadResult {
-        /// Which request.
-        request: RequestId,
-        /// Why not; absent if accepted.
-        refusal: Option<Refusal>,
-    },
-    /// Put this route on the autopilot.
-    UploadRoute(Vec<RoutePoint>),
-    /// Write a parameter of the autopilot. Answered when it is written, or known not to be.
-    WriteParameter(ParameterOrder),
-    /// Make the plugin fail.
-    Drill(FaultDrill),
-    /// End the plugin's process, or make it panic if it has none of its own.
-    Kill,
-    /// Go over to another version of the model.
-    Exchange(Arc<Plugin>, ExchangeReply),
-    /// Forget all failures of the model and start it anew.
-    Reset,
-}
 
 /// The actor; all of its state is in [`VehicleState`].
 pub struct Vehicle;
 
 /// What an incarnation is started with.
 pub struct VehicleArguments {
-    pub board: Arc<Board>,
-    pub cell: Arc<VehicleCell>,
+    pub shared: Arc<SharedState>,
+    pub cell: Arc<VehicleRecord>,
     pub incarnation: Incarnation,
 }
 
 /// State of one incarnation.
 pub struct VehicleState {
-    board: Arc<Board>,
-    cell: Arc<VehicleCell>,
+    shared: Arc<SharedState>,
+    cell: Arc<VehicleRecord>,
     model: Model,
     /// Events for the next batch that did not come from link or intent.
     waiting: Vec<Event>,
@@ -122,11 +75,11 @@ impl Actor for Vehicle {
         arguments: Self::Arguments,
     ) -> Result<Self::State, ActorProcessingErr> {
         let VehicleArguments {
-            board,
+            shared,
             cell,
             incarnation,
         } = arguments;
-        let now = board.now();
+        let now = shared.now();
         {
             let mut published = cell.state.lock();
             published.actor = ActorHealth {
@@ -140,8 +93,8 @@ impl Actor for Vehicle {
         cell.tick_waiting.store(false, Ordering::Release);
         cell.actor.store(Some(Arc::new(myself)));
         Ok(VehicleState {
-            model: Model::new(PluginLife::new(board.clone(), cell.model.clone(), &VEHICLE_LIMITS)),
-            board,
+            model: Model::new(PluginLife::new(shared.clone(), cell.model.clone(), &VEHICLE_LIMITS)),
+            shared,
             cell,
             waiting: Vec::new(),
             task_version: 0,
@@ -174,7 +127,7 @@ impl Actor for Vehicle {
                 reply,
             } => {
                 let by_operator = reply.is_some();
-                if by_operator && state.board.resume.commanded(state.cell.id) {
+                if by_operator && state.shared.resume.commanded(state.cell.id) {
                     state.refused_at = None;
                 }
                 let refusal = match state.permitted(&command, by_operator) {
@@ -241,12 +194,12 @@ impl VehicleState {
             self.cell.set_stopped(false);
         }
         let (flown, flown_id) = match legs.pop_front() {
-            Some(leg) => (leg, self.board.next_command_id()),
+            Some(leg) => (leg, self.shared.next_command_id()),
             None => (command, id),
         };
         self.commands.insert(flown_id, flown.name());
         let was_pilot = std::mem::replace(&mut self.pilot, false);
-        let peers = self.board.peers.load_full();
+        let peers = self.shared.peers.load_full();
         let mut events = self.gather(&peers);
         events.push(Event::Command {
             id: flown_id,
@@ -287,7 +240,7 @@ impl VehicleState {
             });
         }
         if self.cell.state.lock().flight_state != FlightState::Leading {
-            self.board.withdraw(&self.cell);
+            self.shared.withdraw(&self.cell);
         }
         Ok(())
     }
@@ -298,7 +251,7 @@ impl VehicleState {
             self.ladder_permits(command)?;
         }
         match command {
-            VehicleCommand::Arm | VehicleCommand::TakeOff { .. } => preflight::may_arm(&self.board, &self.cell),
+            VehicleCommand::Arm | VehicleCommand::TakeOff { .. } => arming::may_arm(&self.shared, &self.cell),
             _ => Ok(()),
         }
     }
@@ -314,12 +267,12 @@ impl VehicleState {
 
     /// What can be said of a command before the model sees it.
     fn admit(&self, command: &VehicleCommand) -> Result<(), Refusal> {
-        let peers = self.board.peers.load();
+        let peers = self.shared.peers.load();
         let entry = peers.entry(self.cell.id);
         if !entry.is_some_and(|e| e.link.connected) {
             return Err(Refusal::LinkLost { vehicle: self.cell.id });
         }
-        self.board
+        self.shared
             .gate()
             .command(command, entry.and_then(|e| e.home.as_ref()))?;
         if !self.model.life.is_running() {
@@ -359,8 +312,8 @@ impl VehicleState {
     }
 
     fn record(&self, severity: Severity, kind: EventKind, text: impl Into<String>) {
-        self.board
+        self.shared
             .events
-            .record(self.board.now(), Some(self.cell.id), severity, kind, text);
+            .record(self.shared.now(), Some(self.cell.id), severity, kind, text);
     }
 }

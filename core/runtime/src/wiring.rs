@@ -1,14 +1,14 @@
 //! From a configuration to the parts of a node: everything that can be found wrong before a socket opens is found here.
 
-use crate::board::Board;
 use crate::fleet::payload_kind;
-use crate::payload::transport::TransportAddress;
 use skein_config::NodeConfig;
 use skein_domain::fence::FencePlan;
 use skein_domain::{Clock, SwarmFrame};
 use skein_link_px4::{EndpointAddress, EndpointSettings, LinkSettings, MessageRates};
 use skein_plugin_host::{Catalog, Plugin, PluginKind, Trust};
 use skein_safety::{Fences, Gate, Limits};
+use skein_state::SharedState;
+use skein_state::TransportAddress;
 use std::path::PathBuf;
 use std::sync::Arc;
 use thiserror::Error;
@@ -133,11 +133,11 @@ pub fn catalog(config: &NodeConfig) -> Catalog {
     Catalog::discover(&directories, trust)
 }
 
-/// The board, with plugins loaded.
+/// The shared state, with plugins loaded.
 ///
 /// # Errors
 /// When the fence cannot be one or a plugin is missing.
-pub fn board(config: NodeConfig, clock: Arc<dyn Clock>) -> Result<Board, WiringError> {
+pub fn shared(config: NodeConfig, clock: Arc<dyn Clock>) -> Result<SharedState, WiringError> {
     let imported = config
         .fence_plan()
         .map_err(|e| WiringError::Fence { reason: e.to_string() })?;
@@ -163,7 +163,7 @@ pub fn board(config: NodeConfig, clock: Arc<dyn Clock>) -> Result<Board, WiringE
             check_config(&plugin, format!("{key}.config"), &payload.config_json())?;
         }
     }
-    Ok(Board::new(config, clock, gate, imported.plan, catalog))
+    Ok(SharedState::new(config, clock, gate, imported.plan, catalog))
 }
 
 fn find(catalog: &Catalog, config: &NodeConfig, plugin: &str) -> Result<Arc<Plugin>, WiringError> {

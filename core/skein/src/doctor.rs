@@ -1,10 +1,9 @@
 //! `skein doctor`: looks at what keeps a node from running on this machine and says how to mend each.
 
 use crate::args::DoctorArguments;
-use crate::build::plugins_beside_program;
-use crate::swarm;
 use skein_config::NodeConfig;
 use skein_link_px4::EndpointAddress;
+use skein_node::plugins_beside_program;
 use std::collections::BTreeSet;
 use std::net::{TcpListener, UdpSocket};
 use std::path::Path;
@@ -71,7 +70,7 @@ pub fn doctor(arguments: &DoctorArguments) -> anyhow::Result<ExitCode> {
 fn in_swarm(config: &NodeConfig, findings: &mut Vec<Finding>) {
     let settings = &config.swarm;
     let Some(id) = &settings.id else { return };
-    match swarm::setup(settings, &Arc::default()) {
+    match skein_node::setup(settings, &Arc::default()) {
         Ok(_) => findings.push(Finding::Good(format!("swarm: the secret of {id} can be read"))),
         Err(error) => bad(findings, error.to_string(), "see the line above"),
     }

@@ -1,7 +1,7 @@
 //! Exit codes: one meaning each, documented in `skein --help` and the README.
 
-use crate::build::BuildError;
 use skein_config::ConfigError;
+use skein_node::BuildError;
 use skein_runtime::NodeError;
 use std::process::ExitCode;
 

@@ -3,7 +3,7 @@
 
 use clap::Parser;
 use skein::args::{Arguments, Bench, BenchArguments, Command};
-use skein::{demo, doctor, exit, logging, plugin, replay, run, simulate, swarm};
+use skein::{doctor, exit, logging, plugin, replay, run, simulate, swarm};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -46,7 +46,7 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
     let done = |()| ExitCode::SUCCESS;
     runtime.block_on(async {
         match command {
-            Command::Demo(arguments) => demo::demo(arguments).await,
+            Command::Demo(arguments) => skein_demo::demo(arguments).await,
             Command::Run(arguments) => run::run(arguments).await.map(done),
             Command::Sim(arguments) => simulate::simulate(arguments).await.map(done),
             Command::Doctor(arguments) => doctor::doctor(&arguments),

@@ -1,9 +1,9 @@
 //! `skein run`: one node until Ctrl-C or SIGTERM.
 
 use crate::args::RunArguments;
-use crate::build::build;
 use crate::swarm;
 use skein_config::NodeConfig;
+use skein_node::{build, stop_asked};
 
 /// Runs a node until it is told to stop.
 ///
@@ -48,19 +48,6 @@ pub async fn run(arguments: RunArguments) -> anyhow::Result<()> {
             asked?;
             println!("Ending at once.");
         }
-    }
-    Ok(())
-}
-
-/// Returns when the process is asked to stop.
-///
-/// # Errors
-/// When signals cannot be listened for.
-pub async fn stop_asked() -> anyhow::Result<()> {
-    let mut terminate = tokio::signal::unix::signal(tokio::signal::unix::SignalKind::terminate())?;
-    tokio::select! {
-        asked = tokio::signal::ctrl_c() => asked?,
-        _ = terminate.recv() => {}
     }
     Ok(())
 }

@@ -1,8 +1,8 @@
 //! `skein sim`: simulated vehicles only, on the ports of PX4's own simulation or sent to one address.
 
 use crate::args::SimArguments;
-use crate::run::stop_asked;
 use anyhow::{Context, bail};
+use skein_node::stop_asked;
 use skein_sim::truth_lines::TruthLines;
 use skein_sim::{PortPlan, SimSettings, Simulation};
 use std::fs::File;

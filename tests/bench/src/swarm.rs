@@ -6,15 +6,16 @@
 use crate::error::BenchError;
 use serde::Serialize;
 use skein_config::NodeConfig;
+use skein_coordination::{Formation, PlanInput, PlanLimits, plan, succeed};
+use skein_coordination::{neighbours, steering};
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{
     FlightState, FormationRequest, LinkHealth, NodeTime, PositionNed, Refusal, Setpoint, Shape, Telemetry, VehicleId,
     VelocityNed,
 };
-use skein_runtime::coordination::{Formation, PlanInput, PlanLimits, plan, succeed};
-use skein_runtime::{PeerEntry, PeerSnapshot, steering};
 use skein_safety::avoidance::Surroundings;
 use skein_safety::{Gate, Limits};
+use skein_view::{PeerEntry, PeerSnapshot};
 use std::fmt;
 use std::hint::black_box;
 use std::sync::Arc;
@@ -214,7 +215,7 @@ impl Swarm {
                 entry(VehicleId(u16::try_from(i + 1).unwrap_or(u16::MAX)), place, now)
             })
             .collect();
-        let all: Vec<_> = entries.iter().flat_map(|e| steering::neighbour(e, now)).collect();
+        let all: Vec<_> = entries.iter().flat_map(|e| neighbours::vehicle(e, now)).collect();
         let surroundings = Surroundings::new(&all, &gate.avoidance(), now);
         let peers = PeerSnapshot {
             made: now,
@@ -289,7 +290,7 @@ impl Swarm {
     /// One control period: the picture of all, and each one's setpoint.
     fn steer(&self, gate: &Gate, wanted: impl Fn(&PositionNed) -> Setpoint) -> usize {
         let entries = &self.peers.entries;
-        let all: Vec<_> = entries.iter().flat_map(|e| steering::neighbour(e, self.now)).collect();
+        let all: Vec<_> = entries.iter().flat_map(|e| neighbours::vehicle(e, self.now)).collect();
         let surroundings = Surroundings::new(&all, &gate.avoidance(), self.now);
         let passed = entries.iter().filter(|entry| {
             let at = entry.kinematics.map_or(PositionNed::default(), |k| k.position);

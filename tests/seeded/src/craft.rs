@@ -8,6 +8,7 @@ use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use skein_config::LinkSettings;
+use skein_coordination::steering;
 use skein_domain::exchange::{Create, Effect, Event};
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{
@@ -15,10 +16,10 @@ use skein_domain::{
     Setpoint, Task, Telemetry, VehicleCommand, VehicleId, VelocityNed,
 };
 use skein_plugin_sdk::{Effects, UavModel};
-use skein_runtime::{PeerEntry, PeerSnapshot, steering};
 use skein_safety::Gate;
 use skein_safety::avoidance::{Change, NeighbourId};
 use skein_sim::vehicle::plant::Plant;
+use skein_view::{PeerEntry, PeerSnapshot};
 
 /// How long an autopilot flies its last setpoint without hearing another, in seconds: PX4's `COM_OF_LOSS_T`.
 const FLIES_ON_S: f64 = 1.0;
@@ -44,7 +45,7 @@ pub struct Lost {
 }
 
 /// A vehicle that drifts unheard and unseen is nowhere, as far as anybody knows, when it has come so far from where it was, in metres:
-/// a vehicle that falls silent is taken to have stopped (see `steering::neighbour`), and only a track would tell otherwise.
+/// a vehicle that falls silent is taken to have stopped (see `neighbours::vehicle`), and only a track would tell otherwise.
 const KNOWN_WITHIN_M: f64 = 0.6;
 /// For so long what was last heard of it tells where it goes, in seconds.
 const CARRIED_ON_S: f64 = 3.0;

@@ -7,10 +7,11 @@ use crate::case::asks::REFERENCE;
 use crate::craft::Craft;
 use nalgebra::Vector3;
 use skein_config::NodeConfig;
+use skein_coordination::{self as coordination, Changed, Coordination, Formation, Judging, PlanInput, PlanLimits};
+use skein_coordination::{AnchorKeeper, ReferenceReport, References};
 use skein_domain::{AnchorReference, FormationAnchor, FormationRequest, Intent, NodeTime, Refusal, Route, VehicleId};
-use skein_runtime::coordination::{self, Changed, Coordination, Formation, Judging, PlanInput, PlanLimits};
-use skein_runtime::{AnchorKeeper, PeerSnapshot, ReferenceReport, References};
 use skein_safety::Gate;
+use skein_view::PeerSnapshot;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 

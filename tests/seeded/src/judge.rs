@@ -6,9 +6,9 @@ use crate::ground::Ground;
 use crate::outcome::{Arrival, Closest, Crossing, Failure, Lowest, OnRoute, Outcome};
 use nalgebra::Vector3;
 use skein_domain::{Keeping, KeepingLaw, NeighbourPlace, OffsetFrd, VehicleId};
-use skein_runtime::PeerSnapshot;
 use skein_safety::Approach;
 use skein_safety::avoidance::NeighbourId;
+use skein_view::PeerSnapshot;
 
 /// Within this distance of its place a vehicle has arrived, in metres.
 const ARRIVED_M: f64 = 1.5;

@@ -13,12 +13,13 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use skein_config::NodeConfig;
+use skein_coordination::neighbours;
 use skein_domain::payload::Track;
 use skein_domain::{BreachAction, NodeTime, Route, VehicleCommand, ZoneKind};
-use skein_runtime::{PeerSnapshot, steering};
 use skein_safety::avoidance::Surroundings;
 use skein_safety::{Fence, Fences, Gate, Limits, Zone};
 use skein_sim::vehicle::plant::Air;
+use skein_view::PeerSnapshot;
 
 /// The control period in seconds, and how many steps the plants take in it.
 const PERIOD_S: f64 = 0.02;
@@ -241,9 +242,9 @@ impl<'a> World<'a> {
     fn look(&mut self) {
         let now = self.now();
         let entries: Vec<_> = self.crafts.iter().map(Craft::published).collect();
-        let mut all: Vec<_> = entries.iter().flat_map(|e| steering::neighbour(e, now)).collect();
+        let mut all: Vec<_> = entries.iter().flat_map(|e| neighbours::vehicle(e, now)).collect();
         for (track, (place, foreign)) in (1..).zip(self.foreign().into_iter().zip(&self.case.foreign)) {
-            all.push(steering::tracked(&Track {
+            all.push(neighbours::track(&Track {
                 track,
                 position: place.into(),
                 velocity: foreign.velocity.into(),
@@ -363,7 +364,7 @@ impl<'a> World<'a> {
         };
         let turning_rad_s = self.peers.anchor.map(|a| a.heading_rate_rad_s).or_else(led);
         // Who is far out is carried on by a turn that hardly shows near the anchor.
-        let reach_m = formation.map_or(0.0, skein_runtime::coordination::Formation::reach_m);
+        let reach_m = formation.map_or(0.0, skein_coordination::Formation::reach_m);
         let moving = self.peers.anchor.is_some_and(|a| a.velocity.norm() > 0.01)
             || turning_rad_s.is_some_and(|rate| rate.abs() * reach_m.max(10.0) > TURNS_M_S);
         let quiet = self.next_step >= self.case.steps.len()

@@ -10,14 +10,16 @@ pub use referee::Nearest;
 use crate::{eventually, patience, plugins_dir, skein_binary};
 use parking_lot::Mutex;
 use referee::Referee;
-use skein::Running;
 use skein_bus::local::{Hub, Local};
 use skein_bus::seal::SwarmKey;
 use skein_bus::transport::{Class, Datagram, SendError, To, Transport, Wake};
+use skein_cluster::SwarmSetup;
 use skein_config::{AdoptionRule, EndpointSettings, NodeConfig};
 use skein_domain::{NodeId, NodeTime, PositionNed, VehicleId};
-use skein_runtime::{FleetSnapshot, NodeHandle, SwarmSetup};
+use skein_node::Running;
+use skein_runtime::NodeHandle;
 use skein_sim::{PortPlan, SimSettings, Simulation, TruthFrame, VehicleStart};
+use skein_view::FleetSnapshot;
 use std::collections::{BTreeMap, BTreeSet};
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
@@ -102,7 +104,7 @@ impl Flock {
             key,
             open: Arc::new(open),
         };
-        let running = skein::build_in(config, Some(setup))
+        let running = skein_node::build_in(config, Some(setup))
             .await
             .unwrap_or_else(|error| panic!("node {node} does not start: {error}"));
         running.handle().set_plugin_host_program(skein_binary());
@@ -254,7 +256,7 @@ impl Flock {
     /// What has happened, as a node knows it.
     #[must_use]
     pub fn told(&self, node: u8) -> String {
-        let line = |e: &Arc<skein_runtime::EventRecord>| {
+        let line = |e: &Arc<skein_view::EventRecord>| {
             let on = e.node.map_or_else(String::new, |node| format!("node {node}: "));
             format!("{:.2} {on}{}\n", e.time.as_seconds(), e.text)
         };

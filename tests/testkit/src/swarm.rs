@@ -3,11 +3,12 @@
 //! Must never do: reach into the node. It is flown through `NodeHandle`, and judged by what the simulator knows.
 
 use crate::{eventually, patience, plugins_dir, skein_binary};
-use skein::Running;
 use skein_config::{AdoptionRule, EndpointSettings, NodeConfig};
 use skein_domain::{FlightState, VehicleCommand};
-use skein_runtime::{FleetSnapshot, NodeHandle, Targets};
+use skein_node::Running;
+use skein_runtime::{NodeHandle, Targets};
 use skein_sim::{PortPlan, SimSettings, Simulation, TruthFrame};
+use skein_view::FleetSnapshot;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::Arc;
 use std::time::Duration;
@@ -54,7 +55,7 @@ impl Swarm {
             ..SimSettings::default()
         };
         adapt(&mut config, &mut settings);
-        let running = skein::build(config)
+        let running = skein_node::build(config)
             .await
             .unwrap_or_else(|error| panic!("the node does not start: {error}"));
         // A test is not the program that a child process is made of.

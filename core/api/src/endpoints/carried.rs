@@ -9,7 +9,8 @@ use crate::supervision;
 use axum::http::StatusCode;
 use skein_config::PayloadRule;
 use skein_domain::VehicleId;
-use skein_runtime::{CommandReceipt, UpgradeReceipt};
+use skein_runtime::UpgradeReceipt;
+use skein_view::CommandReceipt;
 
 /// No library that is uploaded is longer, in bytes.
 const MOST_LIBRARY_BYTES: usize = 128 << 20;

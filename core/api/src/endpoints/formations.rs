@@ -4,8 +4,9 @@ use super::Endpoint;
 use crate::protocol::{FormationAnswer, FormationPreview, ReferenceList, RouteBody};
 use crate::{references, routes};
 use axum::http::StatusCode;
+use skein_coordination::ReferenceReport;
 use skein_domain::{FormationRequest, Route};
-use skein_runtime::{FormationReceipt, ReferenceReport};
+use skein_view::FormationReceipt;
 
 /// The formation, its route, and what it may be anchored to.
 pub(super) fn formations() -> Vec<Endpoint> {

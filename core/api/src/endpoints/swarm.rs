@@ -4,7 +4,7 @@ use super::Endpoint;
 use crate::protocol::CoordinatorBody;
 use crate::swarm;
 use axum::http::StatusCode;
-use skein_runtime::SwarmSnapshot;
+use skein_view::SwarmSnapshot;
 
 /// The nodes, and who coordinates.
 pub(super) fn swarm() -> Vec<Endpoint> {

@@ -7,7 +7,7 @@ use skein_domain::{
     Battery, FlightMode, FlightState, Geodetic, Gnss, GnssFix, Incarnation, LandedState, LinkHealth, NodeTime,
     PositionNed, SwarmFrame, SystemId, VehicleId, VelocityNed,
 };
-use skein_runtime::snapshot::{ActorHealth, ActorStatus, FleetSnapshot, PluginHealth, VehicleSnapshot};
+use skein_view::{ActorHealth, ActorStatus, FleetSnapshot, PluginHealth, VehicleSnapshot};
 use std::fmt::Write;
 
 /// One frame: its bytes, and what they say.

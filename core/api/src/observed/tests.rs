@@ -4,8 +4,8 @@ use super::*;
 use serde_json::{Value, json};
 use skein_domain::payload::FrameHeader;
 use skein_domain::{PositionNed, VelocityNed};
-use skein_runtime::PluginHealth;
-use skein_runtime::snapshot::ActorHealth;
+use skein_view::ActorHealth;
+use skein_view::PluginHealth;
 
 const NOW_S: f64 = 100.0;
 

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use skein_domain::payload::PayloadKind;
 use skein_domain::{NodeId, NodeTime, VehicleId};
-use skein_runtime::snapshot::{ActorHealth, PluginHealth};
+use skein_view::{ActorHealth, PluginHealth};
 use ts_rs::TS;
 
 /// The supervision tree: the node's actors, and below every vehicle its actor, its model and what it carries.

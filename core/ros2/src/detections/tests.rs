@@ -2,7 +2,7 @@
 
 use super::*;
 use serde_json::{Value, json};
-use skein_runtime::snapshot::{ActorHealth, PluginHealth};
+use skein_view::{ActorHealth, PluginHealth};
 
 fn payload(name: &str, kind: PayloadKind, state: &Value) -> PayloadSnapshot {
     PayloadSnapshot {

@@ -11,7 +11,8 @@ use crate::interfaces::standard::{Outcome, SetBool, Trigger};
 use crate::{Ros2Error, Tasks, names, requests};
 use skein_domain::payload::PayloadKind;
 use skein_domain::{FormationRequest, Refusal, VehicleCommand, VehicleId};
-use skein_runtime::{CommandReceipt, NodeHandle, Targets};
+use skein_runtime::{NodeHandle, Targets};
+use skein_view::CommandReceipt;
 
 /// The services of one vehicle, answered by tasks that end with it.
 ///

@@ -3,7 +3,7 @@
 use super::*;
 use serde_json::json;
 use skein_domain::{Geodetic, NodeTime, VelocityNed};
-use skein_runtime::snapshot::{ActorHealth, PluginHealth};
+use skein_view::{ActorHealth, PluginHealth};
 use std::f64::consts::FRAC_PI_2;
 use std::time::Duration;
 

@@ -4,13 +4,15 @@
 //! Must never do: publish anything out of office.
 
 use super::{CoordinatorMessage, CoordinatorState, Purpose, is_settled, list};
-use crate::board::PeerSnapshot;
-use crate::coordination::{self, Formation, Interrupted};
-use crate::swarm::asks::Ask;
-use crate::swarm::{CLOCK_FAULT, asking, first_version};
 use ractor::ActorRef;
+use skein_coordination::{self as coordination, Formation, Interrupted};
 use skein_domain::exchange::Severity;
 use skein_domain::{FormationRequest, Intent, NodeId, NodeTime, PositionNed, Task, VehicleId};
+use skein_state::asking;
+use skein_state::asks::Ask;
+use skein_state::cluster::report::CLOCK_FAULT;
+use skein_state::cluster::share::first_version;
+use skein_view::PeerSnapshot;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Duration;
@@ -39,9 +41,9 @@ pub(super) struct Bereaved {
 }
 
 impl CoordinatorState {
-    /// Whether its node holds the office. One that has just taken it goes on from what is on the board.
+    /// Whether its node holds the office. One that has just taken it goes on from what is in the shared state.
     pub(super) fn is_in_office(&mut self) -> bool {
-        let Some(swarm) = &self.board.swarm else { return true };
+        let Some(swarm) = &self.shared.swarm else { return true };
         let role = **swarm.role.load();
         let newly_cut_off = role.cut_off && !std::mem::replace(&mut self.cut_off, role.cut_off);
         if role.acting == self.term {
@@ -62,11 +64,11 @@ impl CoordinatorState {
             return false;
         }
         self.joins.clear();
-        self.settled = is_settled(&self.board.coordination.lock(), self.board.now());
+        self.settled = is_settled(&self.shared.coordination.lock(), self.shared.now());
         // Two may have claimed one term at once, and the one who keeps the office renews it: whom it succeeded is missed all the same.
         if let Some(missed) = role.bereaved.filter(|_| had_none) {
-            let since = self.board.now();
-            let formation = self.board.coordination.lock().formation.clone();
+            let since = self.shared.now();
+            let formation = self.shared.coordination.lock().formation.clone();
             let members = formation.map(|formation| formation.members).unwrap_or_default();
             self.interrupt_if_apart(&members, &[missed]);
             self.bereaved = Some(Bereaved { missed, since, members });
@@ -79,15 +81,15 @@ impl CoordinatorState {
 
     /// Some time after a succession it is clear who else went silent together with the former holder, also nodes without vehicles.
     fn look_again(&mut self) {
-        let now = self.board.now();
+        let now = self.shared.now();
         let due = |bereaved: &mut Bereaved| now.seconds_since(bereaved.since) >= LOOK_AGAIN_S;
         let Some(Bereaved { missed, since, members }) = self.bereaved.take_if(due) else {
             return;
         };
-        let Some(swarm) = &self.board.swarm else { return };
+        let Some(swarm) = &self.shared.swarm else { return };
         // As old as the picture is, which is made anew several times a second.
         let longest_s = now.seconds_since(since) + TOGETHER_S;
-        let overrun = self.board.overrun.lock();
+        let overrun = self.shared.overrun.lock();
         let silence_s = |heard_s: f64| overrun.silence_s(now.plus_seconds(-heard_s), now);
         let mut gone: Vec<NodeId> = (swarm.picture.load().nodes.iter())
             .filter(|node| silence_s(node.heard_s) > LOOK_AGAIN_S && node.heard_s < longest_s)
@@ -111,10 +113,10 @@ impl CoordinatorState {
 
     /// Version of the task that a vehicle has taken up last.
     fn taken(&self, id: VehicleId) -> u64 {
-        if let Some(cell) = self.board.cell(id) {
+        if let Some(cell) = self.shared.cell(id) {
             return cell.state.lock().task_version;
         }
-        let swarm = self.board.swarm.as_ref();
+        let swarm = self.shared.swarm.as_ref();
         let taken = swarm.and_then(|swarm| Some(swarm.vehicles.read().get(&id)?.report.task_version));
         taken.unwrap_or(0)
     }
@@ -137,13 +139,13 @@ impl CoordinatorState {
     /// unseen; who would fly on here with what is left of the formation could meet them. Everyone here holds until they are back, which is
     /// what the others expect of those that they do not hear.
     fn interrupt_if_apart(&mut self, members: &[VehicleId], gone: &[NodeId]) {
-        let Some(mut formation) = self.board.coordination.lock().formation.clone() else {
+        let Some(mut formation) = self.shared.coordination.lock().formation.clone() else {
             return;
         };
         // Who led has been succeeded since, and is to be back like the others.
         formation.members = members.to_vec();
         let missing = self.missing(members);
-        let hosts = missing.iter().filter_map(|id| self.board.host(*id));
+        let hosts = missing.iter().filter_map(|id| self.shared.host(*id));
         let nodes: BTreeSet<NodeId> = hosts.chain(gone.iter().copied()).collect();
         if nodes.len() < 2 || missing.is_empty() {
             return;
@@ -159,10 +161,10 @@ impl CoordinatorState {
     /// The holder itself hears nobody any more, and flies vehicles of a formation with others'. To those its computer has failed: they
     /// have a new coordinator and fly on, unseen from here, so that what is flown here must stop.
     fn interrupt_if_cut_off(&mut self) {
-        let Some(formation) = self.board.coordination.lock().formation.clone() else {
+        let Some(formation) = self.shared.coordination.lock().formation.clone() else {
             return;
         };
-        let elsewhere = |id: &&VehicleId| self.board.host(**id).is_some();
+        let elsewhere = |id: &&VehicleId| self.shared.host(**id).is_some();
         let (others, own): (Vec<_>, Vec<_>) = formation.members.iter().partition(elsewhere);
         if others.is_empty() || own.is_empty() {
             return;
@@ -184,7 +186,7 @@ impl CoordinatorState {
             ..formation.request.clone()
         };
         {
-            let mut coordination = self.board.coordination.lock();
+            let mut coordination = self.shared.coordination.lock();
             coordination.interrupted = Some(Interrupted {
                 request,
                 route: coordination
@@ -200,8 +202,8 @@ impl CoordinatorState {
     }
 
     fn missing(&self, members: &[VehicleId]) -> Vec<VehicleId> {
-        let (peers, now) = (self.board.peers.load(), self.board.now());
-        let overrun = self.board.overrun.lock();
+        let (peers, now) = (self.shared.peers.load(), self.shared.now());
+        let overrun = self.shared.overrun.lock();
         let heard = |id: &VehicleId| {
             let entry = peers.entry(*id);
             entry.is_some_and(|e| e.link.connected && overrun.silence_s(e.link.last_heard, now) < MISSING_S)
@@ -212,7 +214,7 @@ impl CoordinatorState {
     /// Whether members of two other nodes or more are not heard: so many computers do not fail at once.
     pub(super) fn is_apart(&self, formation: &Formation) -> bool {
         let missing = self.missing(&formation.members);
-        let nodes: BTreeSet<NodeId> = missing.iter().filter_map(|id| self.board.host(*id)).collect();
+        let nodes: BTreeSet<NodeId> = missing.iter().filter_map(|id| self.shared.host(*id)).collect();
         nodes.len() > 1
     }
 
@@ -239,8 +241,8 @@ impl CoordinatorState {
 
     /// Notes who leaves because nothing is heard of it, or because its node has just started again.
     pub(super) fn note_unheard(&self, peers: &PeerSnapshot, gone: &[VehicleId]) {
-        let Some(swarm) = &self.board.swarm else { return };
-        let now = self.board.now();
+        let Some(swarm) = &self.shared.swarm else { return };
+        let now = self.shared.now();
         let silent = |id: VehicleId| peers.entry(id).is_none_or(|e| !e.link.connected);
         let has_started = |node: NodeId| {
             let starts = swarm.starts.read();
@@ -249,11 +251,11 @@ impl CoordinatorState {
                 .is_some_and(|at| now.seconds_since(*at) < JUST_STARTED_S)
         };
         let unheard = gone.iter().copied().filter(|id| {
-            let node = self.board.host(*id);
+            let node = self.shared.host(*id);
             node.is_some_and(|node| silent(*id) || has_started(node))
         });
         let unheard: Vec<VehicleId> = unheard.collect();
-        self.board.coordination.lock().unheard.extend(unheard);
+        self.shared.coordination.lock().unheard.extend(unheard);
     }
 
     /// A leader is passed over before its link counts as lost. One that was only silent for a moment is taken back when it is heard; one
@@ -263,20 +265,20 @@ impl CoordinatorState {
             .entry(leader)
             .is_some_and(|entry| !entry.under_order && entry.flight_state.is_available_in_air());
         if only_silent {
-            self.board.coordination.lock().unheard.insert(leader);
+            self.shared.coordination.lock().unheard.insert(leader);
         }
     }
 
     /// Takes those back who had left only because nothing was heard of them, and who can be flown again.
     pub(super) fn take_back_heard(&mut self, peers: &PeerSnapshot) {
         let able = coordination::available(peers);
-        let unheard: Vec<VehicleId> = self.board.coordination.lock().unheard.iter().copied().collect();
+        let unheard: Vec<VehicleId> = self.shared.coordination.lock().unheard.iter().copied().collect();
         let missing = self.missing(&unheard);
         for id in unheard
             .into_iter()
             .filter(|id| able.contains(id) && !missing.contains(id))
         {
-            self.board.coordination.lock().unheard.remove(&id);
+            self.shared.coordination.lock().unheard.remove(&id);
             if !self.joins.contains(&id) {
                 self.joins.push(id);
             }
@@ -285,9 +287,9 @@ impl CoordinatorState {
 
     /// A formation that was interrupted is flown again once those who were missing are back and can.
     pub(super) fn resume(&mut self, myself: &ActorRef<CoordinatorMessage>, peers: &PeerSnapshot) {
-        let interrupted = self.board.coordination.lock().interrupted.clone();
+        let interrupted = self.shared.coordination.lock().interrupted.clone();
         let Some(interrupted) = interrupted else { return };
-        if self.regrouping || self.board.now() < self.not_before {
+        if self.regrouping || self.shared.now() < self.not_before {
             return;
         }
         let available = coordination::available(peers);
@@ -300,7 +302,7 @@ impl CoordinatorState {
         let mut request = interrupted.request;
         let named = request.members.is_some();
         // Whom an operator has taken out stays out.
-        let withdrawn = self.board.withdrawn.lock().clone();
+        let withdrawn = self.shared.withdrawn.lock().clone();
         let others = || {
             coordination::available(&self.without_flights(peers))
                 .into_iter()
@@ -313,7 +315,7 @@ impl CoordinatorState {
 
     /// An interrupted formation is about to fly again, with what was left of its route.
     pub(super) fn take_route_back(&mut self) {
-        let mut coordination = self.board.coordination.lock();
+        let mut coordination = self.shared.coordination.lock();
         if let Some(interrupted) = coordination.interrupted.take()
             && coordination.route.is_none()
         {
@@ -327,20 +329,20 @@ impl CoordinatorState {
 
     /// The version of the task whose route a vehicle has flown to the end.
     pub(super) fn route_finished(&self, vehicle: VehicleId) -> Option<u64> {
-        if let Some(cell) = self.board.cell(vehicle) {
+        if let Some(cell) = self.shared.cell(vehicle) {
             return cell.state.lock().route_finished;
         }
-        let vehicles = self.board.swarm.as_ref()?.vehicles.read();
+        let vehicles = self.shared.swarm.as_ref()?.vehicles.read();
         vehicles.get(&vehicle)?.report.route_finished
     }
 
     /// Whether the leader has flown its present route to the end.
     pub(super) fn has_finished_route(&self, leader: VehicleId) -> bool {
-        let intent = self.board.intent.load();
+        let intent = self.shared.intent.load();
         let task = intent.tasks.get(&leader).map(|task| task.version);
         let finished = self.route_finished(leader);
         // Of this node's own vehicles what was told of a former route is forgotten when a new one is set.
-        finished.is_some_and(|version| self.board.host(leader).is_none() || task.is_some_and(|task| version >= task))
+        finished.is_some_and(|version| self.shared.host(leader).is_none() || task.is_some_and(|task| version >= task))
     }
 
     /// Where the vehicles of other nodes hold, and whose clocks are too far off to start with the others.
@@ -349,7 +351,7 @@ impl CoordinatorState {
         held: &mut BTreeMap<VehicleId, PositionNed>,
         clock_faults: &mut BTreeSet<VehicleId>,
     ) {
-        let Some(swarm) = &self.board.swarm else { return };
+        let Some(swarm) = &self.shared.swarm else { return };
         let picture = swarm.picture.load();
         let doubtful: Vec<NodeId> = picture
             .nodes
@@ -369,17 +371,17 @@ impl CoordinatorState {
 
     /// Asks another node, and does not wait for its answer: what becomes of it is seen in its vehicles' states.
     pub(super) fn ask_elsewhere(&self, node: NodeId, ask: Ask) {
-        let actor = self.board.swarm.as_ref().and_then(|swarm| swarm.actor.load_full());
+        let actor = self.shared.swarm.as_ref().and_then(|swarm| swarm.actor.load_full());
         let (message, answered) = asking(node, ask, ASKED_WITHIN);
         if let Some(actor) = actor
             && actor.cast(message).is_ok()
         {
-            let board: Arc<_> = self.board.clone();
+            let shared: Arc<_> = self.shared.clone();
             tokio::spawn(async move {
                 if let Ok(Err(refusal)) = answered.await {
-                    let kind = crate::snapshot::EventKind::Swarm;
+                    let kind = skein_view::EventKind::Swarm;
                     let text = format!("node {node} did not do what the coordinator asked: {refusal}");
-                    board.events.record(board.now(), None, Severity::Warning, kind, text);
+                    shared.events.record(shared.now(), None, Severity::Warning, kind, text);
                 }
             });
         }

@@ -2,12 +2,12 @@
 //! replaced at once. What was planned for a formation that has changed since is planned again, or dropped.
 
 use super::{CoordinatorMessage, CoordinatorState, LEAD_TIME_S, list};
-use crate::board::PeerSnapshot;
-use crate::coordination::{self, Formation, Placed, PlanInput, PlanLimits};
-use crate::handle::{ForeseenWay, FormationForecast, FormationReceipt};
 use ractor::{ActorRef, RpcReplyPort};
+use skein_coordination::{self as coordination, Formation, Placed, PlanInput, PlanLimits};
 use skein_domain::exchange::Severity;
 use skein_domain::{FormationAnchor, FormationRequest, PositionNed, Refusal, VehicleId};
+use skein_view::PeerSnapshot;
+use skein_view::{ForeseenWay, FormationForecast, FormationReceipt};
 use std::sync::Arc;
 
 /// How often a request is planned anew because the formation changed meanwhile.
@@ -57,7 +57,7 @@ impl CoordinatorState {
             self.regrouping = true;
         }
         let (generation, input) = (self.generation, self.plan_input(request.clone(), &purpose));
-        let mut peers = self.board.peers.load_full();
+        let mut peers = self.shared.peers.load_full();
         if request.members.is_none() {
             peers = Arc::new(self.without_flights(&peers));
         }
@@ -86,10 +86,10 @@ impl CoordinatorState {
     }
 
     fn plan_input(&self, request: FormationRequest, purpose: &Purpose) -> PlanInput {
-        let coordination = self.board.coordination.lock().clone();
-        let now = self.board.now();
+        let coordination = self.shared.coordination.lock().clone();
+        let now = self.shared.now();
         let reference = match &request.anchor {
-            FormationAnchor::Reference { name } => self.board.references.anchor(name, now),
+            FormationAnchor::Reference { name } => self.shared.references.anchor(name, now),
             _ => None,
         };
         let (route_speed_m_s, under_way) = coordination.way(&request);
@@ -106,13 +106,13 @@ impl CoordinatorState {
             reference,
             before: coordination.formation,
             limits: self.plan_limits(),
-            gate: self.board.gate(),
+            gate: self.shared.gate(),
             start: now.plus_seconds(LEAD_TIME_S),
         }
     }
 
     pub(super) fn plan_limits(&self) -> PlanLimits {
-        let config = &self.board.config;
+        let config = &self.shared.config;
         PlanLimits::new(&config.coordinator, config.safety.max_speed_m_s)
     }
 
@@ -128,7 +128,7 @@ impl CoordinatorState {
         if matches!(purpose, Purpose::Regroup { .. }) {
             self.regrouping = false;
         }
-        if !self.board.coordinates() {
+        if !self.shared.coordinates() {
             // The office has passed on meanwhile.
             match purpose {
                 Purpose::Asked(reply) => drop(reply.send(Err(Refusal::Superseded))),
@@ -150,7 +150,7 @@ impl CoordinatorState {
             }
             return;
         }
-        let start = self.board.now().plus_seconds(LEAD_TIME_S);
+        let start = self.shared.now().plus_seconds(LEAD_TIME_S);
         let outcome = outcome.map(|(formation, _)| formation.beginning(start));
         match purpose {
             Purpose::Asked(reply) => drop(reply.send(outcome.map(|formation| self.fly_asked(formation)))),
@@ -161,8 +161,11 @@ impl CoordinatorState {
 
     fn fly_asked(&mut self, formation: Formation) -> FormationReceipt {
         // The operator calls them back.
-        self.board.withdrawn.lock().retain(|id| !formation.members.contains(id));
-        self.board.coordination.lock().interrupted = None;
+        self.shared
+            .withdrawn
+            .lock()
+            .retain(|id| !formation.members.contains(id));
+        self.shared.coordination.lock().interrupted = None;
         let receipt = receipt(&formation);
         let behind = formation
             .leader
@@ -192,9 +195,9 @@ impl CoordinatorState {
             }
             Err(refusal) => {
                 self.joins.clear();
-                self.not_before = self.board.now().plus_seconds(RETRY_S);
+                self.not_before = self.shared.now().plus_seconds(RETRY_S);
                 let text = format!("{text}; but it cannot: {refusal}");
-                let now = self.board.now();
+                let now = self.shared.now();
                 let told = self.told_cannot.as_ref();
                 if !told.is_some_and(|(what, at)| *what == text && now.seconds_since(*at) < TELL_AGAIN_S) {
                     self.record(Severity::Warning, text.clone());

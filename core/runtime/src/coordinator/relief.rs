@@ -3,20 +3,20 @@
 //! Must never do: keep a vehicle in the formation that has to return; its ladder sends it home by itself then.
 
 use super::CoordinatorState;
-use crate::board::PeerSnapshot;
-use crate::coordination::Formation;
-use crate::snapshot::EventKind;
-use crate::swarm::asks::{Ask, Order};
-use crate::vehicle::VehicleMessage;
-use crate::ways;
+use skein_coordination::Formation;
+use skein_coordination::ways;
 use skein_domain::exchange::Severity;
 use skein_domain::{EnergyLevel, VehicleCommand};
+use skein_state::VehicleMessage;
+use skein_state::asks::{Ask, Order};
+use skein_view::EventKind;
+use skein_view::PeerSnapshot;
 
 impl CoordinatorState {
     /// Takes those back whose ladder held them and whose trouble is over.
     pub(super) fn take_back(&mut self, peers: &PeerSnapshot) {
         for entry in peers.entries.iter().filter(|e| e.may_rejoin) {
-            if self.board.withdrawn.lock().remove(&entry.id) && !self.joins.contains(&entry.id) {
+            if self.shared.withdrawn.lock().remove(&entry.id) && !self.joins.contains(&entry.id) {
                 self.joins.push(entry.id);
             }
         }
@@ -24,13 +24,13 @@ impl CoordinatorState {
 
     /// Sends members home whose charge comes to an end.
     pub(super) fn relieve(&self, formation: &Formation, peers: &PeerSnapshot) {
-        let now = self.board.now();
+        let now = self.shared.now();
         for id in &formation.members {
             let energy = peers.entry(*id).and_then(|e| e.energy);
             let Some(energy) = energy.filter(|e| e.level == EnergyLevel::ReplanSoon) else {
                 continue;
             };
-            if !self.board.withdrawn.lock().insert(*id) {
+            if !self.shared.withdrawn.lock().insert(*id) {
                 continue;
             }
             let text = format!(
@@ -38,12 +38,13 @@ impl CoordinatorState {
                 energy.return_in_s,
                 energy.remaining * 100.0
             );
-            self.board
+            self.shared
                 .events
                 .record(now, Some(*id), Severity::Advisory, EventKind::Formation, text);
             let command = VehicleCommand::Return;
-            let legs = ways::legs(&self.board, *id, &command).unwrap_or_default();
-            if let Some(node) = self.board.host(*id) {
+            let legs =
+                ways::legs(self.shared.gate().fences(), &self.shared.peers.load(), *id, &command).unwrap_or_default();
+            if let Some(node) = self.shared.host(*id) {
                 let order = Order {
                     vehicle: *id,
                     command,
@@ -55,14 +56,14 @@ impl CoordinatorState {
                 continue;
             }
             let message = VehicleMessage::Command {
-                id: self.board.next_command_id(),
+                id: self.shared.next_command_id(),
                 command,
                 legs,
                 not_before: now,
                 reply: None,
             };
             // Without its actor it goes on as it is; its ladder is looked at by the next incarnation.
-            if let Some(actor) = self.board.cell(*id).and_then(|cell| cell.actor.load_full()) {
+            if let Some(actor) = self.shared.cell(*id).and_then(|cell| cell.actor.load_full()) {
                 let _ = actor.cast(message);
             }
         }

@@ -3,17 +3,17 @@
 //! Must never do: begin one whose start has passed, or that was planned for another state of things than there is.
 
 use super::{CoordinatorMessage, CoordinatorState, LEAD_TIME_S, list};
-use crate::board::PeerSnapshot;
-use crate::coordination::{self, Flight, PlannedFlights, TrajectoryInput};
-use crate::snapshot::EventKind;
-use crate::swarm::asks::Ask;
-use crate::vehicle::VehicleMessage;
 use ractor::{ActorRef, RpcReplyPort};
+use skein_coordination::{self as coordination, Flight, PlannedFlights, TrajectoryInput};
 use skein_domain::exchange::Severity;
 use skein_domain::{
     FlightState, NodeTime, Refusal, Task, TrajectoryObjection, TrajectoryPlan, TrajectoryRequest, TrajectoryStart,
     Trigger, VehicleId,
 };
+use skein_state::VehicleMessage;
+use skein_state::asks::Ask;
+use skein_view::EventKind;
+use skein_view::PeerSnapshot;
 use std::collections::BTreeMap;
 
 /// How often a request is planned anew because things changed meanwhile.
@@ -71,7 +71,7 @@ impl CoordinatorState {
             Err(objections) => return drop(ask.reply.send(Err(objections))),
         };
         let (made_for, made_at) = ((self.generation, self.flights_version), input.now);
-        let peers = self.board.peers.load_full();
+        let peers = self.shared.peers.load_full();
         let myself = myself.clone();
         tokio::spawn(async move {
             let planned = tokio::task::spawn_blocking(move || coordination::plan_trajectories(&input, &peers)).await;
@@ -92,7 +92,7 @@ impl CoordinatorState {
     }
 
     fn trajectory_input(&self, ask: &TrajectoryAsk) -> Result<TrajectoryInput, Vec<TrajectoryObjection>> {
-        let now = self.board.now();
+        let now = self.shared.now();
         let start = match ask.request.start {
             TrajectoryStart::Soon => now.plus_seconds(SOON_S),
             TrajectoryStart::In { in_s } => ask.asked_at.plus_seconds(in_s),
@@ -109,10 +109,10 @@ impl CoordinatorState {
                 "the start is {ahead_s:.0} s from now: at most {LATEST_S:.0} s are possible"
             )));
         }
-        let frame = self.board.frame().ok_or_else(|| of_all(Refusal::NoSwarmFrame))?;
-        let coordination = self.board.coordination.lock().clone();
+        let frame = self.shared.frame().ok_or_else(|| of_all(Refusal::NoSwarmFrame))?;
+        let coordination = self.shared.coordination.lock().clone();
         let (mut held, mut clock_faults) = (BTreeMap::new(), std::collections::BTreeSet::new());
-        for cell in self.board.cells() {
+        for cell in self.shared.cells() {
             let published = cell.state.lock();
             let holds = published.flight_state == FlightState::Holding;
             if let Some(place) = published.setpoint.and_then(|s| s.position).filter(|_| holds) {
@@ -131,7 +131,7 @@ impl CoordinatorState {
             held,
             clock_faults,
             limits: self.plan_limits(),
-            gate: self.board.gate(),
+            gate: self.shared.gate(),
             frame,
             now,
             start,
@@ -151,8 +151,8 @@ impl CoordinatorState {
             Ok(flown) if ask.fly => flown,
             answer => return drop(ask.reply.send(answer.map(|flown| flown.plan))),
         };
-        let now = self.board.now();
-        if !self.board.coordinates() {
+        let now = self.shared.now();
+        if !self.shared.coordinates() {
             return drop(ask.reply.send(Err(of_all(Refusal::Superseded))));
         }
         let changed = made_for != (self.generation, self.flights_version);
@@ -178,7 +178,7 @@ impl CoordinatorState {
     /// Whether a former trajectory of one of them begins between planning and publishing: it was taken for one that stands, and may move.
     fn begins_meanwhile(&self, flown: &PlannedFlights, from: NodeTime, to: NodeTime) -> bool {
         let window = from.plus_seconds(-LEAD_TIME_S)..=to.plus_seconds(LEAD_TIME_S);
-        let coordination = self.board.coordination.lock();
+        let coordination = self.shared.coordination.lock();
         let former = |id| coordination.flights.get(id).filter(|f| f.is_on());
         flown
             .flights
@@ -191,13 +191,13 @@ impl CoordinatorState {
         let PlannedFlights { plan, flights, routes } = flown;
         let ids: Vec<VehicleId> = flights.keys().copied().collect();
         // The operator calls them back.
-        self.board.withdrawn.lock().retain(|id| !ids.contains(id));
-        self.board.coordination.lock().flights.extend(flights);
+        self.shared.withdrawn.lock().retain(|id| !ids.contains(id));
+        self.shared.coordination.lock().flights.extend(flights);
         self.flights_version += 1;
         self.publish();
         for (id, points) in routes {
-            let actor = self.board.cell(id).and_then(|cell| cell.actor.load_full());
-            if let Some(node) = self.board.host(id) {
+            let actor = self.shared.cell(id).and_then(|cell| cell.actor.load_full());
+            if let Some(node) = self.shared.host(id) {
                 self.ask_elsewhere(node, Ask::Upload(vec![(id, points)]));
             } else if let Some(actor) = actor {
                 let _ = actor.cast(VehicleMessage::UploadRoute(points));
@@ -218,7 +218,7 @@ impl CoordinatorState {
     /// Ends all trajectories; who flew one holds.
     pub(super) fn end_trajectories(&mut self) -> Vec<VehicleId> {
         let mut ended = Vec::new();
-        for (id, flight) in &mut self.board.coordination.lock().flights {
+        for (id, flight) in &mut self.shared.coordination.lock().flights {
             if flight.is_on() {
                 flight.ended = Some("ended by an operator".to_owned());
                 ended.push(*id);
@@ -234,7 +234,7 @@ impl CoordinatorState {
 
     /// Members of a formation fly no trajectory of their own.
     pub(super) fn leave_trajectories(&mut self, members: &[VehicleId]) {
-        let mut coordination = self.board.coordination.lock();
+        let mut coordination = self.shared.coordination.lock();
         for id in members {
             if let Some(flight) = coordination.flights.get_mut(id).filter(|f| f.is_on()) {
                 flight.ended = Some("taken into the formation".to_owned());
@@ -245,7 +245,7 @@ impl CoordinatorState {
 
     /// The vehicles without those that are on their way along a trajectory: who is not named is not called away from it.
     pub(super) fn without_flights(&self, peers: &PeerSnapshot) -> PeerSnapshot {
-        let coordination = self.board.coordination.lock();
+        let coordination = self.shared.coordination.lock();
         let flies = |id: &VehicleId| coordination.flights.get(id).is_some_and(|f| f.is_on() && !f.finished);
         let mut left = peers.clone();
         left.entries.retain(|e| !flies(&e.id));
@@ -254,11 +254,11 @@ impl CoordinatorState {
 
     /// Notes who has come to the end, and who does something else by now.
     pub(super) fn review_trajectories(&mut self, peers: &PeerSnapshot) {
-        let now = self.board.now();
-        let withdrawn = self.board.withdrawn.lock().clone();
-        let intent = self.board.intent.load();
+        let now = self.shared.now();
+        let withdrawn = self.shared.withdrawn.lock().clone();
+        let intent = self.shared.intent.load();
         let mut left = Vec::new();
-        for (id, flight) in &mut self.board.coordination.lock().flights {
+        for (id, flight) in &mut self.shared.coordination.lock().flights {
             if !flight.is_on() {
                 continue;
             }
@@ -291,9 +291,9 @@ impl CoordinatorState {
     }
 
     fn tell_trajectory(&self, vehicle: Option<VehicleId>, severity: Severity, text: String) {
-        self.board
+        self.shared
             .events
-            .record(self.board.now(), vehicle, severity, EventKind::Trajectory, text);
+            .record(self.shared.now(), vehicle, severity, EventKind::Trajectory, text);
     }
 }
 

@@ -4,11 +4,7 @@
 //! must not take its gimbal along.
 
 use super::{Child, FleetMessage, FleetState};
-use crate::board::{Board, VehicleCell};
-use crate::payload::{Payload, PayloadArguments, PayloadCell, PayloadPublished, escalate};
-use crate::plugin_life::{LifeIdentity, LifeRecord};
-use crate::restart::{Decision, PAYLOAD_LIMITS, RestartHistory, fraction};
-use crate::snapshot::{ActorStatus, EventKind};
+use crate::payload::{Payload, PayloadArguments, escalate};
 use arc_swap::ArcSwapOption;
 use parking_lot::Mutex;
 use ractor::{Actor, ActorRef};
@@ -17,6 +13,11 @@ use skein_domain::exchange::Severity;
 use skein_domain::payload::PayloadKind;
 use skein_domain::{Incarnation, Refusal, VehicleId};
 use skein_plugin_host::PluginKind;
+use skein_state::restart::{Decision, PAYLOAD_LIMITS, RestartHistory, fraction};
+use skein_state::{PayloadPublished, PayloadRecord};
+use skein_state::{PluginIdentity, PluginRecord};
+use skein_state::{SharedState, VehicleRecord};
+use skein_view::{ActorStatus, EventKind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64};
 use std::time::Duration;
@@ -26,7 +27,7 @@ pub(super) type PayloadKey = (VehicleId, String);
 
 /// Failures of one payload's actor.
 #[derive(Default)]
-pub(super) struct PayloadRecord {
+pub(super) struct SupervisedPayload {
     incarnation: Incarnation,
     history: RestartHistory,
 }
@@ -46,12 +47,16 @@ pub fn payload_kind(kind: PluginKind) -> Option<PayloadKind> {
 ///
 /// # Errors
 /// What of the rule cannot be, in a sentence.
-pub fn payload_cell(board: &Board, vehicle: &VehicleCell, rule: &PayloadRule) -> Result<PayloadCell, Refusal> {
+pub fn payload_cell(
+    shared: &SharedState,
+    vehicle: &VehicleRecord,
+    rule: &PayloadRule,
+) -> Result<PayloadRecord, Refusal> {
     let invalid = |detail: String| Refusal::InvalidValue {
         detail: format!("payload {:?}: {detail}", rule.name),
     };
     rule.check().map_err(invalid)?;
-    let plugin = board
+    let plugin = shared
         .catalog
         .get(&rule.plugin)
         .ok_or_else(|| invalid(format!("the plugin \"{}\" is not among those found", rule.plugin)))?;
@@ -72,18 +77,18 @@ pub fn payload_cell(board: &Board, vehicle: &VehicleCell, rule: &PayloadRule) ->
         .as_ref()
         .map(|text| text.parse().map_err(|e| invalid(format!("transport: {e}"))))
         .transpose()?;
-    let identity = LifeIdentity {
+    let identity = PluginIdentity {
         name: format!("payload-{}-{}", vehicle.id, rule.name),
         label: format!("{}: {}", vehicle.name, rule.name),
         vehicle: vehicle.id,
         payload: Some(rule.name.clone()),
         system_id: vehicle.system_id,
     };
-    Ok(PayloadCell {
+    Ok(PayloadRecord {
         name: rule.name.clone(),
         kind,
         rule: rule.clone(),
-        life: Arc::new(LifeRecord::new(identity, plugin, config_json, rule.isolation)),
+        life: Arc::new(PluginRecord::new(identity, plugin, config_json, rule.isolation)),
         transport,
         actor: ArcSwapOption::empty(),
         tick_waiting: AtomicBool::new(false),
@@ -101,13 +106,13 @@ impl FleetState {
         vehicle: VehicleId,
         rule: &PayloadRule,
     ) -> Result<(), Refusal> {
-        let cell = self.board.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+        let cell = self.shared.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
         if cell.payload(&rule.name).is_some() {
             return Err(Refusal::InvalidValue {
                 detail: format!("vehicle {vehicle} has a payload \"{}\" already", rule.name),
             });
         }
-        let payload = Arc::new(payload_cell(&self.board, &cell, rule)?);
+        let payload = Arc::new(payload_cell(&self.shared, &cell, rule)?);
         cell.payloads.write().insert(rule.name.clone(), payload);
         self.tell(
             &cell,
@@ -121,7 +126,7 @@ impl FleetState {
 
     /// Takes a payload off its vehicle and ends it.
     pub(super) fn detach(&mut self, vehicle: VehicleId, name: &str) -> Result<(), Refusal> {
-        let cell = self.board.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+        let cell = self.shared.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
         let payload = cell
             .payloads
             .write()
@@ -140,7 +145,7 @@ impl FleetState {
     }
 
     /// Starts the payloads of a vehicle that have no actor.
-    pub(super) async fn start_payloads(&mut self, myself: &ActorRef<FleetMessage>, cell: &VehicleCell) {
+    pub(super) async fn start_payloads(&mut self, myself: &ActorRef<FleetMessage>, cell: &VehicleRecord) {
         for payload in cell.payloads() {
             let key = (cell.id, payload.name.clone());
             self.payload_records.entry(key.clone()).or_default().incarnation = payload.state.lock().actor.incarnation;
@@ -150,12 +155,12 @@ impl FleetState {
 
     /// Starts the next incarnation of a payload's actor.
     pub(super) async fn start_payload(&mut self, myself: &ActorRef<FleetMessage>, key: PayloadKey) {
-        let Some(vehicle) = self.board.cell(key.0) else { return };
+        let Some(vehicle) = self.shared.cell(key.0) else { return };
         let Some(cell) = vehicle.payload(&key.1) else { return };
         let record = self.payload_records.entry(key.clone()).or_default();
         record.incarnation = record.incarnation.next();
         let arguments = PayloadArguments {
-            board: self.board.clone(),
+            shared: self.shared.clone(),
             vehicle,
             cell,
             incarnation: record.incarnation,
@@ -170,9 +175,9 @@ impl FleetState {
 
     /// A payload's actor ended by itself.
     pub(super) fn payload_ended(&mut self, myself: &ActorRef<FleetMessage>, key: PayloadKey, error: &str) {
-        let Some(vehicle) = self.board.cell(key.0) else { return };
+        let Some(vehicle) = self.shared.cell(key.0) else { return };
         let Some(cell) = vehicle.payload(&key.1) else { return };
-        let now = self.board.now();
+        let now = self.shared.now();
         cell.actor.store(None);
         let record = self.payload_records.entry(key.clone()).or_default();
         let decision = record.history.decide(&PAYLOAD_LIMITS, now, fraction(now));
@@ -204,17 +209,17 @@ impl FleetState {
                     FleetMessage::RestartPayload(key)
                 });
             }
-            Decision::GiveUp => escalate(&self.board, &vehicle, &cell, error),
+            Decision::GiveUp => escalate(&self.shared, &vehicle, &cell, error),
         }
     }
 
-    fn tell(&self, vehicle: &VehicleCell, payload: &str, severity: Severity, text: &str) {
+    fn tell(&self, vehicle: &VehicleRecord, payload: &str, severity: Severity, text: &str) {
         let kind = EventKind::Payload {
             payload: payload.to_owned(),
         };
         let text = format!("{}: {payload} {text}", vehicle.name);
-        self.board
+        self.shared
             .events
-            .record(self.board.now(), Some(vehicle.id), severity, kind, text);
+            .record(self.shared.now(), Some(vehicle.id), severity, kind, text);
     }
 }

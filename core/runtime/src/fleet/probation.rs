@@ -49,7 +49,7 @@ impl Candidate {
 
 impl FleetState {
     fn somebody_flies(&self) -> bool {
-        self.board.peers.load().entries.iter().any(|entry| entry.airborne)
+        self.shared.peers.load().entries.iter().any(|entry| entry.airborne)
     }
 
     /// Whether it has to show first that it is there. If so it waits.
@@ -62,7 +62,7 @@ impl FleetState {
         if !self.somebody_flies() {
             return Some(discovery);
         }
-        let probation_s = self.board.config.newcomers.probation_s;
+        let probation_s = self.shared.config.newcomers.probation_s;
         let why = format!("others fly: it is taken in when it has told its position for {probation_s} s");
         self.not_adopted(discovery.unadopted(why));
         if self.probation.waiting.is_empty() {
@@ -82,9 +82,9 @@ impl FleetState {
 
     /// Looks at those that wait, and takes in whom it may.
     pub(super) async fn look_at_newcomers(&mut self, myself: &ActorRef<FleetMessage>) {
-        let now = self.board.now();
+        let now = self.shared.now();
         let free = !self.somebody_flies();
-        let settings = self.board.config.newcomers.clone();
+        let settings = self.shared.config.newcomers.clone();
         let mut waiting = std::mem::take(&mut self.probation.waiting);
         waiting.iter_mut().for_each(|candidate| candidate.look(now));
         for candidate in waiting {

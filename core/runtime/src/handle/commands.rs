@@ -3,15 +3,16 @@
 //!
 //! Must never do: let the answer of one vehicle delay the stop of another.
 
-use super::{ANSWER_WITHIN, CommandReceipt, NodeHandle, Targets};
-use crate::board::Board;
-use crate::returns;
-use crate::swarm::asks::{Answer, Ask, Order};
-use crate::vehicle::VehicleMessage;
-use crate::ways;
+use super::{ANSWER_WITHIN, NodeHandle, Targets};
 use ractor::rpc::CallResult;
+use skein_coordination::returns;
+use skein_coordination::ways;
 use skein_domain::{CommandId, NodeId, Refusal, VehicleCommand, VehicleId};
 use skein_safety::control::is_for_everybody;
+use skein_state::SharedState;
+use skein_state::VehicleMessage;
+use skein_state::asks::{Answer, Ask, Order};
+use skein_view::CommandReceipt;
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 
@@ -32,7 +33,7 @@ impl NodeHandle {
         command: VehicleCommand,
     ) -> Vec<CommandReceipt> {
         let ids: Vec<VehicleId> = match targets {
-            Targets::All => self.board.vehicle_ids(),
+            Targets::All => self.shared.vehicle_ids(),
             Targets::Vehicles(ids) => ids.clone(),
         };
         let may = |id: &VehicleId| match is_for_everybody(&command) {
@@ -50,7 +51,7 @@ impl NodeHandle {
         receipts.append(&mut others_hands);
         let (mut own, mut others): (Vec<Order>, BTreeMap<NodeId, Vec<Order>>) = (Vec::new(), BTreeMap::new());
         for order in orders {
-            match self.board.host(order.vehicle) {
+            match self.shared.host(order.vehicle) {
                 Some(node) => others.entry(node).or_default().push(order),
                 None => own.push(order),
             }
@@ -81,16 +82,19 @@ impl NodeHandle {
     /// What is to be flown for a command, or why it cannot be.
     fn orders(&self, ids: &[VehicleId], command: VehicleCommand) -> (Vec<Order>, Vec<CommandReceipt>) {
         let stagger_s = match command {
-            VehicleCommand::TakeOff { .. } => self.board.config.coordinator.take_off_stagger_s,
+            VehicleCommand::TakeOff { .. } => self.shared.config.coordinator.take_off_stagger_s,
             _ => 0.0,
         };
         let mut legs = match command {
-            VehicleCommand::Return if ids.len() > 1 => returns::legs(&self.board, ids),
+            VehicleCommand::Return if ids.len() > 1 => {
+                let (gate, peers) = (self.shared.gate(), self.shared.peers.load());
+                returns::legs(&gate, &peers, &self.shared.config.safety.returning, ids)
+            }
             _ => BTreeMap::new(),
         };
         let (mut orders, mut receipts) = (Vec::new(), Vec::new());
         for (i, id) in ids.iter().enumerate() {
-            match legs_of(&self.board, *id, &command, legs.remove(id).unwrap_or_default()) {
+            match legs_of(&self.shared, *id, &command, legs.remove(id).unwrap_or_default()) {
                 Ok(legs) => orders.push(Order {
                     vehicle: *id,
                     command,
@@ -107,7 +111,7 @@ impl NodeHandle {
     fn refused(&self, vehicle: VehicleId, refusal: Refusal) -> CommandReceipt {
         CommandReceipt {
             vehicle,
-            id: self.board.next_command_id(),
+            id: self.shared.next_command_id(),
             refusal: Some(refusal),
         }
     }
@@ -115,7 +119,7 @@ impl NodeHandle {
     /// Has another node carry out what is for its vehicles.
     async fn command_elsewhere(&self, node: NodeId, orders: Vec<Order>) -> Vec<CommandReceipt> {
         let ids: Vec<VehicleId> = orders.iter().map(|order| order.vehicle).collect();
-        if self.board.coordinates()
+        if self.shared.coordinates()
             && let Some(command) = orders.first().map(|order| order.command)
         {
             // So that no regrouping comes between; the node that flies them says the same from now on.
@@ -153,7 +157,7 @@ impl NodeHandle {
             }));
         }
         // Who did not take the command up goes on as before; the coordinator takes it back in.
-        let mut withdrawn = self.board.withdrawn.lock();
+        let mut withdrawn = self.shared.withdrawn.lock();
         for receipt in receipts.iter().filter(|r| r.refusal.is_some()) {
             withdrawn.remove(&receipt.vehicle);
         }
@@ -171,7 +175,7 @@ impl NodeHandle {
             | VehicleCommand::Disarm
             | VehicleCommand::LookAt { .. }
             | VehicleCommand::StopObserving => {}
-            VehicleCommand::TakeOff { .. } => self.board.withdrawn.lock().retain(|id| !ids.contains(id)),
+            VehicleCommand::TakeOff { .. } => self.shared.withdrawn.lock().retain(|id| !ids.contains(id)),
             VehicleCommand::Land
             | VehicleCommand::LandAt { .. }
             | VehicleCommand::Hold
@@ -179,9 +183,9 @@ impl NodeHandle {
             | VehicleCommand::Observe { .. }
             | VehicleCommand::GoTo { .. } => {
                 for id in ids {
-                    match self.board.cell(*id) {
-                        Some(cell) => drop(self.board.withdraw(&cell)),
-                        None => drop(self.board.withdrawn.lock().insert(*id)),
+                    match self.shared.cell(*id) {
+                        Some(cell) => drop(self.shared.withdraw(&cell)),
+                        None => drop(self.shared.withdrawn.lock().insert(*id)),
                     }
                 }
             }
@@ -196,14 +200,14 @@ impl NodeHandle {
             delay_s,
             by_operator,
         } = order;
-        let not_before = self.board.now().plus_seconds(delay_s);
-        let id = self.board.next_command_id();
+        let not_before = self.shared.now().plus_seconds(delay_s);
+        let id = self.shared.next_command_id();
         let refused = |refusal| CommandReceipt {
             vehicle,
             id,
             refusal: Some(refusal),
         };
-        let Some(cell) = self.board.cell(vehicle) else {
+        let Some(cell) = self.shared.cell(vehicle) else {
             return refused(Refusal::UnknownVehicle { vehicle });
         };
         let not_running = Refusal::NotRunning {
@@ -242,12 +246,12 @@ impl NodeHandle {
 
 /// How a command is flown: along the legs that were worked out for several at once, or around what is closed.
 fn legs_of(
-    board: &Board,
+    shared: &SharedState,
     vehicle: VehicleId,
     command: &VehicleCommand,
     legs: VecDeque<VehicleCommand>,
 ) -> Result<VecDeque<VehicleCommand>, Refusal> {
-    match ways::legs(board, vehicle, command) {
+    match ways::legs(shared.gate().fences(), &shared.peers.load(), vehicle, command) {
         Ok(around) if legs.is_empty() => Ok(around),
         Ok(_) => Ok(legs),
         // A return that finds no way is better begun than not; the gate stops it where it must.

@@ -3,11 +3,11 @@
 //! Must never do: keep anybody from stopping, holding or bringing down a vehicle.
 
 use super::{NodeHandle, Targets};
-use crate::snapshot::EventKind;
 use serde::{Deserialize, Serialize};
 use skein_domain::control::{Console, VehicleControl};
 use skein_domain::exchange::Severity;
 use skein_domain::{Refusal, VehicleId};
+use skein_view::EventKind;
 
 /// What a console wants with vehicles.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
@@ -39,12 +39,12 @@ impl NodeHandle {
     /// Who has which vehicles in hand, by ascending id; the others are in nobody's.
     #[must_use]
     pub fn control(&self) -> Vec<VehicleControl> {
-        self.board.control.lock().picture(self.now())
+        self.shared.control.lock().picture(self.now())
     }
 
     /// A console gives a sign of life.
     pub fn hear_console(&self, console: &str) {
-        self.board.control.lock().hear(console, self.now());
+        self.shared.control.lock().hear(console, self.now());
     }
 
     /// A console takes, asks for, hands over or lets go vehicles.
@@ -63,7 +63,7 @@ impl NodeHandle {
             });
         }
         let ids = match targets {
-            Targets::All => self.board.vehicle_ids(),
+            Targets::All => self.shared.vehicle_ids(),
             Targets::Vehicles(ids) => ids.clone(),
         };
         let receipts = ids.into_iter().map(|vehicle| ControlReceipt {
@@ -74,12 +74,12 @@ impl NodeHandle {
     }
 
     fn change_one(&self, vehicle: VehicleId, console: &Console, action: &ControlAction) -> Result<(), Refusal> {
-        if !self.board.vehicle_ids().contains(&vehicle) {
+        if !self.shared.vehicle_ids().contains(&vehicle) {
             return Err(Refusal::UnknownVehicle { vehicle });
         }
         let now = self.now();
         let (before, after) = {
-            let mut table = self.board.control.lock();
+            let mut table = self.shared.control.lock();
             let before = table.holder(vehicle).map(|holder| holder.name.clone());
             match action {
                 ControlAction::Take => table.take(vehicle, console, now),
@@ -98,7 +98,7 @@ impl NodeHandle {
             (Some(name), None) => format!("{name} has let it go"),
             (None, None) => return Ok(()),
         };
-        self.board
+        self.shared
             .events
             .record(now, Some(vehicle), Severity::Info, EventKind::Notice, text);
         Ok(())
@@ -109,7 +109,7 @@ impl NodeHandle {
     /// # Errors
     /// The first of them that another one has in hand.
     pub fn may_command(&self, console: Option<&str>, vehicles: &[VehicleId]) -> Result<(), Refusal> {
-        let (table, now) = (self.board.control.lock(), self.board.now());
+        let (table, now) = (self.shared.control.lock(), self.shared.now());
         vehicles
             .iter()
             .try_for_each(|vehicle| table.may(*vehicle, console, now))

@@ -2,13 +2,16 @@
 //!
 //! Must never do: ask a node that does not coordinate to decide.
 
-use super::{FormationForecast, FormationReceipt, NodeHandle, PLAN_WITHIN};
+use super::serving::take_office;
+use super::{NodeHandle, PLAN_WITHIN};
 use crate::coordinator::CoordinatorMessage;
-use crate::swarm::asks::{Answer, ApiAnswer, ApiRequest, Ask};
-use crate::swarm::{SwarmSnapshot, asking, take_office};
 use ractor::RpcReplyPort;
 use ractor::rpc::CallResult;
 use skein_domain::{FormationRequest, NodeId, Refusal, Route, VehicleId};
+use skein_state::asking;
+use skein_state::asks::{Answer, ApiAnswer, ApiRequest, Ask};
+use skein_view::SwarmSnapshot;
+use skein_view::{FormationForecast, FormationReceipt};
 use std::time::Duration;
 
 /// Longest wait for another node to take the office.
@@ -38,7 +41,7 @@ impl NodeHandle {
         let not_running = || Refusal::NotRunning {
             what: "this node's part in a swarm".into(),
         };
-        let actor = self.board.swarm.as_ref().and_then(|swarm| swarm.actor.load_full());
+        let actor = self.shared.swarm.as_ref().and_then(|swarm| swarm.actor.load_full());
         let (message, answered) = asking(node, ask, within);
         actor
             .ok_or_else(not_running)?
@@ -52,7 +55,7 @@ impl NodeHandle {
     /// # Errors
     /// When nobody coordinates, or this node commands nothing.
     pub(crate) fn coordinator_elsewhere(&self) -> Result<Option<NodeId>, Refusal> {
-        let Some(swarm) = &self.board.swarm else {
+        let Some(swarm) = &self.shared.swarm else {
             return Ok(None);
         };
         let role = swarm.role.load();
@@ -149,9 +152,9 @@ impl NodeHandle {
     /// Plans are made from the picture of a control period, and whoever asks for one may have seen what came after it (the last vehicle
     /// has just come up): waits for a picture that has it all. A node too busy for that plans with what it has.
     pub(super) async fn picture_of_now(&self) {
-        let asked = self.board.now();
+        let asked = self.shared.now();
         let fresh = async {
-            while self.board.peers.load().made < asked {
+            while self.shared.peers.load().made < asked {
                 tokio::time::sleep(PICTURE_POLL).await;
             }
         };
@@ -165,7 +168,7 @@ impl NodeHandle {
         let not_running = || Refusal::NotRunning {
             what: "the coordinator".into(),
         };
-        if !self.board.coordinates() {
+        if !self.shared.coordinates() {
             return Err(no_coordinator());
         }
         let coordinator = self.parts.coordinator.load_full().ok_or_else(not_running)?;
@@ -183,7 +186,7 @@ impl NodeHandle {
     /// The swarm this node is part of, if it is part of one.
     #[must_use]
     pub fn swarm(&self) -> Option<SwarmSnapshot> {
-        let swarm = self.board.swarm.as_ref()?;
+        let swarm = self.shared.swarm.as_ref()?;
         Some(swarm.picture.load().as_ref().clone())
     }
 
@@ -192,7 +195,7 @@ impl NodeHandle {
     /// # Errors
     /// When that node cannot coordinate, or does not answer.
     pub async fn make_coordinator(&self, node: NodeId) -> Result<(), Refusal> {
-        let Some(swarm) = &self.board.swarm else {
+        let Some(swarm) = &self.shared.swarm else {
             return Err(Refusal::NotPermitted {
                 detail: "this node flies its vehicles alone; it is in no swarm".into(),
             });
@@ -215,7 +218,7 @@ impl NodeHandle {
     /// The node that flies a vehicle, if it is another one than this.
     #[must_use]
     pub fn host_elsewhere(&self, vehicle: VehicleId) -> Option<NodeId> {
-        self.board.host(vehicle)
+        self.shared.host(vehicle)
     }
 
     /// Has another node answer a request of the API.
@@ -230,8 +233,8 @@ impl NodeHandle {
     }
 
     /// Answers requests of other nodes' gateways from now on, in this way.
-    pub fn serve_api(&self, server: crate::swarm::asks::ApiServer) {
-        if let Some(swarm) = &self.board.swarm {
+    pub fn serve_api(&self, server: skein_state::asks::ApiServer) {
+        if let Some(swarm) = &self.shared.swarm {
             // Set once, when the node starts.
             let _ = swarm.api.set(server);
         }

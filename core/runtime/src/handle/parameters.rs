@@ -3,13 +3,14 @@
 //! Must never do: write a parameter of a vehicle that another operator has in hand.
 
 use super::NodeHandle;
-use crate::board::VehicleCell;
-use crate::snapshot::EventKind;
-use crate::vehicle::{ParameterOrder, VehicleMessage, parameter_words};
+use crate::vehicle::parameter_words;
 use ractor::rpc::CallResult;
 use serde::{Deserialize, Serialize};
 use skein_domain::parameter::check_parameter_name;
 use skein_domain::{ParameterError, ParameterList, ParameterValue, ReadingAction, Refusal, VehicleId};
+use skein_state::VehicleRecord;
+use skein_state::{ParameterOrder, VehicleMessage};
+use skein_view::EventKind;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -30,8 +31,8 @@ pub struct ParameterReceipt {
 }
 
 impl NodeHandle {
-    fn cell_of(&self, vehicle: VehicleId) -> Result<Arc<VehicleCell>, Refusal> {
-        self.board.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })
+    fn cell_of(&self, vehicle: VehicleId) -> Result<Arc<VehicleRecord>, Refusal> {
+        self.shared.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })
     }
 
     /// What is known of the parameters of one of this node's vehicles and has changed since a revision; 0 for all.
@@ -70,14 +71,14 @@ impl NodeHandle {
             let (severity, text) = parameter_words(&cell.name, name, &by, None, &Err(error.clone()));
             let kind = EventKind::Parameter { name: name.to_owned() };
             let now = self.now();
-            self.board.events.record(now, Some(vehicle), severity, kind, text);
+            self.shared.events.record(now, Some(vehicle), severity, kind, text);
             return Err(error);
         }
         let not_running = || Refusal::NotRunning {
             what: format!("actor of vehicle {vehicle}"),
         };
         let actor = cell.actor.load_full().ok_or_else(not_running)?;
-        let id = self.board.next_command_id();
+        let id = self.shared.next_command_id();
         let order = |reply| {
             VehicleMessage::WriteParameter(ParameterOrder {
                 id,
@@ -104,7 +105,7 @@ impl NodeHandle {
     /// What a console is called in the event log.
     fn called(&self, console: Option<&str>, vehicle: VehicleId) -> String {
         let Some(id) = console else { return String::new() };
-        let table = self.board.control.lock();
+        let table = self.shared.control.lock();
         match table.holder(vehicle).filter(|holder| holder.id == id) {
             Some(holder) => holder.name.clone(),
             None => format!("console {}", id.chars().take(SHOWN_OF_ID).collect::<String>()),

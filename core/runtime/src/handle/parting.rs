@@ -4,11 +4,12 @@
 //! Must never do: touch a vehicle that a pilot has in hand; wait without a bound; end a stream before its vehicle's autopilot has taken over.
 
 use super::NodeHandle;
-use crate::board::{VehicleCell, airborne};
-use crate::snapshot::EventKind;
 use skein_config::OnStop;
 use skein_domain::exchange::Severity;
 use skein_domain::{AutopilotCommand, FlightMode, FlightState, RequestId};
+use skein_state::VehicleRecord;
+use skein_view::EventKind;
+use skein_view::airborne;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -26,11 +27,11 @@ impl NodeHandle {
     pub async fn part(&self, tell: impl Fn(&str)) {
         let say = |severity, text: String| {
             tell(&text);
-            let events = &self.board.events;
+            let events = &self.shared.events;
             events.record(self.now(), None, severity, EventKind::Notice, text);
         };
-        let in_air: Vec<Arc<VehicleCell>> = self
-            .board
+        let in_air: Vec<Arc<VehicleRecord>> = self
+            .shared
             .cells()
             .into_iter()
             .filter(|cell| self.is_in_air(cell))
@@ -38,9 +39,9 @@ impl NodeHandle {
         if in_air.is_empty() {
             return;
         }
-        self.board.stopping.store(true, Ordering::Release);
-        let on_stop = self.board.config.node.on_stop;
-        let asked: Vec<(Arc<VehicleCell>, FlightMode)> = in_air
+        self.shared.stopping.store(true, Ordering::Release);
+        let on_stop = self.shared.config.node.on_stop;
+        let asked: Vec<(Arc<VehicleRecord>, FlightMode)> = in_air
             .iter()
             .filter_map(|cell| Some((cell.clone(), self.ask_autopilot(cell, on_stop)?)))
             .collect();
@@ -59,11 +60,11 @@ impl NodeHandle {
             );
             say(Severity::Critical, text);
         }
-        self.board.resume.forget();
+        self.shared.resume.forget();
     }
 
     /// Asks the autopilot of one vehicle; gives the mode it is to be in, or nothing if it is not asked for one.
-    fn ask_autopilot(&self, cell: &VehicleCell, on_stop: OnStop) -> Option<FlightMode> {
+    fn ask_autopilot(&self, cell: &VehicleRecord, on_stop: OnStop) -> Option<FlightMode> {
         let state = cell.state.lock().flight_state;
         let others = matches!(
             state,
@@ -71,17 +72,17 @@ impl NodeHandle {
         );
         let (command, mode) = parting(on_stop, self.mode(cell)).filter(|_| !others && !cell.is_stopped())?;
         // So that no regrouping calls it back, and those of other nodes close up.
-        self.board.withdraw(cell);
-        self.board.gate().autopilot(&command, true).ok()?;
+        self.shared.withdraw(cell);
+        self.shared.gate().autopilot(&command, true).ok()?;
         cell.link.load().0.request(self.now(), PARTING_REQUEST, command);
         Some(mode)
     }
 
-    fn mode(&self, cell: &VehicleCell) -> FlightMode {
+    fn mode(&self, cell: &VehicleRecord) -> FlightMode {
         cell.link.load().0.read(self.now()).0.mode
     }
 
-    fn is_in_air(&self, cell: &VehicleCell) -> bool {
+    fn is_in_air(&self, cell: &VehicleRecord) -> bool {
         airborne(&cell.link.load().0.read(self.now()).0)
     }
 }
@@ -104,7 +105,7 @@ fn parting(on_stop: OnStop, mode: FlightMode) -> Option<(AutopilotCommand, Fligh
 }
 
 /// The sentence for operator and log.
-fn words(in_air: &[Arc<VehicleCell>], asked: &[(Arc<VehicleCell>, FlightMode)], on_stop: OnStop) -> String {
+fn words(in_air: &[Arc<VehicleRecord>], asked: &[(Arc<VehicleRecord>, FlightMode)], on_stop: OnStop) -> String {
     let does = match on_stop {
         OnStop::Hold => "hold",
         OnStop::Land => "land",
@@ -116,14 +117,14 @@ fn words(in_air: &[Arc<VehicleCell>], asked: &[(Arc<VehicleCell>, FlightMode)], 
             );
         }
     };
-    let names = |cells: Vec<&VehicleCell>| {
+    let names = |cells: Vec<&VehicleRecord>| {
         cells
             .iter()
             .map(|cell| cell.name.as_str())
             .collect::<Vec<_>>()
             .join(", ")
     };
-    let is_asked = |cell: &VehicleCell| asked.iter().any(|(of, _)| of.id == cell.id);
+    let is_asked = |cell: &VehicleRecord| asked.iter().any(|(of, _)| of.id == cell.id);
     let told = names(asked.iter().map(|(cell, _)| &**cell).collect());
     let left = names(
         in_air

@@ -3,7 +3,7 @@
 //! Must never do: answer by itself.
 
 use super::NodeHandle;
-use crate::resume;
+use super::flying_on;
 use skein_domain::Refusal;
 
 impl NodeHandle {
@@ -15,11 +15,11 @@ impl NodeHandle {
         let nothing = || Refusal::NotPermitted {
             detail: "nothing waits to be flown on".into(),
         };
-        self.board.resume.question().ok_or_else(nothing)?;
+        self.shared.resume.question().ok_or_else(nothing)?;
         if !fly_on {
-            self.board.resume.end();
+            self.shared.resume.end();
             return Ok(());
         }
-        resume::fly_on(self).await.then_some(()).ok_or_else(nothing)
+        flying_on::fly_on(self).await.then_some(()).ok_or_else(nothing)
     }
 }

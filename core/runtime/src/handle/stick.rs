@@ -3,9 +3,9 @@
 //! Must never do: wait, or leave anything in the event log: sticks come twenty times a second.
 
 use super::NodeHandle;
-use crate::by_hand;
-use crate::swarm::asks::{Answer, Ask};
 use skein_domain::{NodeId, NodeTime, Refusal, Stick, VehicleCommand, VehicleId};
+use skein_state::asks::{Answer, Ask};
+use skein_state::by_hand;
 use std::time::Duration;
 
 /// Longest wait for another node's answer to a stick: it is old by then.
@@ -21,14 +21,14 @@ impl NodeHandle {
     pub fn stick(&self, console: Option<&str>, vehicle: VehicleId, stick: Stick) -> Result<(), Refusal> {
         stick.check()?;
         self.may_command(console, &[vehicle])?;
-        match self.board.host(vehicle) {
+        match self.shared.host(vehicle) {
             None => self.stick_here(vehicle, stick),
             Some(node) => self.stick_elsewhere(node, vehicle, stick),
         }
     }
 
     fn stick_here(&self, vehicle: VehicleId, stick: Stick) -> Result<(), Refusal> {
-        let cell = self.board.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+        let cell = self.shared.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
         if cell.hand.lock().put(stick, self.now()) {
             return Ok(());
         }
@@ -40,7 +40,7 @@ impl NodeHandle {
     }
 
     fn stick_elsewhere(&self, node: NodeId, vehicle: VehicleId, stick: Stick) -> Result<(), Refusal> {
-        let (begins, last) = self.board.relays.put(vehicle, stick, self.now());
+        let (begins, last) = self.shared.relays.put(vehicle, stick, self.now());
         if begins {
             tokio::spawn(self.clone().relay(node, vehicle));
         }
@@ -49,14 +49,14 @@ impl NodeHandle {
 
     /// Tells another node the newest stick, one after the other, as long as there are some.
     async fn relay(self, node: NodeId, vehicle: VehicleId) {
-        while let Some((stick, told)) = self.board.relays.next(vehicle) {
+        while let Some((stick, told)) = self.shared.relays.next(vehicle) {
             let ask = Ask::Stick { vehicle, stick, told };
             let outcome = match self.ask(node, ask, ANSWERED_WITHIN).await {
                 Ok(Answer::Done(outcome)) => outcome,
                 Ok(_) => Ok(()),
                 Err(refusal) => Err(refusal),
             };
-            self.board.relays.answered(vehicle, outcome, self.now());
+            self.shared.relays.answered(vehicle, outcome, self.now());
         }
     }
 

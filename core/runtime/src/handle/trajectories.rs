@@ -1,16 +1,16 @@
 //! Trajectories for everyone outside of the node: planned, flown, ended, and how each is getting on.
 
 use super::{NodeHandle, PLAN_WITHIN};
-use crate::coordination::Flight;
 use crate::coordinator::{CoordinatorMessage, TrajectoryAnswer, TrajectoryAsk};
-use crate::swarm::asks::{Answer, Ask};
-use crate::vehicle::VehicleMessage;
 use ractor::rpc::CallResult;
+use skein_coordination::Flight;
 use skein_domain::link::RoutePoint;
 use skein_domain::{
     NodeTime, Refusal, RouteUpload, TrajectoryObjection, TrajectoryPlan, TrajectoryProgress, TrajectoryRequest,
     TrajectoryStatus, VehicleId,
 };
+use skein_state::VehicleMessage;
+use skein_state::asks::{Answer, Ask};
 
 impl NodeHandle {
     /// Plans trajectories and flies them.
@@ -97,7 +97,7 @@ impl NodeHandle {
     /// Puts routes on the autopilots of this node's own vehicles.
     pub(crate) fn upload_here(&self, routes: Vec<(VehicleId, Vec<RoutePoint>)>) -> Result<(), Refusal> {
         for (vehicle, points) in routes {
-            let cell = self.board.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+            let cell = self.shared.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
             if let Some(actor) = cell.actor.load_full() {
                 // What becomes of it is told as an event.
                 let _ = actor.cast(VehicleMessage::UploadRoute(points));
@@ -110,8 +110,8 @@ impl NodeHandle {
     #[must_use]
     pub fn trajectories(&self) -> Vec<TrajectoryStatus> {
         let now = self.now();
-        let flights = self.board.coordination.lock().flights.clone();
-        let upload = |id| self.board.cell(id).and_then(|cell| cell.route.lock().state());
+        let flights = self.shared.coordination.lock().flights.clone();
+        let upload = |id| self.shared.cell(id).and_then(|cell| cell.route.lock().state());
         flights
             .into_iter()
             .map(|(id, flight)| status(flight, upload(id), now))

@@ -1,13 +1,14 @@
 //! Carries out what a payload's plugin wants. Its messages to the vehicle's system pass the gate, and nothing else of it gets near a
 //! link.
 
-use super::{PayloadState, Report};
-use crate::preflight::own_items;
-use crate::snapshot::EventKind;
+use super::PayloadState;
+use crate::arming::own_items;
 use skein_domain::exchange::{CommandProgress, Effect, Severity};
 use skein_domain::payload::MavlinkMessage;
 use skein_domain::{CommandId, Refusal};
 use skein_plugin_host::Frame;
+use skein_state::Report;
+use skein_view::EventKind;
 use std::sync::Arc;
 
 /// A refusal of the same kind is told again after so long, in seconds.
@@ -54,9 +55,9 @@ impl PayloadState {
     }
 
     fn send(&mut self, message: &MavlinkMessage) {
-        let now = self.board.now();
+        let now = self.shared.now();
         let sent = self
-            .board
+            .shared
             .gate()
             .payload_message(self.cell.kind, self.vehicle.system_id, message)
             .and_then(|()| self.vehicle.link.load().0.send_payload(now, message));
@@ -128,8 +129,8 @@ impl PayloadState {
     }
 
     fn record(&self, severity: Severity, kind: EventKind, text: String) {
-        self.board
+        self.shared
             .events
-            .record(self.board.now(), Some(self.vehicle.id), severity, kind, text);
+            .record(self.shared.now(), Some(self.vehicle.id), severity, kind, text);
     }
 }

@@ -2,9 +2,8 @@
 
 use super::PayloadState;
 use super::tap::Tap;
-use crate::board::{PeerEntry, PeerSnapshot};
-use crate::vehicle::own_state;
-use skein_domain::exchange::{Event, PayloadReport, PeerState};
+use skein_coordination::steering::{others, own_state};
+use skein_domain::exchange::{Event, PayloadReport};
 use skein_domain::link::MessageTap;
 use skein_domain::payload::PayloadKind;
 use skein_plugin_host::Frame;
@@ -32,13 +31,13 @@ impl PayloadState {
     /// Surroundings first, then what the device said, then commands and drills.
     fn gather(&mut self) -> Vec<Event> {
         let mut events = Vec::new();
-        let peers = self.board.peers.load_full();
+        let peers = self.shared.peers.load_full();
         if let Some(entry) = peers.entry(self.vehicle.id) {
-            events.push(Event::Own(own_state(entry, self.board.frame())));
+            events.push(Event::Own(own_state(entry, self.shared.frame())));
         }
         events.push(Event::Peers(others(&peers, self.vehicle.id)));
         self.gather_siblings(&mut events);
-        let tracks = self.board.tracks.load_full();
+        let tracks = self.shared.tracks.load_full();
         if !Arc::ptr_eq(&tracks, &self.tracks) {
             events.push(Event::Tracks(tracks.as_ref().clone()));
             self.tracks = tracks;
@@ -106,17 +105,4 @@ impl PayloadState {
             events.extend(transport.drain().into_iter().map(|bytes| Event::Received { bytes }));
         }
     }
-}
-
-/// All vehicles with a position but one, as plugins see them.
-pub fn others(peers: &PeerSnapshot, own: skein_domain::VehicleId) -> Vec<PeerState> {
-    let known = |entry: &PeerEntry| {
-        Some(PeerState {
-            id: entry.id,
-            kinematics: entry.kinematics?,
-            airborne: entry.airborne,
-        })
-    };
-    let others = peers.entries.iter().filter(|entry| entry.id != own);
-    others.filter_map(known).collect()
 }

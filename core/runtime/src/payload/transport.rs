@@ -4,10 +4,9 @@
 //! the payload's actor wait.
 
 use parking_lot::Mutex;
-use skein_link_px4::EndpointAddress;
+use skein_state::TransportAddress;
 use std::collections::VecDeque;
 use std::net::SocketAddr;
-use std::str::FromStr;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
@@ -22,37 +21,6 @@ const INBOX: usize = 256;
 const OUTBOX: usize = 64;
 /// A line that could not be opened, or broke, is tried again after this time.
 const RETRY: Duration = Duration::from_secs(2);
-
-/// Where a device is.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum TransportAddress {
-    /// Datagrams to and from this address.
-    Udp(SocketAddr),
-    /// A serial line.
-    Serial {
-        /// The device file.
-        path: String,
-        /// Bits per second.
-        baud: u32,
-    },
-}
-
-impl FromStr for TransportAddress {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        if let Some(address) = text.strip_prefix("udp://") {
-            return address
-                .parse()
-                .map(Self::Udp)
-                .map_err(|_| format!("\"{address}\" is no ADDRESS:PORT"));
-        }
-        match text.parse::<EndpointAddress>() {
-            Ok(EndpointAddress::Serial { path, baud }) => Ok(Self::Serial { path, baud }),
-            _ => Err("choose udp://ADDRESS:PORT or serial:///dev/ttyUSB0?baud=115200".into()),
-        }
-    }
-}
 
 /// An open line, or one that is being opened.
 pub struct Transport {

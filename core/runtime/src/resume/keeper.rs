@@ -3,17 +3,18 @@
 //!
 //! Bound: one look at a time, one write at a time. Must never do: let anything that flies wait for the disk.
 
-use super::kept::node_name;
-use super::{Flown, Kept, file, flying_on, unix_us};
-use crate::board::Board;
-use crate::coordination::ActiveRoute;
+use super::flown::flown_now;
 use crate::handle::NodeHandle;
-use crate::snapshot::EventKind;
-use crate::whole_file;
+use crate::handle::flying_on;
 use ractor::{Actor, ActorProcessingErr, ActorRef};
 use skein_config::ResumeThen;
+use skein_coordination::ActiveRoute;
 use skein_domain::exchange::Severity;
 use skein_domain::{FormationAnchor, NodeTime};
+use skein_state::SharedState;
+use skein_state::resume::{Flown, Kept, file, node_name, unix_us};
+use skein_state::whole_file;
+use skein_view::EventKind;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -40,10 +41,10 @@ pub struct KeeperArguments {
     pub handle: NodeHandle,
 }
 
-/// State. What was flown before lies on the board.
+/// State. What was flown before is in the shared state.
 pub struct KeeperState {
     handle: NodeHandle,
-    board: Arc<Board>,
+    shared: Arc<SharedState>,
     written: Option<(Flown, NodeTime)>,
     /// The path of a virtual leader, and how far it has come.
     path: Option<ActiveRoute>,
@@ -63,12 +64,12 @@ impl Actor for Keeper {
         myself: ActorRef<Look>,
         arguments: KeeperArguments,
     ) -> Result<KeeperState, ActorProcessingErr> {
-        let board = arguments.handle.board().clone();
+        let shared = arguments.handle.shared().clone();
         // The next is asked for when the last is done: a slow disk piles up nothing.
         myself.cast(Look)?;
         Ok(KeeperState {
             handle: arguments.handle,
-            board,
+            shared,
             written: None,
             path: None,
             decided: None,
@@ -87,40 +88,40 @@ impl Actor for Keeper {
 impl KeeperState {
     /// Goes on with what was flown before, when it is time.
     async fn go_on(&mut self) {
-        let (board, now) = (self.board.clone(), self.board.now());
-        let Some(before) = board.resume.before() else { return };
-        if board.resume.is_asking() {
-            if board.coordination.lock().formation.is_some() {
-                board.resume.end();
+        let (shared, now) = (self.shared.clone(), self.shared.now());
+        let Some(before) = shared.resume.before() else { return };
+        if shared.resume.is_asking() {
+            if shared.coordination.lock().formation.is_some() {
+                shared.resume.end();
             }
             return;
         }
-        if !board.resume.is_decided(now) {
+        if !shared.resume.is_decided(now) {
             return;
         }
         let since_s = now.seconds_since(*self.decided.get_or_insert(now));
-        let taken = board.resume.taken();
-        let in_hand = flying_on::in_hand(&board);
+        let taken = shared.resume.taken();
+        let in_hand = flying_on::in_hand(&shared);
         if since_s < AVAILABLE_WITHIN_S && !taken.iter().all(|id| in_hand.contains(id)) {
             return;
         }
-        if !board.coordinates() {
-            let led = board
+        if !shared.coordinates() {
+            let led = shared
                 .swarm
                 .as_ref()
                 .is_some_and(|swarm| swarm.role.load().coordinator().is_some());
             if !led && since_s < LED_WITHIN_S {
                 return;
             }
-            board.resume.end();
-            flying_on::tell(&board, &taken, "they do what the swarm's coordinator says");
+            shared.resume.end();
+            flying_on::tell(&shared, &taken, "they do what the swarm's coordinator says");
             return;
         }
         if taken.is_empty() {
-            board.resume.end();
-            flying_on::tell(&board, &taken, "nothing is gone on with");
-        } else if board.resume.then == ResumeThen::FlyOn {
-            flying_on::tell(&board, &taken, "they fly on");
+            shared.resume.end();
+            flying_on::tell(&shared, &taken, "nothing is gone on with");
+        } else if shared.resume.then() == ResumeThen::FlyOn {
+            flying_on::tell(&shared, &taken, "they fly on");
             flying_on::fly_on(&self.handle).await;
         } else {
             let fly = if before.formation.is_some() {
@@ -129,22 +130,22 @@ impl KeeperState {
                 "what each did"
             };
             flying_on::tell(
-                &board,
+                &shared,
                 &taken,
                 &format!("they hold; {fly} is flown on when an operator says so"),
             );
-            board.resume.ask(now);
+            shared.resume.ask(now);
         }
     }
 
     /// Writes what is flown, if that has changed or was written some time ago.
     async fn keep(&mut self) {
-        let Some(path) = self.board.resume.path.clone() else {
+        let Some(path) = self.shared.resume.path().map(Path::to_owned) else {
             return;
         };
-        let now = self.board.now();
+        let now = self.shared.now();
         self.follow_path();
-        let flown = Flown::now(&self.board, self.board.resume.before(), self.path.as_ref());
+        let flown = flown_now(&self.shared, self.shared.resume.before(), self.path.as_ref());
         let due = match &self.written {
             None => true,
             Some((before, _)) if *before != flown => true,
@@ -154,13 +155,13 @@ impl KeeperState {
             return;
         }
         let kept = Kept {
-            node: node_name(&self.board.config),
+            node: node_name(&self.shared.config),
             written_us: unix_us(),
             time: now,
             flown: flown.clone(),
         };
-        let board = self.board.clone();
-        let written = tokio::task::spawn_blocking(move || write(&board, &path, &kept)).await;
+        let shared = self.shared.clone();
+        let written = tokio::task::spawn_blocking(move || write(&shared, &path, &kept)).await;
         let fault = written
             .unwrap_or_else(|_| Err("the writing was broken off".into()))
             .err();
@@ -168,7 +169,7 @@ impl KeeperState {
             && !self.told_unwritable
         {
             let text = format!("what is flown cannot be kept for a restart (resume.file): {fault}");
-            let events = &self.board.events;
+            let events = &self.shared.events;
             events.record(now, None, Severity::Warning, EventKind::Notice, text);
         }
         self.told_unwritable = fault.is_some();
@@ -177,7 +178,7 @@ impl KeeperState {
 
     /// Notes how far the anchor of a formation on a path has come.
     fn follow_path(&mut self) {
-        let coordination = self.board.coordination.lock();
+        let coordination = self.shared.coordination.lock();
         let request = coordination.formation.as_ref().map(|formation| &formation.request);
         let route = match request.map(|request| &request.anchor) {
             Some(FormationAnchor::Path { route }) => route.clone(),
@@ -194,17 +195,17 @@ impl KeeperState {
                 finished: false,
             });
         }
-        if let (Some(path), Some(anchor)) = (&mut self.path, self.board.peers.load().anchor) {
+        if let (Some(path), Some(anchor)) = (&mut self.path, self.shared.peers.load().anchor) {
             path.advance(&anchor.position);
         }
     }
 }
 
 /// Writes the file, unless the node is stopping on purpose.
-fn write(board: &Board, path: &Path, kept: &Kept) -> Result<(), String> {
+fn write(shared: &SharedState, path: &Path, kept: &Kept) -> Result<(), String> {
     let bytes = file::encode(kept).map_err(|fault| fault.to_string())?;
-    let _writing = board.resume.file.lock();
-    if board.stopping.load(Ordering::Acquire) {
+    let _writing = shared.resume.writing();
+    if shared.stopping.load(Ordering::Acquire) {
         return Ok(());
     }
     whole_file::replace(path, &bytes).map_err(|error| format!("{}: {error}", path.display()))

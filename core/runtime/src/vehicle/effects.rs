@@ -1,18 +1,18 @@
 //! Carries out what a UAV model wants. The only place from which setpoints and requests reach a link, and each passes the gate.
 
 use super::VehicleState;
-use crate::board::{PeerEntry, PeerSnapshot};
-use crate::emergency;
-use crate::payload::{Asker, PayloadMessage};
-use crate::preflight::own_items;
-use crate::snapshot::{Avoidance, EventKind};
-use crate::steering;
+use crate::arming::own_items;
+use skein_coordination::steering;
 use skein_domain::exchange::{CommandProgress, Effect, Event, Severity};
 use skein_domain::setpoint::LocalSetpoint;
 use skein_domain::{
     AutopilotCommand, FlightLimits, FlightState, NodeTime, PositionNed, Refusal, RequestId, Setpoint, VehicleCommand,
 };
 use skein_safety::avoidance::{Change, NeighbourId};
+use skein_state::emergency;
+use skein_state::{Asker, PayloadMessage};
+use skein_view::{Avoidance, EventKind};
+use skein_view::{PeerEntry, PeerSnapshot};
 use std::sync::atomic::Ordering;
 
 /// A refusal of the same kind is told again after so long, in seconds: at 50 setpoints a second the log would hold nothing else.
@@ -39,7 +39,7 @@ impl VehicleState {
                 Effect::Setpoint(setpoint) => self.setpoint(&setpoint),
                 Effect::StopStream => {
                     self.refused_at = None;
-                    self.cell.link.load().0.stop_stream(self.board.now());
+                    self.cell.link.load().0.stop_stream(self.shared.now());
                     self.cell.state.lock().setpoint = None;
                 }
                 Effect::Autopilot { request, command } => self.autopilot(request, command),
@@ -91,7 +91,7 @@ impl VehicleState {
             let mut published = self.cell.state.lock();
             published.flight_state = state;
             detail.clone_into(&mut published.detail);
-            published.since = self.board.now();
+            published.since = self.shared.now();
             if state != FlightState::Leading {
                 // Who leads again starts from its own yaw, not from where it once turned a formation to.
                 published.anchor = None;
@@ -140,7 +140,7 @@ impl VehicleState {
             }),
             Some(cell) => {
                 let message = PayloadMessage::Command {
-                    id: self.board.next_command_id(),
+                    id: self.shared.next_command_id(),
                     command_json,
                     asker: Asker::Model(request),
                 };
@@ -161,24 +161,24 @@ impl VehicleState {
     }
 
     fn autopilot(&mut self, request: RequestId, command: AutopilotCommand) {
-        let now = self.board.now();
+        let now = self.shared.now();
         let link = self.cell.link.load_full();
         let airborne = self
-            .board
+            .shared
             .peers
             .load()
             .entry(self.cell.id)
             .is_some_and(|entry| entry.airborne);
         let checked = if self.pilot && command == AutopilotCommand::EnterOffboard {
             Err(Refusal::PilotInControl)
-        } else if self.board.stopping.load(Ordering::Acquire) && command == AutopilotCommand::EnterOffboard {
+        } else if self.shared.stopping.load(Ordering::Acquire) && command == AutopilotCommand::EnterOffboard {
             Err(Refusal::NotPermitted {
                 detail: "the node is stopping".into(),
             })
         } else if self.cell.is_stopped() && command != AutopilotCommand::Disarm {
             Err(emergency::stopped())
         } else {
-            self.board.gate().autopilot(&command, airborne)
+            self.shared.gate().autopilot(&command, airborne)
         };
         match checked {
             Ok(()) => link.0.request(now, request, command),
@@ -193,10 +193,10 @@ impl VehicleState {
     }
 
     fn setpoint(&mut self, setpoint: &Setpoint) {
-        let now = self.board.now();
+        let now = self.shared.now();
         match self.checked(setpoint, now) {
             Ok((local, passed)) => {
-                let valid_s = self.board.config.link.setpoint_valid_s;
+                let valid_s = self.shared.config.link.setpoint_valid_s;
                 self.refused_at = None;
                 self.cell.link.load().0.stream(now, local, now.plus_seconds(valid_s));
                 self.cell.state.lock().setpoint = Some(passed);
@@ -217,12 +217,12 @@ impl VehicleState {
         if self.cell.is_stopped() {
             return Err(emergency::stopped());
         }
-        let peers = self.board.peers.load();
+        let peers = self.shared.peers.load();
         let entry = peers.entry(self.cell.id).ok_or(Refusal::NoPosition)?;
         if !entry.link.connected {
             return Err(Refusal::LinkLost { vehicle: self.cell.id });
         }
-        let gate = self.board.gate();
+        let gate = self.shared.gate();
         let steered = steering::steer(&gate, entry, setpoint, &peers.surroundings, now);
         if let Some(too_fast) = &steered.slowed {
             self.tell_refusal(now, too_fast);
@@ -267,16 +267,16 @@ impl VehicleState {
 
     /// Sends a setpoint that holds it at a place, off others and inside of the fences.
     pub(super) fn hold_at(&self, place: PositionNed, entry: &PeerEntry, peers: &PeerSnapshot, now: NodeTime) {
-        let hold = steering::hold(&self.board.gate(), entry, place, &peers.surroundings, now);
+        let hold = steering::hold(&self.shared.gate(), entry, place, &peers.surroundings, now);
         if let Ok(local) = self.to_local(&hold) {
-            let valid_s = self.board.config.link.setpoint_valid_s;
+            let valid_s = self.shared.config.link.setpoint_valid_s;
             self.cell.link.load().0.stream(now, local, now.plus_seconds(valid_s));
         }
     }
 
     fn to_local(&self, setpoint: &Setpoint) -> Result<LocalSetpoint, Refusal> {
-        let frame = self.board.frame().ok_or(Refusal::NoSwarmFrame)?;
-        let peers = self.board.peers.load();
+        let frame = self.shared.frame().ok_or(Refusal::NoSwarmFrame)?;
+        let peers = self.shared.peers.load();
         let local_frame = peers
             .entry(self.cell.id)
             .and_then(|e| e.telemetry.local_frame)
@@ -297,7 +297,7 @@ impl VehicleState {
         if !matches!(refusal, Refusal::LinkLost { .. } | Refusal::PilotInControl) {
             self.tell_refusal(now, &refusal);
         }
-        let peers = self.board.peers.load_full();
+        let peers = self.shared.peers.load_full();
         let entry = peers.entry(self.cell.id);
         if steering::is_answered_by_holding(&refusal)
             && let Some(entry) = entry

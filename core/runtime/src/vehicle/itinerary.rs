@@ -1,28 +1,14 @@
 //! Commands that take more than one flight: around a no-fly zone, or home at a height of its own. The model flies one leg after the
 //! other; whoever asked sees one command.
 //!
-//! It lies in the vehicle's cell, so that the next incarnation of the actor goes on with it. Must never do: outlive the command; whatever
+//! It lies in the vehicle's record, so that the next incarnation of the actor goes on with it. Must never do: outlive the command; whatever
 //! replaces a leg ends the whole.
 
 use super::VehicleState;
 use skein_domain::exchange::{CommandProgress, Event};
 use skein_domain::{CommandId, FlightState, Refusal, VehicleCommand};
+use skein_state::Itinerary;
 use std::collections::VecDeque;
-
-/// A command in several legs.
-#[derive(Debug, Clone)]
-pub struct Itinerary {
-    /// The command that was asked for.
-    pub id: CommandId,
-    /// Its name.
-    pub name: &'static str,
-    /// What is still to be flown, first leg first.
-    pub legs: VecDeque<VehicleCommand>,
-    /// The leg being flown.
-    pub current: Option<CommandId>,
-    /// It leads home: the vehicle is shown as returning and takes no slot.
-    pub returns: bool,
-}
 
 impl VehicleState {
     /// The first leg has been taken up.
@@ -58,13 +44,13 @@ impl VehicleState {
         let Some(command) = itinerary.legs.pop_front() else {
             return;
         };
-        let id = self.board.next_command_id();
+        let id = self.shared.next_command_id();
         itinerary.current = Some(id);
         drop(slot);
         self.waiting.push(Event::Command {
             id,
             command,
-            not_before: self.board.now(),
+            not_before: self.shared.now(),
         });
     }
 

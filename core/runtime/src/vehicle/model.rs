@@ -58,7 +58,7 @@ impl VehicleState {
             self.model_renewed();
         }
         if given_up.is_some() {
-            self.hand_to_autopilot(self.board.now());
+            self.hand_to_autopilot(self.shared.now());
         }
         running
     }
@@ -72,7 +72,7 @@ impl VehicleState {
                 self.carry_out(effects);
             }
             Called::Failed => {}
-            Called::GivenUp(_) => self.hand_to_autopilot(self.board.now()),
+            Called::GivenUp(_) => self.hand_to_autopilot(self.shared.now()),
         }
         self.refuse_lost();
         if self.model.life.incarnation() != before {
@@ -99,7 +99,7 @@ impl VehicleState {
     /// The model is given up: the autopilot itself holds the vehicle, without setpoints.
     fn hand_to_autopilot(&mut self, now: NodeTime) {
         let link = self.cell.link.load_full();
-        let flying = self.board.peers.load().entry(self.cell.id).is_some_and(|e| e.airborne);
+        let flying = self.shared.peers.load().entry(self.cell.id).is_some_and(|e| e.airborne);
         if flying && !self.pilot {
             link.0
                 .request(now, ACTOR_REQUEST, AutopilotCommand::SetMode { mode: FlightMode::Hold });

@@ -3,34 +3,17 @@
 //! Must never do: write one that no operator asked for, or repeat a write.
 
 use super::VehicleState;
-use crate::snapshot::EventKind;
-use ractor::RpcReplyPort;
 use skein_domain::exchange::Severity;
 use skein_domain::{CommandId, NodeTime, ParameterError, ParameterEvent, ParameterValue};
 use skein_safety::parameter::may_write;
+use skein_state::ParameterOrder;
+use skein_view::EventKind;
 use std::collections::BTreeMap;
 
 /// A write whose outcome its link has not told for so long, in seconds, is not waited for: the link was replaced.
 const OUTCOME_WITHIN_S: f64 = 20.0;
 /// Most writes that wait.
 const OPEN_MAX: usize = 64;
-
-/// A write that an operator asked for.
-pub struct ParameterOrder {
-    /// Its number.
-    pub id: CommandId,
-    /// The parameter.
-    pub name: String,
-    /// The value.
-    pub value: ParameterValue,
-    /// Who asked, for the event log; empty if nobody says.
-    pub by: String,
-    /// Where the outcome goes: the value before, and the one it has now.
-    pub reply: RpcReplyPort<ParameterOutcome>,
-}
-
-/// What came of a write: the value before, if it was known, and the one it has now.
-pub type ParameterOutcome = Result<(Option<ParameterValue>, ParameterValue), ParameterError>;
 
 struct Open {
     order: ParameterOrder,
@@ -48,7 +31,7 @@ pub(super) struct Writes {
 impl VehicleState {
     /// Begins a write, or says why it may not be.
     pub(super) fn write_parameter(&mut self, order: ParameterOrder) {
-        let now = self.board.now();
+        let now = self.shared.now();
         let link = self.cell.link.load_full();
         let (telemetry, _) = link.0.read(now);
         let state = self.cell.state.lock().flight_state;
@@ -73,7 +56,7 @@ impl VehicleState {
         for event in self.cell.link.load_full().0.take_parameter_events() {
             self.tell_parameter(event);
         }
-        let now = self.board.now();
+        let now = self.shared.now();
         let forgotten = |open: &Open| now.seconds_since(open.asked) > OUTCOME_WITHIN_S;
         let late = self.writes.open.extract_if(.., |_, open| forgotten(open));
         for (_, Open { order, asked }) in late.collect::<Vec<_>>() {

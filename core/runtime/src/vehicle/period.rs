@@ -1,20 +1,20 @@
 //! One control period of a vehicle: gather what happened, ask the model, carry out what it wants.
 
 use super::VehicleState;
-use super::route::is_upload;
-use crate::board::{PeerEntry, PeerSnapshot};
-use crate::emergency::EMERGENCY_REQUEST;
-use crate::payload::others;
-use crate::snapshot::EventKind;
-use skein_domain::exchange::{Event, OwnState, PayloadReport, Severity};
+use skein_coordination::steering::{others, own_state, told};
+use skein_domain::exchange::{Event, PayloadReport, Severity};
 use skein_domain::link::{LinkEvent, StreamState};
-use skein_domain::{FlightMode, Intent, Refusal, SwarmFrame, Task, VehicleId};
+use skein_domain::{FlightMode, Refusal, Task};
+use skein_state::emergency::EMERGENCY_REQUEST;
+use skein_state::is_upload;
+use skein_view::EventKind;
+use skein_view::PeerSnapshot;
 use std::sync::Arc;
 
 impl VehicleState {
     /// The whole period.
     pub(super) async fn period(&mut self) {
-        let peers = self.board.peers.load_full();
+        let peers = self.shared.peers.load_full();
         let running = self.ensure_model().await;
         if self.takes_back(&peers) {
             return;
@@ -22,7 +22,7 @@ impl VehicleState {
         self.watch(&peers).await;
         self.tell_parameters();
         // Taken in any case: none waits for a model that is away.
-        let stick = self.cell.hand.lock().take(self.board.now());
+        let stick = self.cell.hand.lock().take(self.shared.now());
         if !running {
             self.hear_of_stop();
             return;
@@ -41,7 +41,7 @@ impl VehicleState {
         let Some(entry) = peers.entry(self.cell.id) else {
             return events;
         };
-        let mut own = own_state(entry, self.board.frame());
+        let mut own = own_state(entry, self.shared.frame());
         let link = self.cell.link.load_full();
         for event in link.0.take_events() {
             // The peers were read before these events came: the model must not see a mode beside an older armed state.
@@ -54,7 +54,7 @@ impl VehicleState {
         }
         events.push(Event::Own(own));
         self.gather_surroundings(peers, &mut events);
-        let intent = self.board.intent.load();
+        let intent = self.shared.intent.load();
         let task = intent.tasks.get(&self.cell.id);
         let is_new = task.is_some_and(|task| task.version > self.task_version);
         // Not against a reaction that is in force.
@@ -79,14 +79,14 @@ impl VehicleState {
 
     /// What a model that carries or observes something wants to know. A vehicle without payloads is spared it.
     fn gather_surroundings(&mut self, peers: &PeerSnapshot, events: &mut Vec<Event>) {
-        let tracks = self.board.tracks.load_full();
+        let tracks = self.shared.tracks.load_full();
         if !Arc::ptr_eq(&tracks, &self.model.tracks) {
             events.push(Event::Tracks(tracks.as_ref().clone()));
             self.model.tracks = tracks;
         }
         let payloads = self.cell.payloads();
         let keeps = {
-            let intent = self.board.intent.load();
+            let intent = self.shared.intent.load();
             let task = intent.tasks.get(&self.cell.id);
             task.is_some_and(|task| matches!(task.task, Task::Keep(_)))
         };
@@ -212,7 +212,7 @@ impl VehicleState {
         if commanded || (from != FlightMode::Offboard && !by_stick) || to == FlightMode::Offboard || self.pilot {
             return;
         }
-        let now = self.board.now();
+        let now = self.shared.now();
         let link = self.cell.link.load_full();
         let (telemetry, _) = link.0.read(now);
         if !telemetry.armed {
@@ -228,45 +228,5 @@ impl VehicleState {
         let text = format!("{}: {from} left for {to} {why}", self.cell.name);
         let failsafe = telemetry.failsafe;
         self.record(Severity::Warning, EventKind::TakenOver { failsafe, from, to }, text);
-    }
-}
-
-/// What a vehicle's model is told of the intent in one period: a task that is newer than `version`, and the anchor of its formation.
-pub fn told(intent: &Intent, peers: &PeerSnapshot, id: VehicleId, version: &mut u64) -> Vec<Event> {
-    let mut events = Vec::new();
-    let Some(task) = intent.tasks.get(&id) else {
-        return events;
-    };
-    if task.version > *version {
-        *version = task.version;
-        events.push(Event::Task(task.clone()));
-    }
-    if let Task::Follow { leader, .. } = &task.task {
-        let anchor = match leader {
-            Some(leader) => peers.entry(*leader).and_then(|e| e.anchor),
-            None => peers.anchor,
-        };
-        events.extend(anchor.map(Event::Anchor));
-    }
-    events
-}
-
-/// A vehicle's own state as its plugins see it.
-pub fn own_state(entry: &PeerEntry, frame: Option<SwarmFrame>) -> OwnState {
-    OwnState {
-        kinematics: entry.kinematics,
-        mode: entry.telemetry.mode,
-        armed: entry.telemetry.armed,
-        landed: entry.telemetry.landed,
-        ready_to_arm: entry.telemetry.ready_to_arm,
-        home: entry.home,
-        battery: entry.telemetry.battery,
-        link_connected: entry.link.connected,
-        roll_rad: Some(f64::from(entry.telemetry.roll_rad)),
-        pitch_rad: Some(f64::from(entry.telemetry.pitch_rad)),
-        global: entry.telemetry.global,
-        frame_origin: frame.map(|frame| frame.origin),
-        link_loss: entry.link.connected.then_some(f64::from(entry.link.loss)),
-        link_round_trip_s: entry.link.round_trip_s.map(f64::from),
     }
 }

@@ -4,20 +4,20 @@
 //! Must never do: ask for OFFBOARD.
 
 use super::VehicleState;
-use crate::board::{PeerEntry, PeerSnapshot};
-use crate::resume::judge::{Seen, Taking};
-use crate::snapshot::EventKind;
 use skein_domain::exchange::Severity;
 use skein_domain::link::LinkEvent;
 use skein_domain::setpoint::LocalSetpoint;
 use skein_domain::{NodeTime, VelocityNed};
+use skein_state::resume::judge::{Seen, Taking};
+use skein_view::EventKind;
+use skein_view::{PeerEntry, PeerSnapshot};
 
 impl VehicleState {
     /// Whether it is being taken back in this period.
     pub(super) fn takes_back(&mut self, peers: &PeerSnapshot) -> bool {
-        let (id, now) = (self.cell.id, self.board.now());
+        let (id, now) = (self.cell.id, self.shared.now());
         let Some(entry) = peers.entry(id) else { return false };
-        let Some(taking) = self.board.resume.look(id, &Seen::of(entry), now) else {
+        let Some(taking) = self.shared.resume.look(id, &Seen::of(entry), now) else {
             return false;
         };
         self.hear_without_model();
@@ -31,9 +31,9 @@ impl VehicleState {
             }
             Taking::Taken => {
                 self.refused_at = None;
-                let before = self.board.resume.before();
+                let before = self.shared.resume.before();
                 if before.is_some_and(|before| before.withdrawn.contains(&id)) {
-                    self.board.withdraw(&self.cell);
+                    self.shared.withdraw(&self.cell);
                 }
                 let text = format!("{}: taken back, it holds", self.cell.name);
                 self.record(Severity::Advisory, EventKind::Notice, text);
@@ -64,7 +64,7 @@ impl VehicleState {
                 yaw_rad: Some(f64::from(entry.telemetry.yaw_rad)),
                 ..LocalSetpoint::default()
             };
-            let valid_s = self.board.config.link.setpoint_valid_s;
+            let valid_s = self.shared.config.link.setpoint_valid_s;
             self.cell.link.load().0.stream(now, hold, now.plus_seconds(valid_s));
         }
     }

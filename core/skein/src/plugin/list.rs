@@ -2,9 +2,9 @@
 //!
 //! Must never do: hide a library that was not taken.
 
-use crate::build::plugins_beside_program;
 use clap::Args;
 use serde::Serialize;
+use skein_node::plugins_beside_program;
 use skein_plugin_host::{Catalog, Manifest, Plugin, PluginProblem, Trust};
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -5,11 +5,17 @@ use crate::workspace::{Package, Workspace};
 
 /// The crates of `core` from the binary to the words; each may depend on what stands below it.
 /// Names of crates that are not built yet keep their place.
-const ORDER: [&str; 22] = [
+const ORDER: [&str; 28] = [
     "skein",
+    "skein-demo",
+    "skein-node",
     "skein-api",
     "skein-ros2",
     "skein-runtime",
+    "skein-cluster",
+    "skein-state",
+    "skein-coordination",
+    "skein-view",
     "skein-sim-dds",
     "skein-link-dds",
     "skein-link-px4",

@@ -14,7 +14,8 @@ const SHIM_LINES_MAX: usize = 60;
 /// Names that say nothing about what a file holds.
 const EMPTY_NAMES: [&str; 7] = ["utils", "util", "common", "helpers", "helper", "misc", "mod"];
 /// Crates without effects: the same inputs give the same outputs.
-const PURE: [&str; 4] = [
+const PURE: [&str; 5] = [
+    "core/coordination/src/",
     "core/domain/src/",
     "core/failover/src/",
     "core/flight/src/",

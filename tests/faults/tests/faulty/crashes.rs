@@ -1,8 +1,9 @@
 //! Killing a plugin, a vehicle's actor or the coordinator in flight: the setpoints go on, the state comes back.
 
 use skein_domain::{FlightMode, FlightState, FormationRequest, Shape, VehicleId};
-use skein_runtime::{Fault, FleetSnapshot};
+use skein_runtime::Fault;
 use skein_testkit::Swarm;
+use skein_view::FleetSnapshot;
 use std::time::Duration;
 
 /// No gap between two setpoints may be longer, in seconds.
@@ -20,7 +21,7 @@ async fn in_a_wedge(vehicles: usize) -> Swarm {
 }
 
 fn settled(fleet: &FleetSnapshot) -> bool {
-    let in_slot = |v: &&skein_runtime::VehicleSnapshot| {
+    let in_slot = |v: &&skein_view::VehicleSnapshot| {
         v.is_leader || (v.flight_state == FlightState::Following && v.tracking_error_m.is_some_and(|m| m < 0.6))
     };
     fleet.formation.as_ref().is_some_and(|f| fleet.time > f.settled_at)
@@ -125,8 +126,7 @@ async fn a_model_that_fails_for_ever_is_given_up_and_its_autopilot_holds() {
         swarm
             .until(&format!("failure {round} seen"), Duration::from_secs(5), |fleet| {
                 let model = &fleet.vehicles[1].model;
-                given_up(fleet)
-                    || (model.incarnation.0 > before && model.status == skein_runtime::snapshot::ActorStatus::Running)
+                given_up(fleet) || (model.incarnation.0 > before && model.status == skein_view::ActorStatus::Running)
             })
             .await;
     }

@@ -8,9 +8,10 @@ use skein_domain::{
     FlightMode, FlightState, FormationRequest, LadderEvent, LadderEventKind, PositionNed, Reaction, Shape, Trigger,
     VehicleCommand, VehicleId,
 };
-use skein_runtime::{EventKind, Fault as NodeFault, NodeHandle, Targets};
+use skein_runtime::{Fault as NodeFault, NodeHandle, Targets};
 use skein_sim::{Fault, Receiver};
 use skein_testkit::Swarm;
+use skein_view::EventKind;
 use std::time::Duration;
 
 fn ladder_events(node: &NodeHandle, vehicle: u16) -> Vec<LadderEvent> {
@@ -288,7 +289,7 @@ async fn several_return_at_heights_of_their_own_and_land_at_home() {
     }
     swarm
         .until("all out there", Duration::from_secs(30), |fleet| {
-            let out = |v: &skein_runtime::VehicleSnapshot| v.kinematics.is_some_and(|k| k.position.north_m > 80.0);
+            let out = |v: &skein_view::VehicleSnapshot| v.kinematics.is_some_and(|k| k.position.north_m > 80.0);
             fleet
                 .vehicles
                 .iter()
@@ -296,7 +297,7 @@ async fn several_return_at_heights_of_their_own_and_land_at_home() {
         })
         .await;
     swarm.command_all(VehicleCommand::Return).await;
-    let heights = |fleet: &skein_runtime::FleetSnapshot| -> Vec<f64> {
+    let heights = |fleet: &skein_view::FleetSnapshot| -> Vec<f64> {
         let places = fleet.vehicles.iter().filter_map(|v| v.kinematics);
         let mut heights: Vec<f64> = places.map(|k| -k.position.down_m).collect();
         heights.sort_by(f64::total_cmp);

@@ -5,9 +5,10 @@ use mavlink::dialects::common::{
 };
 use mavlink::{MAVLinkV2MessageRaw, MavHeader, MessageData};
 use skein_domain::{FlightState, FormationRequest, Shape, VehicleCommand, VehicleId};
-use skein_runtime::{EventKind, FleetSnapshot, Targets};
+use skein_runtime::Targets;
 use skein_sim::{Fault, VehicleStart};
 use skein_testkit::Swarm;
+use skein_view::{EventKind, FleetSnapshot};
 use std::net::{SocketAddr, UdpSocket};
 use std::time::Duration;
 
@@ -249,7 +250,7 @@ async fn forged_frames_of_vehicles_in_flight_take_nobody_out_of_our_hands() {
         "{fleet:?}"
     );
     let given_up =
-        |event: &skein_runtime::EventRecord| matches!(event.kind, EventKind::Stream | EventKind::TakenOver { .. });
+        |event: &skein_view::EventRecord| matches!(event.kind, EventKind::Stream | EventKind::TakenOver { .. });
     assert!(!node.events_after(0).iter().any(|event| given_up(event)));
 
     let land = node

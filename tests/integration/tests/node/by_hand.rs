@@ -10,8 +10,9 @@ use serde_json::{Value, json};
 use skein_domain::{
     FlightMode, FlightState, FormationRequest, PositionNed, Refusal, Shape, Stick, VehicleCommand, VehicleId,
 };
-use skein_runtime::{AllegianceKind, FleetSnapshot, NodeHandle, Targets};
+use skein_runtime::{NodeHandle, Targets};
 use skein_testkit::{Flock, Member, Swarm};
+use skein_view::{AllegianceKind, FleetSnapshot};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::watch;
@@ -108,7 +109,7 @@ async fn steer(swarm: &Swarm, console: &str, vehicle: u16) -> Value {
     answer["receipts"][0]["refusal"].clone()
 }
 
-fn vehicle(fleet: &FleetSnapshot, id: u16) -> &skein_runtime::VehicleSnapshot {
+fn vehicle(fleet: &FleetSnapshot, id: u16) -> &skein_view::VehicleSnapshot {
     fleet.vehicles.iter().find(|v| v.id == VehicleId(id)).expect("is known")
 }
 
@@ -334,7 +335,7 @@ async fn a_vehicle_of_another_node_is_steered_over_the_swarm() {
     let id = VehicleId(1);
     let ready = |fleet: &FleetSnapshot| {
         let known =
-            |v: &skein_runtime::VehicleSnapshot| v.id == id && v.ready_to_arm == Some(true) && v.kinematics.is_some();
+            |v: &skein_view::VehicleSnapshot| v.id == id && v.ready_to_arm == Some(true) && v.kinematics.is_some();
         let led = fleet
             .swarm
             .as_ref()

@@ -2,8 +2,9 @@
 
 use skein_domain::control::{Console, VehicleControl};
 use skein_domain::{PositionNed, Refusal, VehicleCommand, VehicleId};
-use skein_runtime::{ControlAction, FleetSnapshot, NodeHandle, Targets};
+use skein_runtime::{ControlAction, NodeHandle, Targets};
 use skein_testkit::{Flock, Member, eventually, patience};
+use skein_view::FleetSnapshot;
 use std::time::Duration;
 
 const TWO: VehicleId = VehicleId(2);

@@ -8,9 +8,9 @@
 use serde_json::{Value, json};
 use skein_config::{AdoptionRule, Escalation, Isolation, PayloadRule};
 use skein_domain::FlightState;
-use skein_runtime::FleetSnapshot;
 use skein_sim::PayloadPlan;
 use skein_testkit::{Swarm, eventually, patience};
+use skein_view::FleetSnapshot;
 use std::collections::BTreeMap;
 use std::time::Duration;
 

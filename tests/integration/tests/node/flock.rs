@@ -3,9 +3,10 @@
 
 use skein_domain::fence::{AltitudeReference, BreachAction, FencePlan, FenceZone, ZoneKind, ZoneOutline};
 use skein_domain::{FlightState, FormationRequest, NodeId, PositionNed, Route, Shape, VehicleCommand, VehicleId};
-use skein_runtime::AllegianceKind;
-use skein_runtime::{FleetSnapshot, Targets};
+use skein_runtime::Targets;
 use skein_testkit::{Flock, Member};
+use skein_view::AllegianceKind;
+use skein_view::FleetSnapshot;
 use std::time::Duration;
 
 /// The ground station: coordinates before all others, and flies nothing.
@@ -91,7 +92,7 @@ async fn all_free(flock: &Flock, at: u8) {
     let leads = coordinator(&flock.node(at).snapshot()).expect("somebody coordinates");
     let leads = u8::try_from(leads.0).expect("a node of the flock");
     let free = |fleet: &FleetSnapshot| {
-        let is_free = |v: &skein_runtime::VehicleSnapshot| {
+        let is_free = |v: &skein_view::VehicleSnapshot| {
             let ordered = v.ladder.as_ref().is_some_and(|ladder| ladder.order.is_some());
             v.link.connected && v.flight_state.is_available_in_air() && !ordered
         };
@@ -345,8 +346,7 @@ async fn hold_apart(flock: &Flock, part: &[u8]) -> u8 {
 /// All of them in one formation, led by this node.
 async fn together(flock: &Flock, by: u8) {
     let together = |fleet: &FleetSnapshot| {
-        let settled =
-            |f: &skein_runtime::snapshot::FormationSnapshot| f.members.len() == 4 && fleet.time > f.settled_at;
+        let settled = |f: &skein_view::FormationSnapshot| f.members.len() == 4 && fleet.time > f.settled_at;
         let all = fleet.formation.as_ref().is_some_and(settled);
         all && all_are(fleet, 4, &IN_FORMATION) && coordinator(fleet) == Some(NodeId(u64::from(by)))
     };
@@ -406,7 +406,7 @@ async fn cut_off(flock: &Flock, node: u8) {
     let alone = move |fleet: &FleetSnapshot| {
         let own = fleet.vehicles.iter().find(|v| v.id == vehicle);
         let cut_off = fleet.swarm.as_ref().is_some_and(|swarm| swarm.cut_off);
-        let stands = |v: &skein_runtime::VehicleSnapshot| v.kinematics.is_some_and(|k| k.velocity.norm() < 0.5);
+        let stands = |v: &skein_view::VehicleSnapshot| v.kinematics.is_some_and(|k| k.velocity.norm() < 0.5);
         cut_off && own.is_some_and(|v| v.flight_state == FlightState::Holding && stands(v))
     };
     let what = "who hears nobody holds";

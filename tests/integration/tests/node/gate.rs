@@ -1,12 +1,14 @@
 //! What the safety gate refuses comes back to the asker with its reason, and nothing moves.
 
 use skein_config::FenceSettings;
+use skein_coordination::ReferenceReport;
 use skein_domain::{
     FlightState, FormationAnchor, FormationRequest, HeadingRequest, PositionNed, Refusal, Route, Shape, VehicleCommand,
     VehicleId,
 };
-use skein_runtime::{FleetSnapshot, ReferenceReport, Targets};
+use skein_runtime::Targets;
 use skein_testkit::Swarm;
+use skein_view::FleetSnapshot;
 use std::time::Duration;
 
 fn fenced(config: &mut skein_config::NodeConfig) {

@@ -1,8 +1,9 @@
 //! An operator's command outranks the formation: whoever is told to hold holds, and stays told.
 
 use skein_domain::{FlightState, FormationRequest, PositionNed, Route, Shape, VehicleCommand, VehicleId};
-use skein_runtime::{FleetSnapshot, Targets};
+use skein_runtime::Targets;
 use skein_testkit::Swarm;
+use skein_view::FleetSnapshot;
 use std::time::Duration;
 
 fn state(fleet: &FleetSnapshot, id: u16) -> FlightState {

@@ -7,8 +7,9 @@
 use serde_json::{Value, json};
 use skein_config::OperatorSettings;
 use skein_domain::{FlightState, ItemStatus, PreflightItem, Refusal, VehicleCommand, VehicleId};
-use skein_runtime::{EventKind, Targets};
+use skein_runtime::Targets;
 use skein_testkit::Swarm;
+use skein_view::EventKind;
 use std::time::Duration;
 
 const ITEM: &str = "gnss_satellites";

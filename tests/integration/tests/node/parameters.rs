@@ -124,7 +124,7 @@ async fn nothing_is_written_to_an_armed_vehicle() {
     let swarm = Swarm::start(1).await;
     swarm.ready().await;
     swarm.command_all(VehicleCommand::Arm).await;
-    let is_armed = |fleet: &skein_runtime::FleetSnapshot| fleet.vehicles.iter().all(|vehicle| vehicle.armed);
+    let is_armed = |fleet: &skein_view::FleetSnapshot| fleet.vehicles.iter().all(|vehicle| vehicle.armed);
     swarm.until("armed", Duration::from_secs(5), is_armed).await;
     let (status, body) = write(&swarm, None, "MPC_XY_CRUISE", json!(6)).await;
     assert_eq!((status, body["error"]["code"].as_str()), (409, Some("armed")), "{body}");
@@ -156,7 +156,7 @@ async fn who_has_a_vehicle_in_hand_writes_its_parameters_at_any_node() {
     });
     let flock = Flock::start(&members, folder.path().to_owned(), |_| ()).await;
     for node in [1, 2] {
-        let both = |fleet: &skein_runtime::FleetSnapshot| fleet.vehicles.len() == 2;
+        let both = |fleet: &skein_view::FleetSnapshot| fleet.vehicles.len() == 2;
         flock.until(node, "both vehicles", Duration::from_secs(10), both).await;
     }
     let elsewhere = flock.web_address(2);

@@ -8,10 +8,11 @@
 use serde_json::json;
 use skein_config::{AdoptionRule, Escalation, Isolation, PayloadRule};
 use skein_domain::{FlightState, PositionNed, Refusal, VehicleCommand, VehicleId};
-use skein_runtime::snapshot::ActorStatus;
-use skein_runtime::{Fault, FleetSnapshot, PayloadSnapshot, Restored, Targets};
+use skein_runtime::{Fault, Targets};
 use skein_sim::PayloadPlan;
 use skein_testkit::{Swarm, example_library};
+use skein_view::ActorStatus;
+use skein_view::{FleetSnapshot, PayloadSnapshot, Restored};
 use std::time::Duration;
 
 const ONE: VehicleId = VehicleId(1);

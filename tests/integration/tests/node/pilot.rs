@@ -14,7 +14,7 @@ async fn the_pilot_takes_a_vehicle_out_and_the_others_close_up() {
         .set_formation(FormationRequest::new(Shape::Line, 5.0))
         .await
         .expect("is flown");
-    let following = |id: u16, fleet: &skein_runtime::FleetSnapshot| {
+    let following = |id: u16, fleet: &skein_view::FleetSnapshot| {
         fleet
             .vehicles
             .iter()

@@ -7,8 +7,9 @@
 
 use serde_json::{Value, json};
 use skein_domain::{FlightState, NodeTime, PositionNed, VehicleCommand, VehicleId};
-use skein_runtime::{FleetSnapshot, Targets};
+use skein_runtime::Targets;
 use skein_testkit::{Swarm, eventually, patience};
+use skein_view::FleetSnapshot;
 use std::collections::BTreeMap;
 use std::time::Duration;
 

@@ -1,8 +1,8 @@
 //! A swarm that has landed flies again: after a landing out of OFFBOARD the autopilot shows OFFBOARD again and would not arm.
 
 use skein_domain::{FlightMode, FlightState, PositionNed, VehicleCommand};
-use skein_runtime::FleetSnapshot;
 use skein_testkit::Swarm;
+use skein_view::FleetSnapshot;
 use std::time::Duration;
 
 #[tokio::test(flavor = "multi_thread")]

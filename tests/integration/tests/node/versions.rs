@@ -7,8 +7,9 @@
 
 use skein_config::Isolation;
 use skein_domain::{FormationRequest, Shape};
-use skein_runtime::{FleetSnapshot, NodeHandle, PluginRefusal, Restored, UpgradeReceipt};
+use skein_runtime::{NodeHandle, PluginRefusal, UpgradeReceipt};
 use skein_testkit::{Swarm, example_library};
+use skein_view::{FleetSnapshot, Restored};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 

@@ -54,7 +54,7 @@ async fn nothing_disturbed(swarm: &Swarm) -> Result<()> {
 async fn holds_unsteered(swarm: &Swarm) -> Result<()> {
     let killed = Instant::now();
     let (from, _) = steered(swarm)?;
-    let holds = |fleet: &skein_runtime::FleetSnapshot| {
+    let holds = |fleet: &skein_view::FleetSnapshot| {
         let state = |id: u8| {
             fleet
                 .vehicles

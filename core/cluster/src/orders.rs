@@ -1,0 +1,79 @@
+//! What a coordinator tells everybody: its intent, and what its successor needs to go on. One value, so that both are always of the same
+//! moment.
+//!
+//! Must never do: judge whether it is obeyed; that is the office's.
+
+use serde::{Deserialize, Serialize};
+use skein_coordination::Coordination;
+use skein_domain::{Intent, SwarmFrame, VehicleId};
+use skein_failover::Term;
+use skein_state::SharedState;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Orders of a term. Moments are by the coordinator's clock.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Orders {
+    /// In which term.
+    pub term: Term,
+    /// What is wanted.
+    pub intent: Intent,
+    /// What a successor needs.
+    pub coordination: Coordination,
+    /// Withdrawals of vehicles that are called back: which one of each.
+    pub recalled: BTreeMap<VehicleId, u32>,
+    /// The swarm's frame.
+    pub frame: Option<SwarmFrame>,
+}
+
+impl Orders {
+    /// As they are in the shared state of the node that coordinates.
+    #[must_use]
+    pub fn of(shared: &SharedState, term: Term, recalled: &BTreeMap<VehicleId, u32>) -> Self {
+        Self {
+            term,
+            intent: shared.intent.load().as_ref().clone(),
+            coordination: shared.coordination.lock().clone(),
+            recalled: recalled.clone(),
+            frame: shared.frame(),
+        }
+    }
+
+    /// Puts them on a clock that is ahead by so many microseconds.
+    pub fn put_on_clock_ahead_by(&mut self, ahead_us: i64) {
+        self.intent.put_on_clock_ahead_by(ahead_us);
+        self.coordination.put_on_clock_ahead_by(ahead_us);
+    }
+
+    /// Takes them up on a node that obeys them.
+    pub fn take_up(self, shared: &SharedState) {
+        let Self {
+            mut intent,
+            coordination,
+            recalled,
+            ..
+        } = self;
+        let former = shared.intent.load().leader;
+        let cells = shared.cells();
+        {
+            let mut withdrawn = shared.withdrawn.lock();
+            for cell in &cells {
+                if recalled.get(&cell.id) == Some(&cell.withdrawals()) {
+                    withdrawn.remove(&cell.id);
+                }
+                // Decided before it was known that an operator had taken the vehicle out.
+                if withdrawn.contains(&cell.id) {
+                    intent.tasks.remove(&cell.id);
+                }
+            }
+        }
+        if former != intent.leader {
+            // The anchor of a former leader must not be followed.
+            for cell in cells.iter().filter(|cell| Some(cell.id) != intent.leader) {
+                cell.state.lock().anchor = None;
+            }
+        }
+        *shared.coordination.lock() = coordination;
+        shared.intent.store(Arc::new(intent));
+    }
+}

@@ -1,0 +1,29 @@
+//! What a node needs to know of the process that it runs in: where its plugins lie, when it is asked to stop.
+//!
+//! Must never do: end the process.
+
+use std::io;
+use std::path::PathBuf;
+
+/// The directory of plugins that comes with this program: `plugins` beside it.
+#[must_use]
+pub fn plugins_beside_program() -> PathBuf {
+    let program = std::env::current_exe().ok();
+    program
+        .as_deref()
+        .and_then(std::path::Path::parent)
+        .map_or_else(|| PathBuf::from("plugins"), |dir| dir.join("plugins"))
+}
+
+/// Returns when the process is asked to stop.
+///
+/// # Errors
+/// When signals cannot be listened for.
+pub async fn stop_asked() -> io::Result<()> {
+    let mut terminate = tokio::signal::unix::signal(tokio::signal::unix::SignalKind::terminate())?;
+    tokio::select! {
+        asked = tokio::signal::ctrl_c() => asked?,
+        _ = terminate.recv() => {}
+    }
+    Ok(())
+}

@@ -1,0 +1,206 @@
+//! The control loop's actor: the one clock of the control path. Once per period it reads all links, publishes one immutable picture of all
+//! vehicles, and wakes each vehicle actor once.
+//!
+//! Bound: a period that comes late is skipped, never caught up; a vehicle that has not taken up its last tick gets no second one.
+//! Must never do: wait for a vehicle.
+
+use crate::surroundings;
+use ractor::{Actor, ActorProcessingErr, ActorRef};
+use skein_domain::exchange::Severity;
+use skein_domain::{NodeTime, VehicleId};
+use skein_state::SharedState;
+use skein_state::VehicleMessage;
+use skein_state::{PayloadMessage, PayloadRecord};
+use skein_view::EventKind;
+use skein_view::{PeerEntry, PeerSnapshot, airborne, kinematics};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+use tokio::task::JoinHandle;
+use tokio::time::MissedTickBehavior;
+
+/// The actor.
+pub struct ControlLoop;
+
+/// One tick of the clock.
+pub struct ControlTick;
+
+/// State: the shared state and the task that ticks.
+pub struct ControlLoopState {
+    shared: Arc<SharedState>,
+    ticks: JoinHandle<()>,
+}
+
+impl Drop for ControlLoopState {
+    fn drop(&mut self) {
+        self.ticks.abort();
+    }
+}
+
+impl Actor for ControlLoop {
+    type Msg = ControlTick;
+    type State = ControlLoopState;
+    type Arguments = Arc<SharedState>;
+
+    async fn pre_start(
+        &self,
+        myself: ActorRef<ControlTick>,
+        shared: Arc<SharedState>,
+    ) -> Result<ControlLoopState, ActorProcessingErr> {
+        let period = Duration::from_secs_f64(1.0 / shared.config.node.control_rate_hz);
+        let ticks = tokio::spawn(async move {
+            let mut interval = tokio::time::interval(period);
+            interval.set_missed_tick_behavior(MissedTickBehavior::Skip);
+            loop {
+                interval.tick().await;
+                if myself.cast(ControlTick).is_err() {
+                    return;
+                }
+            }
+        });
+        Ok(ControlLoopState { shared, ticks })
+    }
+
+    async fn handle(
+        &self,
+        _: ActorRef<ControlTick>,
+        _: ControlTick,
+        state: &mut ControlLoopState,
+    ) -> Result<(), ActorProcessingErr> {
+        let (shared, now) = (&state.shared, state.shared.now());
+        let period_s = 1.0 / shared.config.node.control_rate_hz;
+        let told = shared.overrun.lock().tick(now, period_s);
+        if let Some((severity, kind, text)) = told {
+            shared.events.record(now, None, severity, kind, text);
+        }
+        tick(shared);
+        Ok(())
+    }
+}
+
+/// One control period of the node.
+fn tick(shared: &SharedState) {
+    let now = shared.now();
+    let cells = shared.cells();
+    let mut entries = Vec::with_capacity(cells.len());
+    for cell in &cells {
+        let (mut telemetry, link) = cell.link.load().0.read(now);
+        telemetry.simulated |= cell.simulated;
+        if shared.frame().is_none()
+            && shared.may_fix_frame(now)
+            && let Some(place) = shared.resume.origin().or(telemetry.home).or(telemetry.global)
+            && telemetry.local_frame.is_some()
+            && shared.fix_frame(place)
+        {
+            let text = format!(
+                "swarm frame fixed at {:.7}, {:.7}, {:.1} m AMSL, the place of {}",
+                place.latitude_deg, place.longitude_deg, place.altitude_amsl_m, cell.name
+            );
+            shared
+                .events
+                .record(now, Some(cell.id), Severity::Info, EventKind::Notice, text);
+        }
+        let frame = shared.frame();
+        let (flight_state, anchor, limits) = {
+            let published = cell.state.lock();
+            (published.flight_state, published.anchor, published.limits)
+        };
+        let (under_order, may_rejoin, energy) = {
+            let watch = cell.watch.lock();
+            (watch.is_under_order(), watch.may_rejoin(), watch.energy())
+        };
+        entries.push(PeerEntry {
+            id: cell.id,
+            kinematics: frame.as_ref().and_then(|f| kinematics(f, &telemetry)),
+            airborne: airborne(&telemetry),
+            home: frame.zip(telemetry.home).map(|(f, home)| f.position(&home)),
+            telemetry,
+            link,
+            flight_state,
+            anchor,
+            limits,
+            under_order,
+            may_rejoin,
+            energy,
+        });
+    }
+    add_others(shared, &mut entries, now);
+    publish(shared, entries, now);
+    for cell in &cells {
+        let Some(actor) = cell.actor.load_full() else { continue };
+        if !cell.tick_waiting.swap(true, Ordering::AcqRel) && actor.cast(VehicleMessage::Tick).is_err() {
+            // The actor has ended; its next incarnation clears the mark.
+            cell.tick_waiting.store(false, Ordering::Release);
+        }
+    }
+    for cell in &cells {
+        for payload in cell.payloads.read().values() {
+            wake(payload, now);
+        }
+    }
+}
+
+/// Adds the vehicles of the swarm's other nodes. Where two nodes claim one id, this node's own is what it knows best.
+fn add_others(shared: &SharedState, entries: &mut Vec<PeerEntry>, now: NodeTime) {
+    let Some(swarm) = &shared.swarm else { return };
+    let others = swarm.peers(shared.config.link.lost_after_s, shared.frame(), now);
+    if let (None, true) = (shared.frame(), shared.may_fix_frame(now))
+        && let Some(place) = others.iter().find_map(|e| e.telemetry.home.or(e.telemetry.global))
+    {
+        shared.fix_frame(place);
+    }
+    let own: BTreeSet<VehicleId> = entries.iter().map(|e| e.id).collect();
+    entries.extend(others.into_iter().filter(|e| !own.contains(&e.id)));
+    entries.sort_by_key(|e| e.id);
+}
+
+/// Wakes a payload whose tick is due.
+fn wake(payload: &PayloadRecord, now: NodeTime) {
+    let due_us = payload.next_tick_us.load(Ordering::Relaxed);
+    if now.0 < due_us {
+        return;
+    }
+    // A late tick is skipped, never caught up.
+    let period_us = payload.tick_period_us();
+    payload
+        .next_tick_us
+        .store(now.0.max(due_us + period_us), Ordering::Relaxed);
+    let Some(actor) = payload.actor.load_full() else { return };
+    if !payload.tick_waiting.swap(true, Ordering::AcqRel) && actor.cast(PayloadMessage::Tick).is_err() {
+        payload.tick_waiting.store(false, Ordering::Release);
+    }
+}
+
+fn publish(shared: &SharedState, entries: Vec<PeerEntry>, now: NodeTime) {
+    let surroundings = surroundings::surroundings(shared, &entries, now);
+    let anchor = {
+        let plan = shared.intent.load().anchor.clone();
+        let led = entries.iter().find_map(|e| e.anchor);
+        let mut keeper = shared.anchor.lock();
+        let was_held = keeper.is_held();
+        let gate = shared.gate();
+        let anchor = keeper.at(plan.as_ref(), led.as_ref(), &shared.references, gate.fences(), now);
+        if keeper.is_held() != was_held {
+            tell_held(shared, keeper.is_held(), now);
+        }
+        anchor
+    };
+    shared.peers.store(Arc::new(PeerSnapshot {
+        made: now,
+        entries,
+        surroundings,
+        anchor,
+    }));
+}
+
+/// Tells that a formation waits at a fence, or no longer.
+fn tell_held(shared: &SharedState, is_held: bool, now: NodeTime) {
+    let (severity, text) = if is_held {
+        let text = "the formation waits: after its reference not all of its places would be inside of the fences";
+        (Severity::Warning, text)
+    } else {
+        (Severity::Info, "the formation no longer waits at a fence")
+    };
+    shared.events.record(now, None, severity, EventKind::Formation, text);
+}

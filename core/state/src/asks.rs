@@ -1,0 +1,132 @@
+//! What one node asks of another, and what it answers: commands for the vehicles that it flies, what only the coordinator can do, requests that
+//! came in at another node's gateway.
+//!
+//! Must never do: carry anything out.
+
+use serde::{Deserialize, Serialize};
+use skein_domain::fence::FencePlan;
+use skein_domain::link::RoutePoint;
+use skein_domain::preflight::PreflightReport;
+use skein_domain::{
+    FormationRequest, NodeTime, Refusal, Route, Stick, TrajectoryObjection, TrajectoryPlan, TrajectoryRequest,
+    VehicleCommand, VehicleId,
+};
+use skein_view::{CommandReceipt, FormationForecast, FormationReceipt};
+use std::collections::VecDeque;
+use std::pin::Pin;
+use std::sync::Arc;
+
+/// Answers a request of another node's gateway with this node's own routes.
+pub type ApiServer = Arc<dyn Fn(ApiRequest) -> Pin<Box<dyn Future<Output = ApiAnswer> + Send>> + Send + Sync>;
+
+/// A request to the API, as it came in at another node.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ApiRequest {
+    /// Method.
+    pub method: String,
+    /// Path with query.
+    pub path: String,
+    /// Type of the body, if it has one.
+    pub content_type: Option<String>,
+    /// The console that it comes from, if it says so.
+    #[serde(default)]
+    pub console: Option<String>,
+    /// The body.
+    #[serde(with = "serde_bytes")]
+    pub body: Vec<u8>,
+}
+
+/// Its answer.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ApiAnswer {
+    /// Status.
+    pub status: u16,
+    /// Headers that say what the body is.
+    pub headers: Vec<(String, String)>,
+    /// The body.
+    #[serde(with = "serde_bytes")]
+    pub body: Vec<u8>,
+}
+
+/// A command for a vehicle of the asked node.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Order {
+    /// The vehicle.
+    pub vehicle: VehicleId,
+    /// The command.
+    pub command: VehicleCommand,
+    /// How it is flown, if it takes more than one flight.
+    pub legs: VecDeque<VehicleCommand>,
+    /// Not to be begun sooner than after so many seconds.
+    pub delay_s: f64,
+    /// An operator gave it; otherwise the coordinator did.
+    pub by_operator: bool,
+}
+
+/// What is asked.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Ask {
+    /// Commands for vehicles of the asked node.
+    Orders(Vec<Order>),
+    /// Motors off, now.
+    EmergencyStop(Vec<VehicleId>),
+    /// Put these routes on the autopilots of vehicles of the asked node.
+    Upload(Vec<(VehicleId, Vec<RoutePoint>)>),
+    /// Of the coordinator: fly this formation.
+    Formation(Box<FormationRequest>),
+    /// Of the coordinator: how would this formation be flown?
+    Forecast(Box<FormationRequest>),
+    /// Of the coordinator: end the formation.
+    Dissolve,
+    /// Of the coordinator: a route for the leader.
+    Route(Route),
+    /// Of the coordinator: trajectories, to be flown or only planned. Moments are by the asker's clock.
+    Trajectories {
+        /// What is asked for.
+        request: Box<TrajectoryRequest>,
+        /// It is to be flown.
+        fly: bool,
+    },
+    /// Of the coordinator: end all trajectories.
+    EndTrajectories,
+    /// Of the coordinator: other fences for everybody.
+    Fences(Box<FencePlan>),
+    /// The preflight reports of the asked node's vehicles.
+    Preflight,
+    /// Take the office of coordinator.
+    TakeOffice,
+    /// A request to the API about something that the asked node has.
+    Api(ApiRequest),
+    /// How a vehicle of the asked node that is steered by hand is to move, and when that was told by the asker's clock.
+    Stick {
+        /// The vehicle.
+        vehicle: VehicleId,
+        /// How.
+        stick: Stick,
+        /// When.
+        told: NodeTime,
+    },
+}
+
+/// The answer to an [`Ask`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Answer {
+    /// To orders and the emergency stop.
+    Receipts(Vec<CommandReceipt>),
+    /// To a formation.
+    Formation(Result<FormationReceipt, Refusal>),
+    /// To how a formation would be flown.
+    Forecast(Box<Result<FormationForecast, Refusal>>),
+    /// To what has no other outcome than that it is done.
+    Done(Result<(), Refusal>),
+    /// To preflight reports.
+    Preflight(Vec<PreflightReport>),
+    /// To a route.
+    Route(Result<Route, Refusal>),
+    /// To trajectories; moments by the asker's clock.
+    Trajectories(Result<TrajectoryPlan, Vec<TrajectoryObjection>>),
+    /// To the end of all trajectories.
+    Ended(Result<Vec<VehicleId>, Refusal>),
+    /// To a request to the API.
+    Api(ApiAnswer),
+}

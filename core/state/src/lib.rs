@@ -1,0 +1,36 @@
+//! What the actors of a node share by reading instead of asking: the vehicles, payloads and plugin instances beyond their actors' lives, what is
+//! known of the swarm's other nodes, what operators told, the messages of the mailboxes. The three types to know: [`SharedState`], [`VehicleRecord`],
+//! [`cluster::share::SwarmShare`].
+//!
+//! Must never do: contain an actor, wait, or hold a lock across an await.
+#![forbid(unsafe_code)]
+
+pub mod asks;
+pub mod by_hand;
+pub mod cluster;
+pub mod emergency;
+mod failsafe;
+mod held_route;
+mod mailbox;
+mod overrun;
+mod paired;
+mod payload;
+pub mod picture;
+mod plugin;
+pub mod restart;
+pub mod resume;
+mod shared;
+mod vehicle;
+pub mod whole_file;
+
+pub use failsafe::{FailsafeMonitor, Holding};
+pub use held_route::{HeldRoute, UploadEnd, is_upload};
+pub use mailbox::{
+    Asker, ExchangeReply, ParameterOrder, ParameterOutcome, PayloadMessage, SwarmMessage, VehicleMessage, asking,
+};
+pub use overrun::Overrun;
+pub use paired::PairedLink;
+pub use payload::{PayloadPublished, PayloadRecord, Report, TransportAddress};
+pub use plugin::{PluginIdentity, PluginRecord};
+pub use shared::SharedState;
+pub use vehicle::{Itinerary, LinkSlot, PublishedState, VehicleRecord};

@@ -1,0 +1,145 @@
+//! What the actors of a node are told: the messages of their mailboxes.
+//!
+//! Must never do: carry something that the sender has to wait for without an end.
+
+use crate::asks::{Answer, Ask};
+use ractor::RpcReplyPort;
+use skein_domain::exchange::FaultDrill;
+use skein_domain::link::RoutePoint;
+use skein_domain::{CommandId, NodeId, NodeTime, ParameterError, ParameterValue, Refusal, RequestId, VehicleCommand};
+use skein_plugin_host::Plugin;
+use skein_view::{CommandReceipt, Restored};
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::oneshot;
+
+/// What a vehicle actor is told.
+pub enum VehicleMessage {
+    /// The control period.
+    Tick,
+    /// An operator's command. Answered at once: taken up or refused.
+    Command {
+        /// Its id.
+        id: CommandId,
+        /// The command.
+        command: VehicleCommand,
+        /// How it is flown, if it takes more than one flight; empty if the model flies it by itself.
+        legs: VecDeque<VehicleCommand>,
+        /// Not to be begun before.
+        not_before: NodeTime,
+        /// Where the receipt goes; none if the node itself commands.
+        reply: Option<RpcReplyPort<CommandReceipt>>,
+    },
+    /// A payload's answer to a request of the model.
+    PayloadResult {
+        /// Which request.
+        request: RequestId,
+        /// Why not; absent if accepted.
+        refusal: Option<Refusal>,
+    },
+    /// Put this route on the autopilot.
+    UploadRoute(Vec<RoutePoint>),
+    /// Write a parameter of the autopilot. Answered when it is written, or known not to be.
+    WriteParameter(ParameterOrder),
+    /// Make the plugin fail.
+    Drill(FaultDrill),
+    /// End the plugin's process, or make it panic if it has none of its own.
+    Kill,
+    /// Go over to another version of the model.
+    Exchange(Arc<Plugin>, ExchangeReply),
+    /// Forget all failures of the model and start it anew.
+    Reset,
+}
+
+/// A write that an operator asked for.
+pub struct ParameterOrder {
+    /// Its number.
+    pub id: CommandId,
+    /// The parameter.
+    pub name: String,
+    /// The value.
+    pub value: ParameterValue,
+    /// Who asked, for the event log; empty if nobody says.
+    pub by: String,
+    /// Where the outcome goes: the value before, and the one it has now.
+    pub reply: RpcReplyPort<ParameterOutcome>,
+}
+
+/// What came of a write: the value before, if it was known, and the one it has now.
+pub type ParameterOutcome = Result<(Option<ParameterValue>, ParameterValue), ParameterError>;
+
+/// Who asked a payload for something, and where the answer goes.
+pub enum Asker {
+    /// An operator or another program.
+    Operator(RpcReplyPort<CommandReceipt>),
+    /// The UAV model of its vehicle.
+    Model(RequestId),
+}
+
+/// What became of the exchange of a version.
+pub type ExchangeReply = RpcReplyPort<Result<Restored, String>>;
+
+/// What a payload actor is told.
+pub enum PayloadMessage {
+    /// Its tick is due.
+    Tick,
+    /// A command. Answered at once: taken up or refused.
+    Command {
+        /// Its id.
+        id: CommandId,
+        /// As JSON text.
+        command_json: String,
+        /// Who asks.
+        asker: Asker,
+    },
+    /// Make the plugin fail.
+    Drill(FaultDrill),
+    /// End the plugin's process, or make it panic if it has none of its own.
+    Kill,
+    /// Go over to another version.
+    Exchange(Arc<Plugin>, ExchangeReply),
+    /// Forget all failures and start anew.
+    Reset,
+}
+
+/// What the actor is told that speaks with the other nodes.
+pub enum SwarmMessage {
+    /// Something has arrived, or it is time to look.
+    Look,
+    /// Ask another node something.
+    Ask {
+        /// Whom.
+        to: NodeId,
+        /// What.
+        ask: Box<Ask>,
+        /// How long to wait.
+        within: Duration,
+        /// Where the answer goes.
+        answer: oneshot::Sender<Result<Answer, Refusal>>,
+    },
+    /// This node has done what another one asked for.
+    Served {
+        /// Who asked.
+        to: NodeId,
+        /// Its number.
+        id: u64,
+        /// The answer.
+        answer: Box<Answer>,
+    },
+    /// Take the office of coordinator, because somebody asks for it.
+    TakeOffice(oneshot::Sender<Result<(), Refusal>>),
+}
+
+/// An ask as a message of the actor.
+#[must_use]
+pub fn asking(to: NodeId, ask: Ask, within: Duration) -> (SwarmMessage, oneshot::Receiver<Result<Answer, Refusal>>) {
+    let (answer, answered) = oneshot::channel();
+    let message = SwarmMessage::Ask {
+        to,
+        ask: Box::new(ask),
+        within,
+        answer,
+    };
+    (message, answered)
+}

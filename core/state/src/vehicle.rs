@@ -1,0 +1,182 @@
+//! One adopted vehicle, beyond the life of its actor, and what that actor publishes.
+//!
+//! Must never do: wait for the vehicle.
+
+use crate::by_hand::Hand;
+use crate::failsafe::FailsafeMonitor;
+use crate::held_route::HeldRoute;
+use crate::mailbox::VehicleMessage;
+use crate::payload::PayloadRecord;
+use crate::plugin::PluginRecord;
+use arc_swap::{ArcSwap, ArcSwapOption};
+use parking_lot::{Mutex, RwLock};
+use ractor::ActorRef;
+use skein_domain::link::VehicleLink;
+use skein_domain::payload::CoordinatorCapability;
+use skein_domain::preflight::PreflightItem;
+use skein_domain::{
+    AnchorReference, CommandId, FlightLimits, FlightState, LadderState, NodeTime, Setpoint, SystemId, VehicleCommand,
+    VehicleId,
+};
+use skein_view::{ActorHealth, Avoidance};
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
+/// A command in several legs.
+#[derive(Debug, Clone)]
+pub struct Itinerary {
+    /// The command that was asked for.
+    pub id: CommandId,
+    /// Its name.
+    pub name: &'static str,
+    /// What is still to be flown, first leg first.
+    pub legs: VecDeque<VehicleCommand>,
+    /// The leg being flown.
+    pub current: Option<CommandId>,
+    /// It leads home: the vehicle is shown as returning and takes no slot.
+    pub returns: bool,
+}
+
+/// One adopted vehicle. It outlives the vehicle's actor, so that a new incarnation finds state and link.
+pub struct VehicleRecord {
+    /// The swarm's id for it.
+    pub id: VehicleId,
+    /// Name from the adoption rule.
+    pub name: String,
+    /// System id on its link.
+    pub system_id: SystemId,
+    /// Its autopilot runs in a simulation, as its rule says.
+    pub simulated: bool,
+    /// The UAV-model plugin instance that flies it.
+    pub model: Arc<PluginRecord>,
+    /// What it carries, by name.
+    pub payloads: RwLock<BTreeMap<String, Arc<PayloadRecord>>>,
+    /// Its link. Replaced when the vehicle comes back over another one.
+    pub link: ArcSwap<LinkSlot>,
+    /// The running actor, if any.
+    pub actor: ArcSwapOption<ActorRef<VehicleMessage>>,
+    /// A tick has been sent and not yet been taken up: at most one waits in the mailbox.
+    pub tick_waiting: AtomicBool,
+    /// What the actor last published.
+    pub state: Mutex<PublishedState>,
+    /// Its ladder of reactions and its charge.
+    pub watch: Mutex<FailsafeMonitor>,
+    /// The command that it carries out, if one.
+    pub under_way: Mutex<Option<(CommandId, VehicleCommand)>>,
+    /// A command in several legs that is being carried out.
+    pub itinerary: Mutex<Option<Itinerary>>,
+    /// Whether it is flown by hand, and the newest stick for it.
+    pub hand: Mutex<Hand>,
+    /// The route that was put on its autopilot.
+    pub route: Mutex<HeldRoute>,
+    /// Its motors were stopped in an emergency: nothing flies it until an operator arms it again.
+    stopped: AtomicBool,
+    /// How often it was taken out of the formation: so that calling it back means one of these, and no later one.
+    withdrawals: AtomicU32,
+}
+
+impl VehicleRecord {
+    /// A vehicle that has just been adopted.
+    #[must_use]
+    pub fn new(
+        id: VehicleId,
+        name: String,
+        system_id: SystemId,
+        simulated: bool,
+        model: Arc<PluginRecord>,
+        link: Arc<dyn VehicleLink>,
+    ) -> Self {
+        Self {
+            id,
+            name,
+            system_id,
+            simulated,
+            model,
+            payloads: RwLock::default(),
+            link: ArcSwap::from_pointee(LinkSlot(link)),
+            actor: ArcSwapOption::default(),
+            tick_waiting: AtomicBool::new(false),
+            state: Mutex::default(),
+            watch: Mutex::default(),
+            under_way: Mutex::default(),
+            itinerary: Mutex::default(),
+            hand: Mutex::default(),
+            route: Mutex::default(),
+            stopped: AtomicBool::new(false),
+            withdrawals: AtomicU32::new(0),
+        }
+    }
+
+    /// It is taken out of the formation.
+    pub(crate) fn note_withdrawal(&self) {
+        self.withdrawals.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// How often it was taken out of the formation.
+    #[must_use]
+    pub fn withdrawals(&self) -> u32 {
+        self.withdrawals.load(Ordering::Relaxed)
+    }
+
+    /// Whether its motors were stopped in an emergency.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        self.stopped.load(Ordering::Acquire)
+    }
+
+    /// Marks it as stopped in an emergency, or as free again.
+    pub fn set_stopped(&self, stopped: bool) {
+        self.stopped.store(stopped, Ordering::Release);
+    }
+
+    /// What it carries, by name.
+    #[must_use]
+    pub fn payloads(&self) -> Vec<Arc<PayloadRecord>> {
+        self.payloads.read().values().cloned().collect()
+    }
+
+    /// The payload of that name.
+    #[must_use]
+    pub fn payload(&self, name: &str) -> Option<Arc<PayloadRecord>> {
+        self.payloads.read().get(name).cloned()
+    }
+}
+
+/// A link behind a thin pointer, so that it can be swapped.
+pub struct LinkSlot(pub Arc<dyn VehicleLink>);
+
+/// What a vehicle's actor publishes for its peers, the coordinator and the screens.
+#[derive(Debug, Clone, Default)]
+pub struct PublishedState {
+    /// Flight state.
+    pub flight_state: FlightState,
+    /// Why.
+    pub detail: String,
+    /// Since when.
+    pub since: NodeTime,
+    /// The anchor it publishes while leading.
+    pub anchor: Option<AnchorReference>,
+    /// Last setpoint that passed the gate.
+    pub setpoint: Option<Setpoint>,
+    /// Distance to its slot or goal in metres.
+    pub tracking_error_m: Option<f64>,
+    /// It has flown its route to the end; with the task version of that route.
+    pub route_finished: Option<u64>,
+    /// Version of the task it has taken up last.
+    pub task_version: u64,
+    /// Actor's health.
+    pub actor: ActorHealth,
+    /// What the model reports of itself, as its state schema has it.
+    pub model_state: Option<serde_json::Value>,
+    /// Whether it can host the coordinator.
+    pub capability: Option<CoordinatorCapability>,
+    /// What it can do, if its model says.
+    pub limits: Option<FlightLimits>,
+    /// What its model has to say before it is armed.
+    pub preflight: Vec<PreflightItem>,
+    /// What is changed of its setpoints at this moment, to keep it off others or inside of a fence.
+    pub avoiding: Option<Avoidance>,
+    /// What is wrong with it and what is done about it; absent if nothing is.
+    pub ladder: Option<LadderState>,
+}
