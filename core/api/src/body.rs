@@ -6,7 +6,7 @@
 mod violation;
 
 use crate::error::ApiError;
-use crate::examples::Example;
+use crate::example::Example;
 use axum::Json;
 use axum::body::Bytes;
 use axum::extract::rejection::JsonRejection;

@@ -11,7 +11,7 @@ mod swarm;
 mod trajectories;
 
 use crate::app::App;
-use crate::examples::Example;
+use crate::example::Example;
 use crate::links;
 use crate::protocol::{
     Accepted, AcknowledgeBody, Acknowledged, CommandBody, CommandReceipts, EventList, Health, LinkReport, VehicleList,

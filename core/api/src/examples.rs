@@ -4,6 +4,7 @@
 //! Must never do: stand for a value that was left out.
 
 use crate::body::{PayloadCommandBody, TracksBody};
+use crate::example::Example;
 use crate::protocol::{
     AcknowledgeBody, CommandBody, ControlBody, CoordinatorBody, EmergencyStopBody, FenceFileBody, FencePlanBody,
     OverrideBody, ParameterBody, ReadingBody, ResumeBody, RouteBody,
@@ -13,12 +14,6 @@ use skein_config::PayloadRule;
 use skein_coordination::ReferenceReport;
 use skein_domain::{FormationRequest, TrajectoryRequest};
 use skein_runtime::Fault;
-
-/// A body that there is an example of.
-pub trait Example {
-    /// One that would be taken.
-    fn example() -> Value;
-}
 
 macro_rules! examples {
     ($($body:ty => $example:tt,)*) => {

@@ -13,6 +13,7 @@ mod elsewhere;
 mod emergency;
 mod endpoints;
 mod error;
+mod example;
 mod examples;
 mod fences;
 pub mod generated;

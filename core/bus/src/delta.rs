@@ -6,7 +6,7 @@
 //! datagram, before a difference goes alone; so who lost one telling of it has it by another. Who lacks it still says so, and waits no longer than until the
 //! next base, which is told beside the old one before it takes its place.
 
-use crate::latest::{Entry, Key};
+use crate::entry::{Entry, Key};
 use minicbor::{Decode, Encode};
 use skein_domain::NodeTime;
 use std::collections::BTreeMap;

@@ -6,30 +6,12 @@
 //! carries each less often: small values go first, then the key that has waited longest.
 
 use crate::delta::{self, Bases, Basing, Change};
+pub use crate::entry::{Entry, Key};
 use crate::seal::Boot;
 use minicbor::{Decode, Encode};
 use skein_domain::{NodeId, NodeTime};
 use std::collections::BTreeMap;
 use thiserror::Error;
-
-/// Names one value of a node.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Encode, Decode)]
-#[cbor(transparent)]
-pub struct Key(#[n(0)] pub u32);
-
-/// One value on its way.
-#[derive(Debug, Clone, PartialEq, Eq, Encode, Decode)]
-pub struct Entry {
-    /// Which.
-    #[n(0)]
-    pub key: Key,
-    /// Counts from 1 per run of the sender, over all keys: one that is told again after it was given up is newer than before.
-    #[n(1)]
-    pub version: u64,
-    /// The value.
-    #[cbor(n(2), with = "minicbor::bytes")]
-    pub value: Vec<u8>,
-}
 
 /// What is told in one datagram.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Encode, Decode)]

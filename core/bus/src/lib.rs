@@ -14,6 +14,7 @@ pub mod bus;
 pub mod conformance;
 pub mod courier;
 pub mod delta;
+mod entry;
 pub mod latest;
 pub mod links;
 pub mod local;

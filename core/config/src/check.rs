@@ -1,22 +1,9 @@
 //! What makes a configuration that parses still wrong. Every problem is listed, not only the first.
 
+mod dds;
+
+use crate::problem::Problem;
 use crate::settings::{AdoptionRule, NodeConfig, PayloadRule};
-use std::fmt;
-
-/// One wrong value: its key as it stands in the file, and what would be right.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Problem {
-    /// The key, for example `safety.max_speed_m_s`.
-    pub key: String,
-    /// What is wrong and what would be right.
-    pub message: String,
-}
-
-impl fmt::Display for Problem {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.key, self.message)
-    }
-}
 
 impl NodeConfig {
     /// Everything that is wrong with the values.

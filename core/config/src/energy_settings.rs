@@ -2,7 +2,7 @@
 //!
 //! Must never do: let values through with which no vehicle would ever be sent home, or none would ever get there.
 
-use crate::Problem;
+use crate::problem::Problem;
 use skein_domain::EnergySettings;
 
 /// Everything that is wrong with the energy settings.

@@ -8,7 +8,7 @@ mod plan_file;
 
 pub use geojson_file::to_geojson;
 
-use crate::check::Problem;
+use crate::problem::Problem;
 use crate::settings::NodeConfig;
 use skein_domain::{
     AltitudeReference, BreachAction, FencePlan, FenceZone, Geodetic, MapPoint, SwarmFrame, ZoneKind, ZoneOutline,

@@ -2,7 +2,7 @@
 //!
 //! Must never do: let the two triggers be switched off without which nothing else is known.
 
-use crate::Problem;
+use crate::problem::Problem;
 use skein_domain::Trigger;
 use skein_domain::ladder::{LadderSettings, Step, TriggerMode};
 

@@ -12,16 +12,17 @@ mod ids;
 mod ladder_settings;
 mod operators;
 mod preflight_settings;
+mod problem;
 mod resume;
 mod ros2;
 pub mod settings;
 mod swarm;
 
-pub use check::Problem;
 pub use dds::{DdsPeer, DdsPeerError, DdsSettings, LinkKind};
 pub use fences::{FenceFault, FenceFileError, ImportedFences, parse_fences, read_fence_file, to_geojson};
 pub use ids::SystemIdSet;
 pub use operators::OperatorSettings;
+pub use problem::Problem;
 pub use resume::{ResumeSettings, ResumeThen};
 pub use ros2::Ros2Settings;
 pub use settings::{

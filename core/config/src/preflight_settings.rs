@@ -2,7 +2,7 @@
 //!
 //! Must never do: let a limit through that nothing could ever pass, or everything would.
 
-use crate::Problem;
+use crate::problem::Problem;
 use skein_domain::PreflightSettings;
 
 /// Everything that is wrong with the preflight settings.

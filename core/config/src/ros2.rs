@@ -2,7 +2,7 @@
 //!
 //! Must never do: switch it on by itself.
 
-use crate::Problem;
+use crate::problem::Problem;
 use serde::{Deserialize, Serialize};
 
 /// `[ros2]`

@@ -485,3 +485,17 @@ pub struct FaultSettings {
     /// Whether faults may be injected through the API.
     pub enabled: bool,
 }
+
+impl NodeConfig {
+    /// Whether vehicles are looked for on DDS.
+    #[must_use]
+    pub fn flies_over_dds(&self) -> bool {
+        self.adopt.iter().any(|rule| rule.links.contains(&LinkKind::Dds))
+    }
+
+    /// Whether there is no way over which a vehicle could be heard.
+    #[must_use]
+    pub fn hears_nobody(&self) -> bool {
+        self.endpoints.is_empty() && !self.flies_over_dds()
+    }
+}

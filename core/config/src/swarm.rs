@@ -2,7 +2,7 @@
 //!
 //! Must never do: hold the secret itself; only the file it is in.
 
-use crate::Problem;
+use crate::problem::Problem;
 use serde::{Deserialize, Serialize};
 use skein_domain::Geodetic;
 use std::collections::BTreeMap;

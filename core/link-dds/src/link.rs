@@ -16,8 +16,8 @@ use skein_domain::{
     AutopilotCommand, CommandId, LinkHealth, NodeTime, ParameterError, ParameterEvent, ParameterList, ParameterValue,
     ReadingAction, Refusal, RequestId, SystemId, Telemetry,
 };
-use skein_link_px4::LinkSettings;
-use skein_link_px4::vehicle::emergency::TRY_FOR_S;
+use skein_px4::LinkSettings;
+use skein_px4::emergency::TRY_FOR_S;
 use std::fmt;
 use std::sync::Weak;
 

@@ -12,7 +12,7 @@ use crate::sources::Participant;
 use parking_lot::Mutex;
 use rustdds::{DomainParticipant, GUID, RTPSEntity};
 use skein_domain::{Clock, NodeTime};
-use skein_link_px4::LinkSettings;
+use skein_px4::LinkSettings;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,7 +1,7 @@
 //! The link to one vehicle without DDS and without a clock: samples, requests, setpoints and ticks in; messages and events out.
 //!
 //! Must never do: read a clock, block, or decide otherwise than the link over MAVLink does. What commands, setpoints, modes and the emergency
-//! stop mean is that link's code (`skein_link_px4::vehicle`); only the wire is another one here.
+//! stop mean is that link's code (`skein_px4`); only the wire is another one here.
 
 pub mod estimate;
 pub mod setpoint;
@@ -15,17 +15,17 @@ use skein_domain::setpoint::LocalSetpoint;
 use skein_domain::{
     AutopilotCommand, FlightMode, LandedState, LinkHealth, NodeTime, Refusal, RequestId, Telemetry, VehicleId,
 };
-use skein_link_px4::LinkSettings;
-use skein_link_px4::decode::Acknowledgement;
-use skein_link_px4::vehicle::commands::{Around, CommandOutlet, Commands, Ended, Origin};
-use skein_link_px4::vehicle::emergency::{ARM_DISARM, EmergencyStop, Urgent};
-use skein_link_px4::vehicle::events::EventQueue;
-use skein_link_px4::vehicle::local_origin::LocalOrigin;
-use skein_link_px4::vehicle::mode_watch::ModeWatch;
-use skein_link_px4::vehicle::plan::{self, Command, Condition, Situation};
-use skein_link_px4::vehicle::setpoints::{HoldPlace, SetpointStream, StreamAction};
-use skein_link_px4::vehicle::status_text::StatusTexts;
-use skein_link_px4::vehicle::traffic::SendRate;
+use skein_px4::LinkSettings;
+use skein_px4::SendRate;
+use skein_px4::acknowledgement::Acknowledgement;
+use skein_px4::commands::{Around, CommandOutlet, Commands, Ended, Origin};
+use skein_px4::emergency::{ARM_DISARM, EmergencyStop, Urgent};
+use skein_px4::events::EventQueue;
+use skein_px4::local_origin::LocalOrigin;
+use skein_px4::mode_watch::ModeWatch;
+use skein_px4::plan::{self, Command, Condition, Situation};
+use skein_px4::setpoints::{HoldPlace, SetpointStream, StreamAction};
+use skein_px4::status_text::StatusTexts;
 use std::sync::Arc;
 use wire_clock::{Tick, WireClock};
 

@@ -5,10 +5,10 @@
 use crate::answer::{AnswerBytes, RawAnswer};
 use crate::entry::Handle;
 use crate::frames::{Frame, Pool};
-use crate::lane::Task;
 use crate::services::{Readable, Services};
 use crate::sink::LogSink;
 use crate::statistics::CallTimes;
+use crate::task::Task;
 use crate::{Plugin, PluginError};
 use parking_lot::Mutex;
 use skein_domain::manifest::EffectKind;

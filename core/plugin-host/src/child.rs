@@ -16,9 +16,10 @@ pub use serve::{ServeError, serve};
 
 use crate::answer::RawAnswer;
 use crate::frames::Pool;
-use crate::{CallStatistics, ChildLimits, Manifest, Plugin, PluginError, Runners};
+use crate::{CallStatistics, ChildLimits, Manifest, Plugin, PluginError, RunnerSettings};
 use calls::Job;
 pub(crate) use calls::{Call, Caller, Shared};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Sender, channel};
 use tokio::sync::oneshot;
@@ -33,19 +34,18 @@ pub(crate) struct ChildCalls {
 
 impl ChildCalls {
     pub(crate) async fn create(
-        runners: &Runners,
+        // which program is started, the bounds, and what is kept for as long as the child lives
+        (program, settings, living): (PathBuf, RunnerSettings, Arc<()>),
         plugin: Arc<Plugin>,
         name: String,
         limits: ChildLimits,
         schema: u32,
         bytes: Vec<u8>,
     ) -> Result<Self, PluginError> {
-        let program = runners.host_program();
-        let shared = Arc::new(Shared::new(plugin, name, *runners.settings(), limits));
+        let shared = Arc::new(Shared::new(plugin, name, settings, limits));
         let (jobs, receiver) = channel::<Job>();
         let (reply, made) = oneshot::channel();
         let for_thread = Arc::clone(&shared);
-        let living = runners.count_child();
         // The system ends a child with the thread that started it.
         let life = move || {
             let _living = living;

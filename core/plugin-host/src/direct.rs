@@ -4,10 +4,10 @@
 
 use crate::answer::{Judge, RawAnswer};
 use crate::body::InstanceBody;
+use crate::calls::encode;
 use crate::child::{Call, Caller, Shared};
 use crate::frames::{Frame, Pool};
-use crate::lane::Task;
-use crate::runners::encode;
+use crate::task::Task;
 use crate::{Answer, Isolation, Manifest, Plugin, PluginError, RunnerSettings};
 use skein_domain::exchange::{CREATE_SCHEMA, Create, EVENT_BATCH_SCHEMA, Effect, EventBatch};
 use skein_plugin_abi::method;

@@ -1,9 +1,9 @@
 //! One instance of a plugin, as its actor holds it: event batches in, effect batches out.
 
 use crate::answer::{Answer, Judge, RawAnswer};
+use crate::calls::{Calls, encode};
 use crate::child::{Call, ChildCalls};
 use crate::frames::{Frame, Pool};
-use crate::runners::{Calls, encode};
 use crate::{CallStatistics, Isolation, Manifest, PluginError};
 use skein_domain::exchange::{EVENT_BATCH_SCHEMA, EventBatch};
 use skein_plugin_abi::method;

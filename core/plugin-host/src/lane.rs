@@ -6,9 +6,9 @@
 use crate::PluginError;
 use crate::answer::RawAnswer;
 use crate::body::InstanceBody;
-use crate::frames::Frame;
+use crate::call_clock::CallClock;
+use crate::task::Task;
 use crate::thread_time::ThreadTime;
-use crate::watchdog::CallClock;
 use parking_lot::{Condvar, Mutex, MutexGuard};
 use skein_realtime::Precedence;
 use std::collections::VecDeque;
@@ -24,24 +24,6 @@ const LOOKS_BEFORE_SLEEP: u32 = 4;
 
 /// To whom the result goes.
 pub(crate) type Reply = oneshot::Sender<Result<Option<RawAnswer>, PluginError>>;
-
-/// What is to be done with an instance.
-#[derive(Debug)]
-pub(crate) enum Task {
-    /// Make it.
-    Create { schema: u32, bytes: Vec<u8> },
-    /// Call one of its methods, and if that went well take a snapshot.
-    Invoke {
-        method: u32,
-        schema: u32,
-        bytes: Vec<u8>,
-        /// What can be read during the call.
-        frames: Vec<Arc<Frame>>,
-        then_snapshot: bool,
-    },
-    /// End it.
-    Destroy,
-}
 
 /// One job of a lane.
 #[derive(Debug)]

@@ -3,18 +3,12 @@
 //! Must never do: unwind into the plugin.
 
 use crate::frames::{Frame, Pool};
-use crate::sink::LogSink;
+use crate::sink::{LogSink, TakeLog};
 use parking_lot::Mutex;
 use skein_plugin_abi::{FrameBuffer, HostServices, LogLevel, Slice};
 use std::ffi::c_void;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-
-/// Where log lines go.
-pub(crate) trait TakeLog: Send + Sync + std::fmt::Debug {
-    /// Takes one line, whatever its bytes are.
-    fn take(&self, level: LogLevel, text: &[u8]);
-}
 
 /// Bytes of a frame that can be read during a call.
 pub(crate) trait Readable: Send + Sync + std::fmt::Debug {

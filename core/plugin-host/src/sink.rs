@@ -2,7 +2,6 @@
 //!
 //! Must never do: let a plugin that writes without end fill the node's log.
 
-use crate::services::TakeLog;
 use parking_lot::Mutex;
 use skein_plugin_abi::LogLevel;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -15,6 +14,12 @@ const MAX_LINES_PER_WINDOW: u32 = 100;
 const WINDOW: Duration = Duration::from_secs(1);
 /// A line is cut at this length in bytes.
 const MAX_LINE_BYTES: usize = 2_000;
+
+/// Where log lines go.
+pub(crate) trait TakeLog: Send + Sync + std::fmt::Debug {
+    /// Takes one line, whatever its bytes are.
+    fn take(&self, level: LogLevel, text: &[u8]);
+}
 
 /// The sink of one instance.
 #[derive(Debug)]

@@ -13,7 +13,7 @@ use skein_domain::SystemId;
 use skein_domain::exchange::Severity;
 use skein_link_dds::naming::Namespace;
 use skein_link_dds::{DdsArguments, DdsEvent, DdsNode};
-use skein_link_px4::LinkSettings;
+use skein_px4::LinkSettings;
 use skein_state::SharedState;
 use skein_view::{EventKind, UnadoptedVehicle};
 use std::sync::Arc;

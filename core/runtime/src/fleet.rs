@@ -17,7 +17,7 @@ use skein_domain::exchange::Severity;
 use skein_domain::link::VehicleLink;
 use skein_domain::{AutopilotCommand, FlightMode, FlightState, Incarnation, Refusal, RequestId, SystemId, VehicleId};
 use skein_plugin_host::{Plugin, PluginKind};
-use skein_state::PairedLink;
+use skein_px4::PairedLink;
 use skein_state::restart::{Decision, RestartHistory, VEHICLE_LIMITS};
 use skein_state::{LinkSlot, SharedState, VehicleRecord};
 use skein_state::{PluginIdentity, PluginRecord};
@@ -252,7 +252,7 @@ impl FleetState {
         // Heard before it was ours, it would be kept away from as a stranger in its own place.
         self.shared
             .sightings
-            .forget(&skein_link_px4::sighting::source_of(system_id.0));
+            .forget(&skein_link_mavlink::sighting::source_of(system_id.0));
         self.records.insert(id, Record::default());
         self.start(myself, cell.clone()).await;
         self.start_payloads(myself, &cell).await;

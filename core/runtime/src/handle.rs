@@ -24,13 +24,15 @@ pub use preflight::PreflightAnswer;
 
 use plugins::PluginOrder;
 
+use crate::fleet::{Discovery, FleetMessage};
 use crate::parts::Parts;
 use serde::{Deserialize, Serialize};
-use skein_config::NodeConfig;
+use skein_config::{LinkKind, NodeConfig};
 use skein_coordination::{ReferenceReport, ReferenceSnapshot};
 use skein_domain::exchange::{FaultDrill, Severity};
+use skein_domain::link::VehicleLink;
 use skein_domain::{AnchorReference, NodeTime, Refusal, SlotMove, VehicleId};
-use skein_link_px4::EndpointMetrics;
+use skein_link_mavlink::EndpointMetrics;
 use skein_state::SharedState;
 use skein_view::{EventKind, EventRecord, FleetSnapshot};
 use std::collections::BTreeMap;
@@ -116,6 +118,27 @@ impl NodeHandle {
 
     pub(crate) fn parts(&self) -> &Arc<Parts> {
         &self.parts
+    }
+
+    /// Offers a vehicle that a link outside of this crate hears, under the name of that link's endpoint: the fleet adopts it by the rules of the
+    /// configuration, as any other. See "Another autopilot" in the documentation.
+    ///
+    /// # Errors
+    /// [`Refusal::NotRunning`] while the fleet is being started again.
+    pub fn offer_vehicle(&self, endpoint: &str, link: Arc<dyn VehicleLink>) -> Result<(), Refusal> {
+        let not_running = || Refusal::NotRunning {
+            what: "the fleet".into(),
+        };
+        let fleet = self.parts.fleet.load_full().ok_or_else(not_running)?;
+        let discovery = Discovery {
+            endpoint: endpoint.to_owned(),
+            kind: LinkKind::Mavlink,
+            system_id: link.system_id(),
+            link,
+        };
+        fleet
+            .cast(FleetMessage::Discovered(discovery))
+            .map_err(|_| not_running())
     }
 
     /// Now, on the node's clock.

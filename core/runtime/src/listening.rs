@@ -6,7 +6,7 @@ use skein_config::LinkKind;
 use skein_coordination::ReferenceReport;
 use skein_domain::SystemId;
 use skein_domain::exchange::Severity;
-use skein_link_px4::{EndpointEvent, EventSink, ReferenceSink, Sighting, Source};
+use skein_link_mavlink::{EndpointEvent, EventSink, ReferenceSink, Sighting, Source};
 use skein_state::SharedState;
 use skein_view::{EventKind, UnadoptedVehicle};
 use std::sync::Arc;

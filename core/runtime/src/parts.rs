@@ -7,7 +7,7 @@ use crate::fleet::FleetMessage;
 use arc_swap::ArcSwapOption;
 use ractor::ActorRef;
 use skein_link_dds::DdsLinkTable;
-use skein_link_px4::LinkTable;
+use skein_link_mavlink::LinkTable;
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::sync::Arc;

@@ -4,8 +4,9 @@ use crate::fleet::payload_kind;
 use skein_config::NodeConfig;
 use skein_domain::fence::FencePlan;
 use skein_domain::{Clock, SwarmFrame};
-use skein_link_px4::{EndpointAddress, EndpointSettings, LinkSettings, MessageRates};
+use skein_link_mavlink::{EndpointAddress, EndpointSettings};
 use skein_plugin_host::{Catalog, Plugin, PluginKind, Trust};
+use skein_px4::{LinkSettings, MessageRates};
 use skein_safety::{Fences, Gate, Limits};
 use skein_state::SharedState;
 use skein_state::TransportAddress;
@@ -73,7 +74,7 @@ pub fn endpoints(config: &NodeConfig) -> Result<Vec<EndpointSettings>, WiringErr
                 endpoint
                     .address
                     .parse()
-                    .map_err(|e: skein_link_px4::AddressError| WiringError::Address {
+                    .map_err(|e: skein_link_mavlink::AddressError| WiringError::Address {
                         address: endpoint.address.clone(),
                         reason: e.to_string(),
                     })?;

@@ -1,6 +1,6 @@
 //! Kinds of vehicles: the same autopilot with other parameters, and how each answers to it, so that swarms can be mixed.
 
-use crate::vehicle::ParameterValue;
+use crate::parameter_value::ParameterValue;
 
 /// What kind of vehicle it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

@@ -26,6 +26,7 @@ pub mod airframe;
 pub mod faces;
 pub mod faults;
 pub mod movers;
+mod parameter_value;
 pub mod payloads;
 pub mod scene;
 pub mod settings;
@@ -35,6 +36,7 @@ pub mod topics;
 pub mod truth;
 pub mod truth_lines;
 pub mod vehicle;
+mod wander;
 mod wind;
 mod wire;
 

@@ -3,8 +3,8 @@
 use crate::airframe::Airframe;
 use crate::faces::Faces;
 use crate::movers::Mover;
+use crate::parameter_value::ParameterValue;
 use crate::payloads::PayloadPlan;
-use crate::vehicle::ParameterValue;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

@@ -27,13 +27,13 @@ mod telemetry;
 mod topics;
 mod truth;
 
+pub use crate::parameter_value::ParameterValue;
 pub use channel::{LinkKind, Outbox};
-pub use parameters::ParameterValue;
 
 use crate::airframe::Airframe;
 use crate::faces::Face;
 use crate::settings::SimSettings;
-use crate::wind::Wander;
+use crate::wander::Wander;
 use crate::wire::{CommandRequest, Sender};
 use battery::{Battery, BatteryLevel};
 use body::{Body, Drive, GRAVITY_M_S2};

@@ -11,7 +11,7 @@ pub struct Arguments {
     /// How log lines are written to standard error.
     #[arg(long, value_enum, default_value_t = LogFormat::Text, global = true)]
     pub log_format: LogFormat,
-    /// What is logged: a level, or filters such as `info,skein_link_px4=debug`.
+    /// What is logged: a level, or filters such as `info,skein_link_mavlink=debug`.
     #[arg(long, default_value = "warn", global = true, value_name = "FILTER")]
     pub log: String,
     /// What to do.

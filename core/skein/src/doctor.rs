@@ -2,7 +2,7 @@
 
 use crate::args::DoctorArguments;
 use skein_config::NodeConfig;
-use skein_link_px4::EndpointAddress;
+use skein_link_mavlink::EndpointAddress;
 use skein_node::plugins_beside_program;
 use std::collections::BTreeSet;
 use std::net::{TcpListener, UdpSocket};

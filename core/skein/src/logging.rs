@@ -13,7 +13,7 @@ const QUIET: &str = "rustdds::rtps::writer=off,rustdds::dds::pubsub=off,rustdds:
 /// When the filter does not parse.
 pub fn start(format: LogFormat, filter: &str) -> anyhow::Result<()> {
     let filter = EnvFilter::try_new(format!("{QUIET},{filter}")).map_err(|e| {
-        anyhow::anyhow!("--log \"{filter}\" is not a filter: {e}; try \"info\" or \"info,skein_link_px4=debug\"")
+        anyhow::anyhow!("--log \"{filter}\" is not a filter: {e}; try \"info\" or \"info,skein_link_mavlink=debug\"")
     })?;
     let builder = tracing_subscriber::fmt()
         .with_env_filter(filter)

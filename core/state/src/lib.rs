@@ -13,7 +13,6 @@ mod failsafe;
 mod held_route;
 mod mailbox;
 mod overrun;
-mod paired;
 mod payload;
 pub mod picture;
 mod plugin;
@@ -29,7 +28,6 @@ pub use mailbox::{
     Asker, ExchangeReply, ParameterOrder, ParameterOutcome, PayloadMessage, SwarmMessage, VehicleMessage, asking,
 };
 pub use overrun::Overrun;
-pub use paired::PairedLink;
 pub use payload::{PayloadPublished, PayloadRecord, Report, TransportAddress};
 pub use plugin::{PluginIdentity, PluginRecord};
 pub use shared::SharedState;

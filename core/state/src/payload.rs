@@ -10,7 +10,7 @@ use ractor::ActorRef;
 use skein_config::PayloadRule;
 use skein_domain::payload::PayloadKind;
 use skein_domain::preflight::PreflightItem;
-use skein_link_px4::EndpointAddress;
+use skein_link_mavlink::EndpointAddress;
 use skein_plugin_host::Frame;
 use skein_view::ActorHealth;
 use std::net::SocketAddr;

@@ -17,7 +17,7 @@ const SEEDS: &str = "10000..13000";
 const CASES: &str = "20000";
 /// Crates whose properties feed bytes or text from outside.
 const TAKE_FOREIGN_INPUT: [&str; 6] = [
-    "skein-link-px4",
+    "skein-link-mavlink",
     "skein-link-dds",
     "skein-config",
     "skein-domain",

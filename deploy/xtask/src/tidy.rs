@@ -6,6 +6,8 @@ mod documents;
 mod exceptions;
 mod layers;
 mod manifests;
+mod modules;
+mod retired;
 mod sources;
 #[cfg(test)]
 mod tests;
@@ -81,12 +83,14 @@ pub fn check(workspace: &Workspace) -> Result<()> {
     for file in &files {
         findings.extend(sources::check(file));
         findings.extend(documents::words(file));
+        findings.extend(retired::check(file));
     }
     findings.extend(sources::crate_roots(workspace, &files));
     findings.extend(sources::shims(&files));
     findings.extend(sources::messages(&files));
     findings.extend(manifests::check(workspace, &files));
     findings.extend(layers::check(workspace));
+    findings.extend(modules::check(workspace, &files));
     findings.extend(tiers::check(workspace));
     findings.extend(documents::check(workspace, &files));
     let findings = exceptions::apply(&workspace.root, findings)?;

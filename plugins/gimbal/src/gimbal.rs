@@ -5,9 +5,10 @@ mod report;
 
 use crate::aim::{Aim, Pending, PendingOf, Rates, Sweep};
 use crate::attitude::{Direction, Limits, Yaw};
-use crate::device::{Control, ControlOutcome, Device, Moment, Turn};
+use crate::device::Device;
 use crate::following::Following;
 use crate::manager;
+use crate::orders::{Control, ControlOutcome, Moment, Turn};
 use crate::settings::Settings;
 use minicbor::{Decode, Encode};
 use report::Reporter;

@@ -9,6 +9,7 @@ mod device;
 mod following;
 mod gimbal;
 mod manager;
+mod orders;
 mod settings;
 mod siyi;
 

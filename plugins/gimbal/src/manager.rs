@@ -5,7 +5,7 @@ mod looks;
 mod turning;
 
 use crate::attitude::{Attitude, Limits};
-use crate::device::{Control, ControlOutcome, Moment, Status};
+use crate::orders::{Control, ControlOutcome, Moment, Status};
 use crate::settings::Settings;
 use mavlink::MessageData;
 use mavlink::dialects::common::{

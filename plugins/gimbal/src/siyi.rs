@@ -6,7 +6,7 @@
 mod frame;
 
 use crate::attitude::{Attitude, Limits, Yaw};
-use crate::device::{Moment, Status, Turn};
+use crate::orders::{Moment, Status, Turn};
 use frame::{Frame, Parser, command};
 use minicbor::{Decode, Encode};
 use skein_domain::NodeTime;

@@ -7,10 +7,11 @@ use skein_domain::setpoint::LocalSetpoint;
 use skein_domain::{
     AutopilotCommand, FlightMode, LocalPositionNed, NodeTime, ParameterValue, ReadingAction, RequestId, VelocityNed,
 };
-use skein_link_px4::decode::{Heartbeat, decode};
-use skein_link_px4::frame::{Frame, FrameHeader, StreamBuffer, each_in_datagram};
-use skein_link_px4::vehicle::VehicleCore;
-use skein_link_px4::{EndpointCounters, LinkSettings};
+use skein_link_mavlink::EndpointCounters;
+use skein_link_mavlink::decode::{Heartbeat, decode};
+use skein_link_mavlink::frame::{Frame, FrameHeader, StreamBuffer, each_in_datagram};
+use skein_link_mavlink::vehicle::VehicleCore;
+use skein_px4::LinkSettings;
 use std::sync::Arc;
 
 /// Messages that a link reads, and some that it does not.

@@ -11,7 +11,7 @@ use skein_link_dds::messages::Kind;
 use skein_link_dds::naming::{Direction, Namespace, TopicName, type_name};
 use skein_link_dds::session::VehicleSession;
 use skein_link_dds::session::setpoint::Outgoing;
-use skein_link_px4::LinkSettings;
+use skein_px4::LinkSettings;
 
 /// The vehicle's number.
 const SYSTEM_ID: u8 = 7;

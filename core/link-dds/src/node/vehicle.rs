@@ -11,7 +11,7 @@ use crate::naming::{Namespace, TopicName};
 use crate::raw::{Dds, Raw, Reader};
 use crate::sources::{Participant, Sources, Speaker};
 use skein_domain::{NodeTime, Refusal, VehicleId};
-use skein_link_px4::LinkSettings;
+use skein_px4::LinkSettings;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -9,7 +9,7 @@ use skein_domain::{
     Battery, BatteryUse, EstimatorHealth, FlightMode, Gnss, GnssFix, LandedState, LocalPositionNed, NodeTime,
     Telemetry, VelocityNed,
 };
-use skein_link_px4::vehicle::local_origin::{LocalOrigin, OriginChange};
+use skein_px4::local_origin::{LocalOrigin, OriginChange};
 
 /// PX4's number for OFFBOARD.
 pub const OFFBOARD: u8 = 14;

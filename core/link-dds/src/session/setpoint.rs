@@ -4,7 +4,7 @@
 
 use crate::messages::incoming::{OffboardControlMode, TrajectorySetpoint, VehicleCommand};
 use skein_domain::setpoint::LocalSetpoint;
-use skein_link_px4::vehicle::plan::Command;
+use skein_px4::plan::Command;
 
 /// Something for the vehicle.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,7 +44,7 @@ pub fn command(command: &Command, confirmation: u8, stamp_us: u64, target_system
         param7,
         command: u32::from(command.number()),
         target_system,
-        target_component: skein_link_px4::vehicle::AUTOPILOT_COMPONENT,
+        target_component: skein_px4::AUTOPILOT_COMPONENT,
         source_system: from.system_id,
         source_component: u16::from(from.component_id),
         confirmation,

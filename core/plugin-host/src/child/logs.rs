@@ -2,7 +2,7 @@
 //!
 //! Must never do: wait. A child whose lines nobody fetches loses them.
 
-use crate::services::TakeLog;
+use crate::sink::TakeLog;
 use rustix::net::{RecvFlags, SendFlags};
 use skein_plugin_abi::LogLevel;
 use std::os::fd::{AsFd, OwnedFd};

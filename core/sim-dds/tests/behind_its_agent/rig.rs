@@ -7,7 +7,7 @@ use skein_domain::setpoint::LocalSetpoint;
 use skein_domain::{AutopilotCommand, Clock, FlightMode, LocalPositionNed, NodeTime, Refusal, RequestId, Telemetry};
 use skein_link_dds::definitions::Release;
 use skein_link_dds::{DdsArguments, DdsEvent, DdsLink, DdsLinkTable, DdsNode};
-use skein_link_px4::LinkSettings;
+use skein_px4::LinkSettings;
 use skein_sim::{Faces, NoiseSettings, SimSettings, Simulation, VehicleTruth, WindSettings};
 use skein_sim_dds::DdsSettings;
 use std::net::{IpAddr, Ipv4Addr};

@@ -3,7 +3,7 @@
 //! Log-distance path loss with slow shadowing: the signal falls by ten times the exponent per decade of distance, and hills and trees
 //! add a value that wanders.
 
-use crate::wind::Wander;
+use crate::wander::Wander;
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 use skein_domain::PositionNed;

@@ -4,7 +4,7 @@
 use super::body::Body;
 use super::gnss::Satellites;
 use crate::settings::NoiseSettings;
-use crate::wind::Wander;
+use crate::wander::Wander;
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 

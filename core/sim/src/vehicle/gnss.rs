@@ -5,7 +5,7 @@
 //! refused measurements, and a gate of five standard deviations of about 0.6 m. The drift is that of a low-cost inertial sensor.
 
 use crate::faults::Receiver;
-use crate::wind::normal;
+use crate::wander::normal;
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 

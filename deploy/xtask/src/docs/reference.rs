@@ -17,7 +17,7 @@ const EVERYWHERE: [&str; 3] = ["--log-format <", "--log <", "-h, --help"];
 /// Where metrics are counted and described.
 const METRICS: [&str; 2] = ["core/api/src/metrics.rs", "core/api/src/stream.rs"];
 /// Where the counters of an endpoint are declared, each with what it counts.
-const ENDPOINT_COUNTERS: &str = "core/link-px4/src/metrics.rs";
+const ENDPOINT_COUNTERS: &str = "core/link-mavlink/src/metrics.rs";
 
 /// Each generated page with its text.
 pub fn pages(workspace: &Workspace) -> Result<Vec<(&'static str, String)>> {

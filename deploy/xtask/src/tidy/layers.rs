@@ -5,7 +5,7 @@ use crate::workspace::{Package, Workspace};
 
 /// The crates of `core` from the binary to the words; each may depend on what stands below it.
 /// Names of crates that are not built yet keep their place.
-const ORDER: [&str; 28] = [
+const ORDER: [&str; 29] = [
     "skein",
     "skein-demo",
     "skein-node",
@@ -18,7 +18,8 @@ const ORDER: [&str; 28] = [
     "skein-view",
     "skein-sim-dds",
     "skein-link-dds",
-    "skein-link-px4",
+    "skein-link-mavlink",
+    "skein-px4",
     "skein-bus-zenoh",
     "skein-bus-dds",
     "skein-dds",

@@ -276,3 +276,50 @@ fn tests_of_a_library_that_says_it_has_none_are_found() {
     workspace.packages[0].targets[0].test = true;
     assert!(manifests::check(&workspace, &files).is_empty());
 }
+
+#[test]
+fn imports_inside_a_crate_do_not_go_round() {
+    let circles = |files: &[(&str, &str)]| {
+        let files: Vec<File> = (files.iter())
+            .map(|(name, text)| file(&format!("core/x/src/{name}"), text))
+            .collect();
+        modules::of_crate("core/x", &files)
+            .into_iter()
+            .map(|finding| finding.what)
+            .collect::<Vec<_>>()
+    };
+    let down = [
+        ("a.rs", "use crate::b::B;\nuse crate::{c::C, d};\n"),
+        ("b.rs", "use crate::c;\n"),
+        ("c.rs", ""),
+        ("d.rs", ""),
+    ];
+    assert_eq!(circles(&down), Vec::<String>::new());
+    let round = [
+        ("a.rs", "use crate::{d, b::{B, E}};\n"),
+        ("b/below.rs", "use super::B;\nuse crate::c::C;\n"),
+        ("b.rs", ""),
+        ("c.rs", "fn f() { crate::a::f() }\n"),
+    ];
+    assert_eq!(circles(&round).len(), 1);
+    assert!(circles(&round)[0].contains("a → b → c → a"), "{:?}", circles(&round));
+    let by_the_root = [
+        ("lib.rs", "mod a;\nmod b;\npub use b::{A, B};\n"),
+        ("a.rs", "use crate::B;\n"),
+        ("b.rs", "use super::a;\n"),
+    ];
+    assert!(circles(&by_the_root)[0].contains("a → b → a"));
+    let in_tests = [
+        ("a.rs", "use crate::b;\n"),
+        ("b.rs", "#[cfg(test)]\nmod tests {\n    use crate::a;\n}\n"),
+        ("b/tests.rs", "use crate::a;\n"),
+    ];
+    assert_eq!(circles(&in_tests), Vec::<String>::new());
+}
+
+#[test]
+fn a_name_that_was_given_up_does_not_come_back() {
+    let old = concat!("fn f(shared: &Bo", "ard) {}\n");
+    assert_eq!(rules(&retired::check(&file("core/x/src/a.rs", old))), ["retired"]);
+    assert!(retired::check(&file("core/x/src/a.rs", concat!("fn f(b: &KeyBo", "ard) {}\n"))).is_empty());
+}

@@ -2,7 +2,7 @@
 
 use super::{Gimbal, moment};
 use crate::aim::Aim;
-use crate::device::Status;
+use crate::orders::Status;
 use skein_domain::NodeTime;
 use skein_domain::payload::GimbalState;
 use skein_plugin_sdk::Effects;

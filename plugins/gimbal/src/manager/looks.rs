@@ -2,7 +2,7 @@
 
 use super::{FIRST_COMPONENT, Manager};
 use crate::attitude::{Attitude, Limits, Yaw};
-use crate::device::Moment;
+use crate::orders::Moment;
 use mavlink::dialects::common::{
     GIMBAL_DEVICE_ATTITUDE_STATUS_DATA, GIMBAL_DEVICE_INFORMATION_DATA, GimbalDeviceErrorFlags, GimbalDeviceFlags,
 };

@@ -14,7 +14,7 @@
 
 use super::{Errand, Manager};
 use crate::attitude::{Direction, Limits, Yaw};
-use crate::device::{Moment, Turn};
+use crate::orders::{Moment, Turn};
 use mavlink::dialects::common::{
     COMMAND_LONG_DATA, GIMBAL_MANAGER_SET_ATTITUDE_DATA, GimbalManagerCapFlags, GimbalManagerFlags, MavCmd,
 };

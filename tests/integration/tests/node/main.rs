@@ -9,6 +9,7 @@ mod flock;
 mod gate;
 mod neighbours;
 mod operator;
+mod other_autopilot;
 mod overrides;
 mod parameters;
 mod payloads;

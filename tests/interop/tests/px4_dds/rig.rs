@@ -11,7 +11,7 @@ use skein_domain::setpoint::LocalSetpoint;
 use skein_domain::{AutopilotCommand, Clock, LocalPositionNed, NodeTime, Refusal, RequestId, Telemetry};
 use skein_link_dds::definitions::Release;
 use skein_link_dds::{DdsArguments, DdsEvent, DdsLink, DdsLinkTable, DdsNode};
-use skein_link_px4::LinkSettings;
+use skein_px4::LinkSettings;
 use skein_tests_interop::{CYCLONE, CYCLONE_ON_LOOPBACK, Peer, say};
 use std::net::{IpAddr, Ipv4Addr};
 use std::sync::Arc;

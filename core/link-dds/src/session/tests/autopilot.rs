@@ -7,7 +7,7 @@ use crate::session::setpoint::Outgoing;
 use crate::session::{VehicleSession, estimate};
 use skein_domain::link::LinkEvent;
 use skein_domain::{AutopilotCommand, LocalFrame, LocalPositionNed, NodeTime, Refusal, RequestId, VelocityNed};
-use skein_link_px4::LinkSettings;
+use skein_px4::LinkSettings;
 
 /// Where it is.
 const POSITION_M: [f32; 3] = [1.5, -2.5, -0.25];

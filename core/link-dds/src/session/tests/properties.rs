@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use skein_domain::link::StreamState;
 use skein_domain::setpoint::LocalSetpoint;
 use skein_domain::{AutopilotCommand, FlightMode, LocalPositionNed, NodeTime, RequestId};
-use skein_link_px4::LinkSettings;
+use skein_px4::LinkSettings;
 
 #[derive(Debug, Clone)]
 enum Step {
