@@ -195,6 +195,7 @@ impl VehicleLink for Copter {
             connected: true,
             last_heard: now,
             round_trip_s: Some(0.01),
+            clock_offset_s: Some(0.0),
             receive_rate_hz: 50.0,
             setpoint_rate_hz: if state.stream.is_some() { 50.0 } else { 0.0 },
             ..LinkHealth::default()
