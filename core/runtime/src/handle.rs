@@ -121,7 +121,7 @@ impl NodeHandle {
     }
 
     /// Offers a vehicle that a link outside of this crate hears, under the name of that link's endpoint: the fleet adopts it by the rules of the
-    /// configuration, as any other. See "Another autopilot" in the documentation.
+    /// configuration, as any other. Rules that name `links` take it for one over MAVLink. See "Another autopilot" in the documentation.
     ///
     /// # Errors
     /// [`Refusal::NotRunning`] while the fleet is being started again.

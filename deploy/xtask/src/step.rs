@@ -45,39 +45,37 @@ pub struct Step {
 impl Step {
     /// A command that counts no tests.
     pub fn new(command: Command) -> Self {
+        Self::of(vec![command], None)
+    }
+
+    /// A command that runs tests if there are any.
+    pub fn perhaps_tests(command: Command, runner: Runner) -> Self {
+        Self::of(vec![command], Some(runner))
+    }
+
+    /// A command that runs tests; running none is a failure.
+    pub fn tests(command: Command, runner: Runner) -> Self {
+        Self::programs(vec![command], runner)
+    }
+
+    /// Test programs, all of which are run, also after one that fails; no test in any of them is a failure.
+    pub fn programs(commands: Vec<Command>, runner: Runner) -> Self {
         Self {
-            commands: vec![command],
-            runner: None,
+            must_run_some: true,
+            ..Self::of(commands, Some(runner))
+        }
+    }
+
+    fn of(commands: Vec<Command>, runner: Option<Runner>) -> Self {
+        Self {
+            commands,
+            runner,
             must_run_some: false,
             quiet: QUIET,
             total: TOTAL,
             output: Output::default(),
             #[cfg(test)]
             standstill: false,
-        }
-    }
-
-    /// A command that runs tests; running none is a failure.
-    pub fn tests(command: Command, runner: Runner) -> Self {
-        Self {
-            must_run_some: true,
-            ..Self::perhaps_tests(command, runner)
-        }
-    }
-
-    /// Test programs, all of which are run, also after one that fails; no test in any of them is a failure.
-    pub fn programs(commands: Vec<Command>, runner: Runner) -> Self {
-        Self {
-            commands,
-            ..Self::tests(Command::new("none"), runner)
-        }
-    }
-
-    /// A command that runs tests if there are any.
-    pub fn perhaps_tests(command: Command, runner: Runner) -> Self {
-        Self {
-            runner: Some(runner),
-            ..Self::new(command)
         }
     }
 

@@ -2,7 +2,7 @@
 //!
 //! Must never do: pass a tier in which no test ran, or check at the desk otherwise than in CI.
 
-mod lanes;
+mod parallel;
 mod programs;
 
 use self::programs::Built;
@@ -168,7 +168,7 @@ pub fn run(workspace: &Workspace, tiers: &[Tier], long_ones_too: bool) -> Result
     }
     built = build_all(&run, &tiers, &mut report);
     match &built {
-        Some(built) => lanes::run(&tiers, &run, built, &mut report),
+        Some(built) => parallel::run(&tiers, &run, built, &mut report),
         None => tiers
             .iter()
             .for_each(|tier| report.left_out(tier.name(), "the workspace does not compile")),

@@ -31,4 +31,4 @@ pub use patience::{eventually, patience};
 pub use ports::{free_tcp_port, free_udp_port};
 pub use process::Process;
 #[cfg(feature = "swarm")]
-pub use swarm::{LONGEST_GAP_S, Swarm};
+pub use swarm::Swarm;

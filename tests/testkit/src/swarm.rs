@@ -18,10 +18,6 @@ const ENDPOINT: &str = "simulation";
 /// What a climb to test height takes, all vehicles together, beyond our patience.
 const CLIMB: Duration = Duration::from_secs(30);
 
-/// A vehicle in OFFBOARD goes no longer without setpoints, in seconds, stalls of the machine taken off: PX4 leaves OFFBOARD after half a second.
-/// How near to the control period setpoints come is no matter of tests that share a machine: the bench and the demonstration's criteria say it.
-pub const LONGEST_GAP_S: f64 = 0.45;
-
 /// A node and its simulated vehicles. Call [`Swarm::stop`] at the end of a test.
 pub struct Swarm {
     running: Running,
