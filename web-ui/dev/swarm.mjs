@@ -164,7 +164,7 @@ let fences = {
   breach_return: null,
 };
 let emergencyKey = '';
-/** Who has which vehicle in hand; Ben is no page but what is typed. */
+/** Who has control authority over which vehicle; Ben is no page but what is typed. */
 const BEN = { id: 'ben', name: 'Ben' };
 const held = new Map();
 const controlled = () =>
@@ -174,16 +174,16 @@ function change(vehicle, { console, action }) {
   const take = () => has?.console.id === console.id || held.set(vehicle, { console, since: nodeTime(), requests: [] });
   const free = !has || has.console.id === console.id || !controlled().find((h) => h.vehicle === vehicle).is_heard;
   const refuse = (refusal) => ({ vehicle, refusal });
-  if (action.action === 'take' && !free) return refuse({ reason: 'in_other_hands', vehicle, holder: has.console.name });
+  if (action.action === 'take' && !free) return refuse({ reason: 'no_control_authority', vehicle, holder: has.console.name });
   if (action.action === 'take' || (action.action === 'request' && free)) take();
   else if (action.action === 'request') has.requests = [...has.requests.filter((r) => r.console.id !== console.id), { console, since: nodeTime() }];
-  else if (has?.console.id !== console.id) return refuse({ reason: 'not_permitted', detail: `vehicle ${vehicle} is not in this console's hands` });
+  else if (has?.console.id !== console.id) return refuse({ reason: 'not_permitted', detail: `vehicle ${vehicle} is not under this console's control` });
   else if (action.action === 'release') held.delete(vehicle);
   else held.set(vehicle, { console: has.requests.find((r) => r.console.id === action.to).console, since: nodeTime(), requests: [] });
   return { vehicle, refusal: null };
 }
 const safety = (v) => ({
-  id: v.id, ladder: null, avoiding: null, stopped: v.stopped ?? false,
+  id: v.id, failsafe: null, avoiding: null, stopped: v.stopped ?? false,
   energy: {
     remaining: v.battery / 100, needed_home: 0.05, reserve: 0.15, margin: v.battery / 100 - 0.2, endurance_s: v.battery * 12,
     return_in_s: v.battery * 9, level: v.battery < 25 ? 'return_now' : 'ok', learned: true, ground_speed_home_m_s: 4,
@@ -307,7 +307,7 @@ const server = createServer(async (request, response) => {
       const id = nextCommand++;
       const kept = (vehicle) => !['hold', 'land', 'return'].includes(body.command.command) && controlled().find((h) => h.vehicle === vehicle && h.is_heard && h.console.id !== request.headers['skein-console']);
       const ids = body.targets === 'all' ? vehicles.map((v) => v.id) : body.targets.vehicles;
-      return answer(200, { receipts: ids.map((vehicle, k) => (kept(vehicle) ? { vehicle, id, refusal: { reason: 'in_other_hands', vehicle, holder: kept(vehicle).console.name } } : vehicles[vehicle - 1] ? command(vehicles[vehicle - 1], id, body.command, k) : { vehicle, id, refusal: { reason: 'unknown_vehicle', vehicle } })) });
+      return answer(200, { receipts: ids.map((vehicle, k) => (kept(vehicle) ? { vehicle, id, refusal: { reason: 'no_control_authority', vehicle, holder: kept(vehicle).console.name } } : vehicles[vehicle - 1] ? command(vehicles[vehicle - 1], id, body.command, k) : { vehicle, id, refusal: { reason: 'unknown_vehicle', vehicle } })) });
     }
     case 'PUT formation': {
       const result = form(body);

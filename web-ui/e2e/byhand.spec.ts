@@ -186,10 +186,10 @@ test("another operator's vehicle is refused, and taking it ends a flight by hand
 
   await button(ben, /^Target 1,/).click();
   await button(ben, 'Take 1').click();
-  await expect(says(anna)).toContainText('Not flown by hand any more: in the hands of Console');
+  await expect(says(anna)).toContainText('Not flown by hand any more: under the control of Console');
   await expect(anna.getByTestId('hand-why')).toContainText('Somebody else has it: Console');
   await expect(button(anna, /^Fly .* by hand$/)).toBeDisabled();
-  // Ben has it in hand, and flies it.
+  // Ben has control authority over it, and flies it.
   await button(ben, /^Fly .* by hand$/).click();
   await expect(says(ben)).toContainText(/^Let go: /);
   await context.close();

@@ -12,7 +12,7 @@ test.afterEach(async ({ page }) => {
 
 test('where the node asks for signs of life, a page in use gives them', async ({ page }) => {
   program = await Program.node([
-    '[safety.ladder.operator_dead_man]', 'mode = "react"', 'steps = [{ after_s = 3.0, reaction = "warn" }]',
+    '[safety.failsafe.operator_dead_man]', 'mode = "react"', 'steps = [{ after_s = 3.0, reaction = "warn" }]',
   ]);
   const signs: number[] = [];
   page.on('request', (request) => {

@@ -1,4 +1,4 @@
-// Several operators at one program: in whose hands a vehicle is, is seen by all; it is asked for, handed over, and taken from who is gone.
+// Several operators at one program: who has control authority over a vehicle is seen by all; it is asked for, handed over, and taken from who is gone.
 // What stops or ends a flight is everybody's all the while.
 
 import type { Locator, Page } from '@playwright/test';
@@ -21,8 +21,8 @@ test.afterEach(async ({ page }) => {
   await program.stop();
 });
 
-const hands = (page: Page, id: number): Locator => card(page, id).getByTestId('hands');
-const share = (page: Page): Locator => page.getByTestId('targets-hands');
+const authority = (page: Page, id: number): Locator => card(page, id).getByTestId('authority');
+const share = (page: Page): Locator => page.getByTestId('targets-authority');
 const request = (page: Page): Locator => page.getByTestId('request');
 /** The signs on the map. */
 const marked = (page: Page) => page.evaluate(() => window.__skein!.held());
@@ -46,11 +46,11 @@ test('two operators share the fleet', { tag: '@long' }, async ({ page: anna, bro
   const faults: string[] = [];
   ben.on('pageerror', (error) => faults.push(error.message));
 
-  await test.step('while nobody has anything in hand, there is one button and no word of it', async () => {
+  await test.step('while nobody has control authority, there is one button and no word of it', async () => {
     await sit(anna, 'Anna');
     await sit(ben, 'Ben');
     for (const page of [anna, ben]) {
-      await expect(page.getByTestId('hands')).toHaveCount(0);
+      await expect(page.getByTestId('authority')).toHaveCount(0);
       await expect(share(page)).toHaveText('Take');
     }
   });
@@ -60,45 +60,45 @@ test('two operators share the fleet', { tag: '@long' }, async ({ page: anna, bro
     await button(anna, /^Target 2,/).click();
     await button(anna, 'Take 2').click();
     for (const id of [1, 2]) {
-      await expect(hands(anna, id)).toHaveText('you');
-      await expect(hands(ben, id)).toHaveText('Anna');
+      await expect(authority(anna, id)).toHaveText('you');
+      await expect(authority(ben, id)).toHaveText('Anna');
     }
-    for (const page of [anna, ben]) await expect(hands(page, 3)).toHaveText('nobody');
+    for (const page of [anna, ben]) await expect(authority(page, 3)).toHaveText('nobody');
     await expect.poll(() => marked(ben)).toEqual([{ id: 1, heard: true }, { id: 2, heard: true }]);
     expect(await marked(anna)).toEqual([]);
     await expect(share(anna)).toContainText('2 yours');
     await expect(share(ben)).toContainText('2 with Anna');
     await expect(share(ben)).toContainText("1 nobody's");
-    await expect(anna.getByRole('log')).toContainText('Taken in hand: 1, 2');
+    await expect(anna.getByRole('log')).toContainText('Control taken: 1, 2');
     for (const page of [anna, ben]) expect(await findings(page)).toEqual([]);
   });
 
   await test.step('the table, the search and the page of a vehicle say it too', async () => {
     await ben.getByRole('link', { name: 'Fleet' }).click();
     const line = (id: number): Locator => ben.locator(`[data-row="${id}"]`);
-    await expect(line(1).getByTestId('hands')).toHaveText('Anna');
+    await expect(line(1).getByTestId('authority')).toHaveText('Anna');
     await ben.keyboard.press('/');
     await ben.keyboard.type('anna');
     await expect(ben.locator('[data-row]')).toHaveCount(2);
     await ben.keyboard.press('Escape');
     await expect(ben.locator('[data-row]')).toHaveCount(VEHICLES);
-    await ben.getByRole('combobox', { name: 'Group' }).selectOption('hands');
-    await expect(ben.getByRole('table', { name: 'Vehicles' })).toContainText("In nobody's hands");
+    await ben.getByRole('combobox', { name: 'Group' }).selectOption('authority');
+    await expect(ben.getByRole('table', { name: 'Vehicles' })).toContainText("Under nobody's control");
     expect(await findings(ben)).toEqual([]);
     await ben.goto(`${program.url}/#vehicle/1`);
-    await expect(ben.getByRole('region', { name: 'Vehicle 1' }).getByTestId('hands')).toHaveText('Anna');
+    await expect(ben.getByRole('region', { name: 'Vehicle 1' }).getByTestId('authority')).toHaveText('Anna');
     await ben.goto(`${program.url}/#map`);
   });
 
   await test.step("what is Anna's refuses Ben, and the page says so before", async () => {
     // The page of 1 has selected it.
     await button(ben, 'Take off 1').hover();
-    await expect(ben.getByTestId('forecast')).toContainText('likely refused: 1 in the hands of Anna: 1');
+    await expect(ben.getByTestId('forecast')).toContainText('likely refused: 1 under the control of Anna: 1');
     await button(ben, 'Hold 1').hover();
-    await expect(ben.getByTestId('forecast')).not.toContainText('in the hands of');
+    await expect(ben.getByTestId('forecast')).not.toContainText('under the control of');
     await hold(ben, 'Take off 1');
     await expect(summary(ben)).toContainText('1 of 1 refused');
-    await expect(summary(ben)).toContainText('vehicle 1 is in the hands of Anna');
+    await expect(summary(ben)).toContainText('vehicle 1 is under the control of Anna');
     await expect(card(ben, 1).getByTestId('armed')).toContainText('disarmed');
   });
 
@@ -110,12 +110,12 @@ test('two operators share the fleet', { tag: '@long' }, async ({ page: anna, bro
     await expect(summary(ben)).toContainText(/Hold\s*1 of 1 done/, { timeout: FLIGHT_MS });
     await button(ben, 'Land 1').click();
     await expect(summary(ben)).toContainText(/Land\s*1 of 1 done/, { timeout: FLIGHT_MS });
-    await expect(hands(ben, 1)).toHaveText('Anna');
+    await expect(authority(ben, 1)).toHaveText('Anna');
   });
 
   await test.step('Ben asks; Anna cannot overlook it, on whatever screen, and hands over', async () => {
     await button(ben, 'Ask for 1').click();
-    await expect(hands(ben, 1)).toHaveText('Anna, asked');
+    await expect(authority(ben, 1)).toHaveText('Anna, asked');
     await expect(share(ben)).toContainText('asked for 1');
     await expect(request(anna)).toContainText('Ben asks for 1');
     await expect(button(anna, /^Seen: Ben asks for 1/)).toBeVisible();
@@ -135,18 +135,18 @@ test('two operators share the fleet', { tag: '@long' }, async ({ page: anna, bro
     expect(await findings(anna)).toEqual([]);
     await button(anna, 'Hand over').click();
     await expect(request(anna)).toHaveCount(0);
-    await expect(hands(anna, 1)).toHaveText('Ben');
-    await expect(hands(ben, 1)).toHaveText('you');
+    await expect(authority(anna, 1)).toHaveText('Ben');
+    await expect(authority(ben, 1)).toHaveText('you');
     await expect(button(anna, /^Seen: Ben asks/)).toHaveCount(0);
     await expect(anna.getByRole('log')).toContainText('Handed over to Ben: 1');
-    await expect(ben.getByRole('log')).toContainText('In your hands now: 1');
+    await expect(ben.getByRole('log')).toContainText('Under your control now: 1');
   });
 
   await test.step("now it is Anna's command that is refused", async () => {
     await button(anna, /^Target 2,/).click();
     await hold(anna, 'Arm 1');
     await expect(summary(anna)).toContainText('1 of 1 refused');
-    await expect(summary(anna)).toContainText('vehicle 1 is in the hands of Ben');
+    await expect(summary(anna)).toContainText('vehicle 1 is under the control of Ben');
   });
 
   await test.step('"not now" puts a request away and changes nothing else', async () => {
@@ -156,24 +156,24 @@ test('two operators share the fleet', { tag: '@long' }, async ({ page: anna, bro
     await expect(request(anna)).toContainText('Ben asks for 2');
     await button(anna, 'Not now').click();
     await expect(request(anna)).toHaveCount(0);
-    await expect(hands(anna, 2)).toHaveText('you');
-    await expect(hands(ben, 2)).toHaveText('Anna, asked');
+    await expect(authority(anna, 2)).toHaveText('you');
+    await expect(authority(ben, 2)).toHaveText('Anna, asked');
   });
 
   await test.step('a page that is loaded anew is the same console', async () => {
     await anna.reload();
-    await expect(hands(anna, 2)).toHaveText('you');
-    await expect(hands(anna, 1)).toHaveText('Ben');
-    await expect(hands(ben, 2)).toContainText('Anna');
+    await expect(authority(anna, 2)).toHaveText('you');
+    await expect(authority(anna, 1)).toHaveText('Ben');
+    await expect(authority(ben, 2)).toContainText('Anna');
   });
 
   await test.step('whoever is gone is relieved', async () => {
     await context.close();
     await button(anna, /^Target 1,/).click();
-    await expect(hands(anna, 1)).toHaveText('Ben, not heard', { timeout: RELIEF_MS });
+    await expect(authority(anna, 1)).toHaveText('Ben, not heard', { timeout: RELIEF_MS });
     await expect.poll(() => marked(anna)).toEqual([{ id: 1, heard: false }]);
     await button(anna, 'Take 1').click();
-    await expect(hands(anna, 1)).toHaveText('you');
+    await expect(authority(anna, 1)).toHaveText('you');
     expect(await findings(anna)).toEqual([]);
   });
 
@@ -181,7 +181,7 @@ test('two operators share the fleet', { tag: '@long' }, async ({ page: anna, bro
     await button(anna, 'Target your 2').click();
     await expect(anna.getByTestId('targets')).toContainText('2 selected');
     await button(anna, 'Let go 2').click();
-    await expect(anna.getByTestId('hands')).toHaveCount(0);
+    await expect(anna.getByTestId('authority')).toHaveCount(0);
     expect(await marked(anna)).toEqual([]);
     await expect(share(anna)).toHaveText('Take 2');
   });
@@ -192,19 +192,19 @@ test('a window opened from the page is another console, also of the same operato
   await sit(page, 'Anna');
   await button(page, /^Target 1,/).click();
   await button(page, 'Take 1').click();
-  await expect(hands(page, 1)).toHaveText('you');
+  await expect(authority(page, 1)).toHaveText('you');
   // It is given a copy of what the tab has stored.
   const opening = page.waitForEvent('popup');
   await page.evaluate(() => void window.open(location.href));
   const other = await opening;
   await other.setViewportSize({ width: 1440, height: 900 });
-  await expect(hands(other, 1)).toHaveText(/Anna \([0-9a-f]{4}\)/, { timeout: FLIGHT_MS });
+  await expect(authority(other, 1)).toHaveText(/Anna \([0-9a-f]{4}\)/, { timeout: FLIGHT_MS });
   await button(other, /^Target 1,/).click();
   await button(other, 'Ask for 1').click();
   await expect(request(page)).toContainText(/Anna \([0-9a-f]{4}\) asks for 1/);
   await page.keyboard.press('a');
   await expect(button(page, 'Hand over')).toBeFocused();
   await page.keyboard.press('Enter');
-  await expect(hands(other, 1)).toHaveText('you');
-  await expect(hands(page, 1)).toHaveText(/Anna \(/);
+  await expect(authority(other, 1)).toHaveText('you');
+  await expect(authority(page, 1)).toHaveText(/Anna \(/);
 });

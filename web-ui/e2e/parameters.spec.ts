@@ -82,16 +82,16 @@ test('a whole number takes no other, and a refusal is said in words', { tag: '@l
   await expect(page.getByRole('form')).toContainText('This parameter takes whole numbers.');
   await expect(button(page, 'Write COM_RC_IN_MODE of 2')).toBeDisabled();
 
-  // Somebody else takes the vehicle in hand.
+  // Somebody else takes control authority over the vehicle.
   const context = await browser.newContext();
   const other = await context.newPage();
   await open(other, program.url, VEHICLES);
   await button(other, /^Target 2,/).click();
   await button(other, 'Take 1').click();
-  await expect(page.getByTestId('hands').first()).toBeVisible();
+  await expect(page.getByTestId('authority').first()).toBeVisible();
   await field.fill('3');
   await hold(page, 'Write COM_RC_IN_MODE of 2');
-  await expect(outcome(page)).toContainText('Not written: vehicle 2 is in the hands of');
+  await expect(outcome(page)).toContainText('Not written: vehicle 2 is under the control of');
   await expect(line(page, 'COM_RC_IN_MODE')).toContainText('4');
   await context.close();
 });

@@ -72,7 +72,7 @@ async fn pass_on(node: &NodeHandle, to: NodeId, request: Request) -> Result<Resp
                 method: parts.method.to_string(),
                 path,
                 content_type: parts.headers.get(header::CONTENT_TYPE).and_then(text),
-                // Who has a vehicle in hand has it in hand at every node.
+                // Control authority over a vehicle holds at every node.
                 console: parts.headers.get(HEADER).and_then(text),
                 body: body.to_vec(),
             },

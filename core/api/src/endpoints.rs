@@ -52,13 +52,13 @@ pub(crate) struct Endpoint {
     pub(crate) is_file: bool,
     /// It becomes a WebSocket, which OpenAPI has no place for.
     pub(crate) is_websocket: bool,
-    pub(crate) answers: Vec<Answer>,
+    pub(crate) answers: Vec<DescribedAnswer>,
     /// Statuses of errors beside those that any route may give.
     pub(crate) errors: &'static [u16],
 }
 
 /// One answer that is not an error.
-pub(crate) struct Answer {
+pub(crate) struct DescribedAnswer {
     pub(crate) status: StatusCode,
     pub(crate) description: &'static str,
     pub(crate) content: Option<(&'static str, SchemaOf)>,
@@ -143,7 +143,7 @@ impl Endpoint {
         description: &'static str,
         content: Option<(&'static str, SchemaOf)>,
     ) -> Self {
-        self.answers.push(Answer {
+        self.answers.push(DescribedAnswer {
             status,
             description,
             content,

@@ -1,6 +1,6 @@
 //! Routes about the parameters of a vehicle's autopilot.
 //!
-//! Must never do: write one without asking whose hands the vehicle is in.
+//! Must never do: write one without asking who has control authority over the vehicle.
 
 use crate::app::App;
 use crate::body::Body;

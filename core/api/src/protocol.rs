@@ -20,7 +20,7 @@ use skein_domain::control::{Console, VehicleControl};
 use skein_domain::fence::FencePlan;
 use skein_domain::payload::PayloadKind;
 use skein_domain::{
-    EnergyState, Geodetic, LadderState, NodeId, NodeTime, OffsetFrd, Refusal, Route, SwarmFrame, SystemId,
+    EnergyState, FailsafeState, Geodetic, NodeId, NodeTime, OffsetFrd, Refusal, Route, SwarmFrame, SystemId,
     TrajectoryStatus, VehicleCommand, VehicleId,
 };
 use skein_runtime::{ControlAction, ControlReceipt, PluginInfo, Targets};
@@ -146,7 +146,7 @@ pub struct ControlReceipts {
     pub receipts: Vec<ControlReceipt>,
 }
 
-/// Who has which vehicles in hand.
+/// Who has control authority over which vehicles.
 #[derive(Debug, Clone, PartialEq, Serialize, TS, JsonSchema)]
 pub struct ControlState {
     /// When.
@@ -401,7 +401,7 @@ pub struct VehicleSafety {
     /// The swarm's id for it.
     pub id: VehicleId,
     /// What is wrong with it in flight and what is done about it; absent if nothing is.
-    pub ladder: Option<LadderState>,
+    pub failsafe: Option<FailsafeState>,
     /// Its charge against its way home; absent as long as one of them is not known.
     pub energy: Option<EnergyState>,
     /// What is changed of its setpoints at this moment; absent if nothing.
@@ -482,7 +482,7 @@ pub enum ServerMessage {
         /// By ascending id.
         vehicles: Vec<VehicleSafety>,
     },
-    /// Who has which vehicles in hand, whole; when it has changed.
+    /// Who has control authority over which vehicles, whole; when it has changed.
     Control {
         /// Those that somebody has, by ascending id.
         vehicles: Vec<VehicleControl>,

@@ -3,8 +3,8 @@
 //! Must never do: round away what matters. Words, limits and times are as they are.
 
 use crate::protocol::{DeadMan, DeadManState, VehicleSafety};
-use skein_domain::ladder::TriggerMode;
-use skein_domain::{EnergyState, LadderState};
+use skein_domain::failsafe::TriggerMode;
+use skein_domain::{EnergyState, FailsafeState};
 use skein_runtime::NodeHandle;
 use skein_view::{Avoidance, FleetSnapshot, VehicleSnapshot};
 
@@ -25,7 +25,7 @@ pub(crate) fn of(snapshot: &FleetSnapshot) -> Vec<VehicleSafety> {
 fn vehicle(vehicle: &VehicleSnapshot) -> VehicleSafety {
     VehicleSafety {
         id: vehicle.id,
-        ladder: vehicle.ladder.as_ref().map(ladder),
+        failsafe: vehicle.failsafe.as_ref().map(failsafe),
         energy: vehicle.energy.map(energy),
         avoiding: vehicle.avoiding.as_ref().map(avoiding),
         stopped: vehicle.stopped,
@@ -45,7 +45,7 @@ fn to_digits(value: f64) -> f64 {
     to(value, step.max(1e-3))
 }
 
-fn ladder(state: &LadderState) -> LadderState {
+fn failsafe(state: &FailsafeState) -> FailsafeState {
     let mut state = state.clone();
     for alarm in &mut state.alarms {
         alarm.value = to_digits(alarm.value);
@@ -77,7 +77,7 @@ fn avoiding(avoidance: &Avoidance) -> Avoidance {
 
 /// Whether somebody has to give signs of life, and whether somebody does.
 pub(crate) fn dead_man(node: &NodeHandle) -> DeadMan {
-    let rule = &node.config().safety.ladder.operator_dead_man;
+    let rule = &node.config().safety.failsafe.operator_dead_man;
     let first = rule.steps.first().map_or(f64::INFINITY, |step| step.after_s);
     let silent_s = node.operator_heard().map(|heard| node.now().seconds_since(heard));
     DeadMan {

@@ -130,7 +130,7 @@ struct Client {
     last_event: u64,
     /// The console behind it, if it says so.
     console: Option<String>,
-    /// Who has which vehicles in hand, as it was last sent.
+    /// Who has control authority over which vehicles, as it was last sent.
     control: Vec<VehicleControl>,
     /// The slow state as it was last sent.
     fleet: Option<Utf8Bytes>,
@@ -265,7 +265,7 @@ impl Client {
         self.send(Message::Text(newest)).await
     }
 
-    /// Who has which vehicles in hand, when that has changed.
+    /// Who has control authority over which vehicles, when that has changed.
     async fn send_control(&mut self) -> Result<(), End> {
         let newest = self.app.node.control();
         if newest == self.control {

@@ -6,10 +6,10 @@
 use crate::budget::{Budget, BudgetSettings, Traffic};
 use crate::bulk::{BulkError, BulkSettings, Have, Receiving, Sending};
 use crate::courier::{CourierSettings, Crowded, Inbox, Outbox, Outcome, Receipt};
+use crate::envelope::{Boot, ENVELOPE_BYTES, Refused, SecureEnvelope, SwarmKey};
 use crate::latest::{ENTRY_BYTES, Heard, Key, StateError, StateSettings, Telling};
 use crate::links::{Link, LinkSettings, Links, Rates};
-use crate::query::{Answer, Asking, QuerySettings, TooManyOpen};
-use crate::seal::{Boot, Refused, SEAL_BYTES, Seal, SwarmKey};
+use crate::query::{Asking, QueryAnswer, QuerySettings, TooManyOpen};
 use crate::transport::{Class, SendError, To, Transport};
 use crate::wire::FRAME_BYTES;
 use skein_domain::{NodeId, NodeTime};
@@ -197,7 +197,7 @@ pub struct Bus {
     settings: BusSettings,
     me: NodeId,
     boot: Boot,
-    seal: Seal,
+    seal: SecureEnvelope,
     telling: Telling,
     heard: Heard,
     outboxes: BTreeMap<NodeId, Outbox>,
@@ -214,7 +214,7 @@ pub struct Bus {
     /// Challenges and proofs, sealed already.
     proofs: VecDeque<(NodeId, Vec<u8>)>,
     receipts: BTreeMap<NodeId, Receipt>,
-    answers: VecDeque<(NodeId, Answer)>,
+    answers: VecDeque<(NodeId, QueryAnswer)>,
     haves: VecDeque<(NodeId, Have)>,
     /// Of whom this node lacks bases, and of which keys.
     lacking: BTreeMap<NodeId, BTreeSet<Key>>,
@@ -248,7 +248,7 @@ impl Bus {
             settings,
             me,
             boot,
-            seal: Seal::new(key, me, boot),
+            seal: SecureEnvelope::new(key, me, boot),
             telling: Telling::new(settings.state),
             heard: Heard::default(),
             outboxes: BTreeMap::new(),
@@ -337,7 +337,7 @@ impl Bus {
     /// It does not fit into one datagram.
     pub fn answer(&mut self, ticket: Ticket, body: Vec<u8>) -> Result<(), TooLarge> {
         self.fits(&body)?;
-        let answer = Answer { id: ticket.id, body };
+        let answer = QueryAnswer { id: ticket.id, body };
         push_bounded(&mut self.answers, (ticket.from, answer));
         Ok(())
     }
@@ -404,7 +404,9 @@ impl Bus {
     /// The largest body of a command, question or answer.
     #[must_use]
     pub fn body_bytes(&self) -> usize {
-        self.settings.datagram_bytes.saturating_sub(SEAL_BYTES + FRAME_BYTES)
+        self.settings
+            .datagram_bytes
+            .saturating_sub(ENVELOPE_BYTES + FRAME_BYTES)
     }
 
     fn fits(&self, body: &[u8]) -> Result<(), TooLarge> {

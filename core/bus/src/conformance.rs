@@ -5,8 +5,8 @@
 //! A [`Rig`] makes transports and moves time: simulated for those that take time as an argument, real for those that go through the system.
 
 use crate::bus::{Bus, BusSettings, Event, pump};
+use crate::envelope::{Boot, SwarmKey};
 use crate::latest::Key;
-use crate::seal::{Boot, SwarmKey};
 use crate::transport::{Class, Datagram, SendError, To, Transport, Wake};
 use skein_domain::{NodeId, NodeTime};
 use std::collections::BTreeMap;

@@ -5,7 +5,7 @@
 //! A node that starts again has another boot, and everything of its former one is dropped: an order from before a restart is not
 //! carried out after it.
 
-use crate::seal::Boot;
+use crate::envelope::Boot;
 use minicbor::{Decode, Encode};
 use skein_domain::{NodeId, NodeTime};
 use std::collections::BTreeMap;

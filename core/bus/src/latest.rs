@@ -7,7 +7,7 @@
 
 use crate::delta::{self, Bases, Basing, Change};
 pub use crate::entry::{Entry, Key};
-use crate::seal::Boot;
+use crate::envelope::Boot;
 use minicbor::{Decode, Encode};
 use skein_domain::{NodeId, NodeTime};
 use std::collections::BTreeMap;
@@ -86,7 +86,7 @@ const SMALL_BYTES: usize = 40;
 pub const ENTRY_BYTES: usize = 20;
 
 #[derive(Debug)]
-struct Told {
+struct ToldEntry {
     version: u64,
     value: Vec<u8>,
     /// When it was last told; none if never.
@@ -102,7 +102,7 @@ struct Told {
 pub struct Telling {
     settings: StateSettings,
     last: u64,
-    values: BTreeMap<Key, Told>,
+    values: BTreeMap<Key, ToldEntry>,
 }
 
 impl Telling {
@@ -125,7 +125,7 @@ impl Telling {
         if self.values.len() >= MOST_KEYS && !self.values.contains_key(&key) {
             return Err(StateError::TooMany);
         }
-        let told = self.values.entry(key).or_insert(Told {
+        let told = self.values.entry(key).or_insert(ToldEntry {
             version: 0,
             value: Vec::new(),
             last: None,
@@ -236,7 +236,7 @@ impl Telling {
     }
 }
 
-impl Told {
+impl ToldEntry {
     /// Whether it has not changed for a while.
     fn rests(&self, settings: &StateSettings) -> bool {
         self.pause_s > 2.0 * settings.again_soon_s

@@ -15,13 +15,13 @@ pub mod conformance;
 pub mod courier;
 pub mod delta;
 mod entry;
+pub mod envelope;
 pub mod latest;
 pub mod links;
 pub mod local;
 pub mod query;
 pub mod radio;
 pub mod redundant;
-pub mod seal;
 pub mod transport;
 pub mod wire;
 

@@ -6,7 +6,7 @@
 //! came, and how much later than the quickest of late. So each learns of every other the round trip and the clock's offset (as NTP does), and
 //! how full the way to it is (as LEDBAT does), and what is lost on the way from it. A way that has become longer looks like one that is full, until the quicker one is forgotten.
 
-use crate::seal::Boot;
+use crate::envelope::Boot;
 use minicbor::{Decode, Encode};
 use skein_domain::{NodeId, NodeTime};
 use std::collections::{BTreeMap, VecDeque};

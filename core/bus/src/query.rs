@@ -21,7 +21,7 @@ pub struct Question {
 
 /// An answer on its way.
 #[derive(Debug, Clone, PartialEq, Eq, Encode, Decode)]
-pub struct Answer {
+pub struct QueryAnswer {
     /// Of the question.
     #[n(0)]
     pub id: u64,
@@ -120,7 +120,7 @@ impl Asking {
     }
 
     /// Takes an answer in; none if the question is not open, or was for another node.
-    pub fn answered(&mut self, now: NodeTime, from: NodeId, answer: Answer) -> Option<(u64, Vec<u8>)> {
+    pub fn answered(&mut self, now: NodeTime, from: NodeId, answer: QueryAnswer) -> Option<(u64, Vec<u8>)> {
         let open = self.open.get(&answer.id)?;
         if open.to != from || now > open.deadline {
             return None;

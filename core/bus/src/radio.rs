@@ -11,21 +11,21 @@ use skein_domain::{NodeId, NodeTime, PositionNed};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-mod ether;
+mod channel;
 
-pub use ether::{AirSettings, AirUse, Link};
+pub use channel::{AirSettings, AirUse, Link};
 
-use ether::Ether;
+use channel::RadioChannel;
 
 /// The air that all radios of a simulation share.
 #[derive(Debug, Clone)]
-pub struct Air(Arc<Mutex<Ether>>);
+pub struct Air(Arc<Mutex<RadioChannel>>);
 
 impl Air {
     /// Nobody in it yet.
     #[must_use]
     pub fn new(settings: AirSettings, seed: u64) -> Self {
-        Self(Arc::new(Mutex::new(Ether::new(settings, seed))))
+        Self(Arc::new(Mutex::new(RadioChannel::new(settings, seed))))
     }
 
     /// Puts a node somewhere, or moves it. Who has a radio but no place is at the origin.
@@ -52,9 +52,9 @@ impl Air {
 
     /// Undoes all that was done to links and parts.
     pub fn mend(&self) {
-        let mut ether = self.0.lock();
-        ether.parts = None;
-        ether.links.clear();
+        let mut channel = self.0.lock();
+        channel.parts = None;
+        channel.links.clear();
     }
 
     /// What it was used for so far.

@@ -6,7 +6,7 @@ use crate::bulk::{Chunk, Have};
 use crate::courier::{Parcel, Receipt};
 use crate::latest::{Entry, Key, News};
 use crate::links::Report;
-use crate::query::{Answer, Question};
+use crate::query::{QueryAnswer, Question};
 use minicbor::{Decode, Encode};
 
 /// One frame.
@@ -26,7 +26,7 @@ pub enum Frame {
     Question(#[n(0)] Question),
     /// Its answer.
     #[n(4)]
-    Answer(#[n(0)] Answer),
+    QueryAnswer(#[n(0)] QueryAnswer),
     /// A part of something large.
     #[n(5)]
     Chunk(#[n(0)] Chunk),

@@ -1,5 +1,5 @@
 //! The swarm actor: this node's voice among the other nodes. It tells what its vehicles do, hears what others tell, knows who coordinates
-//! and takes the office when it is this node's turn; what it hears is in the shared state for everybody else.
+//! and takes the leadership when it is this node's turn; what it hears is in the shared state for everybody else.
 //!
 //! Bound: one wake-up waits at most; all else is bounded in the bus. Must never do: let a vehicle wait; let anything leave the node that
 //! follows from a term before that term is stored; carry out orders of a term that is not obeyed.
@@ -13,16 +13,16 @@ use crate::asks::Asks;
 use crate::orders::Orders;
 use crate::store::TermStore;
 use inbound::Known;
-use outbound::Told;
+use outbound::OutboundState;
 use ractor::{Actor, ActorProcessingErr, ActorRef};
+use skein_bus::envelope::{Boot, SwarmKey};
 use skein_bus::redundant::Ways;
-use skein_bus::seal::{Boot, SwarmKey};
 use skein_bus::transport::Transport;
 use skein_bus::{Bus, BusSettings};
 use skein_config::Apart;
 use skein_domain::exchange::Severity;
 use skein_domain::{NodeId, NodeTime};
-use skein_failover::{Office, Term, Unled, Watch, WatchSettings};
+use skein_failover::{LeaderMonitor, LeaderMonitorSettings, Leadership, Term, Unled};
 use skein_state::asks::{Answer, Ask};
 use skein_state::{SharedState, SwarmMessage};
 use skein_view::{EventKind, EventRecord};
@@ -92,17 +92,17 @@ pub struct SwarmState {
     ways: Option<([String; 2], Ways)>,
     /// Why the transport did not take a datagram, if it did not.
     transport_fault: Option<String>,
-    office: Office,
-    watch: Watch,
+    leadership: Leadership,
+    monitor: LeaderMonitor,
     unled: Unled,
     store: TermStore,
     nodes: BTreeMap<NodeId, Known>,
     asks: Asks,
-    told: Told,
+    told: OutboundState,
     /// Orders that are obeyed, but whose moments cannot be reckoned yet.
     pending: Option<(NodeId, Orders)>,
-    /// The holder whose office it took because that one was missed.
-    bereaved: Option<NodeId>,
+    /// The holder whose leadership it took because that one was missed.
+    lost_leader: Option<NodeId>,
     /// The term it acts in, as everybody here was last told.
     noted: Option<Term>,
     /// It has heard another node in this run.
@@ -175,7 +175,7 @@ impl Actor for Swarm {
                 answer,
             } => state.ask(to, &ask, within, answer),
             SwarmMessage::Served { to, id, answer } => state.served(to, id, &answer),
-            SwarmMessage::TakeOffice(answer) => drop(answer.send(state.take_office())),
+            SwarmMessage::TakeLeadership(answer) => drop(answer.send(state.take_leadership())),
         }
         state.look(&myself);
         Ok(())
@@ -196,16 +196,16 @@ impl SwarmState {
         let settings = &shared.config.swarm;
         let me = NodeId(settings.node.unwrap_or_default());
         let store = TermStore::open(settings.state_file.clone());
-        let office = Office::new(me, store.load()?);
-        let watch = Watch::new(
-            WatchSettings {
+        let leadership = Leadership::new(me, store.load()?);
+        let monitor = LeaderMonitor::new(
+            LeaderMonitorSettings {
                 lost_after_s: settings.lost_after_s,
                 apart: match settings.apart {
                     Apart::EveryPart => skein_failover::Apart::EveryPart,
                     Apart::Majority => skein_failover::Apart::Majority,
                 },
                 swarm_size: settings.members,
-                ..WatchSettings::default()
+                ..LeaderMonitorSettings::default()
             },
             now,
         );
@@ -222,15 +222,15 @@ impl SwarmState {
             transport,
             ways,
             transport_fault: None,
-            office,
-            watch,
+            leadership,
+            monitor,
             unled: Unled::default(),
             store,
             nodes: BTreeMap::new(),
             asks: Asks::default(),
-            told: Told::default(),
+            told: OutboundState::default(),
             pending: None,
-            bereaved: None,
+            lost_leader: None,
             noted: None,
             had_company: false,
             events: shared.events.subscribe(),
@@ -244,7 +244,7 @@ impl SwarmState {
     /// Takes in what has arrived, decides, tells, sends.
     fn look(&mut self, myself: &ActorRef<SwarmMessage>) {
         let now = self.shared.now();
-        self.watch.look(now);
+        self.monitor.look(now);
         self.take(myself, now);
         self.decide(now);
         self.tell(now);
@@ -255,7 +255,7 @@ impl SwarmState {
     /// Sends what is due. What a transport does not take is lost, as on the way.
     fn send(&mut self, now: NodeTime) {
         // What follows from a term leaves only once the term is stored.
-        if let Err(error) = self.store.save(self.office.obeyed()) {
+        if let Err(error) = self.store.save(self.leadership.obeyed()) {
             if self.transport_fault.is_none() {
                 self.record(Severity::Critical, format!("nothing is told to the swarm: {error}"));
             }

@@ -24,7 +24,7 @@ pub struct OperatorState {
     pub tracks: Option<Vec<Track>>,
     /// Red items that somebody takes upon himself.
     pub overrides: Vec<PreflightOverride>,
-    /// Who has which vehicles in hand, as this node knows it.
+    /// Who has control authority over which vehicles, as this node knows it.
     pub control: Vec<(VehicleId, Entry)>,
     /// When consoles were last heard at this node.
     pub consoles: Vec<(String, NodeTime)>,

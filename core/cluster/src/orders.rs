@@ -1,7 +1,7 @@
 //! What a coordinator tells everybody: its intent, and what its successor needs to go on. One value, so that both are always of the same
 //! moment.
 //!
-//! Must never do: judge whether it is obeyed; that is the office's.
+//! Must never do: judge whether it is obeyed; that is the leadership's.
 
 use serde::{Deserialize, Serialize};
 use skein_coordination::Coordination;
@@ -54,23 +54,23 @@ impl Orders {
             ..
         } = self;
         let former = shared.intent.load().leader;
-        let cells = shared.cells();
+        let records = shared.records();
         {
             let mut withdrawn = shared.withdrawn.lock();
-            for cell in &cells {
-                if recalled.get(&cell.id) == Some(&cell.withdrawals()) {
-                    withdrawn.remove(&cell.id);
+            for record in &records {
+                if recalled.get(&record.id) == Some(&record.withdrawals()) {
+                    withdrawn.remove(&record.id);
                 }
                 // Decided before it was known that an operator had taken the vehicle out.
-                if withdrawn.contains(&cell.id) {
-                    intent.tasks.remove(&cell.id);
+                if withdrawn.contains(&record.id) {
+                    intent.tasks.remove(&record.id);
                 }
             }
         }
         if former != intent.leader {
             // The anchor of a former leader must not be followed.
-            for cell in cells.iter().filter(|cell| Some(cell.id) != intent.leader) {
-                cell.state.lock().anchor = None;
+            for record in records.iter().filter(|record| Some(record.id) != intent.leader) {
+                record.state.lock().anchor = None;
             }
         }
         *shared.coordination.lock() = coordination;

@@ -42,7 +42,7 @@ impl NodeConfig {
                 "must be at least two control periods, or every late period would stop the vehicle",
             ));
         }
-        crate::ladder_settings::problems(&self.safety.ladder, &mut problems);
+        crate::failsafe_settings::problems(&self.safety.failsafe, &mut problems);
         crate::energy_settings::problems(&self.safety.energy, &mut problems);
         crate::preflight_settings::problems(&self.safety.preflight, &mut problems);
         self.fence_problems(&mut problems);

@@ -7,9 +7,9 @@
 mod check;
 mod dds;
 mod energy_settings;
+mod failsafe_settings;
 mod fences;
 mod ids;
-mod ladder_settings;
 mod operators;
 mod preflight_settings;
 mod problem;
@@ -123,20 +123,45 @@ impl NodeConfig {
     }
 
     fn parse_named(text: &str, path: &Path) -> Result<Self, ConfigError> {
-        let config: Self = toml::from_str(text).map_err(|e| ConfigError::Unparsable {
+        let wrong = |problems| ConfigError::Wrong {
             path: path.to_owned(),
-            message: e.to_string(),
+            problems,
+        };
+        let config: Result<Self, _> = toml::from_str(text);
+        let config = config.map_err(|error| {
+            let renamed = renamed_keys(text);
+            if renamed.is_empty() {
+                let (path, message) = (path.to_owned(), error.to_string());
+                ConfigError::Unparsable { path, message }
+            } else {
+                wrong(renamed)
+            }
         })?;
         let problems = config.problems();
         if problems.is_empty() {
             Ok(config)
         } else {
-            Err(ConfigError::Wrong {
-                path: path.to_owned(),
-                problems,
-            })
+            Err(wrong(problems))
         }
     }
+}
+
+/// Keys that have another name now, in a section, and that name.
+const RENAMED: [(&str, &str, &str); 1] = [("safety", "ladder", "failsafe")];
+
+/// The keys of a text that have another name now, each with it. A text that is no TOML has none.
+fn renamed_keys(text: &str) -> Vec<Problem> {
+    let Ok(table) = text.parse::<toml::Table>() else {
+        return Vec::new();
+    };
+    let has = |section: &str, key: &str| table.get(section).is_some_and(|section| section.get(key).is_some());
+    let found = RENAMED.iter().filter(|(section, old, _)| has(section, old));
+    found
+        .map(|(section, old, new)| Problem {
+            key: format!("{section}.{old}"),
+            message: format!("is called {section}.{new}"),
+        })
+        .collect()
 }
 
 #[cfg(test)]

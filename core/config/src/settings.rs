@@ -2,7 +2,7 @@
 
 use crate::{DdsSettings, LinkKind, OperatorSettings, ResumeSettings, Ros2Settings, SwarmSettings, SystemIdSet};
 use serde::{Deserialize, Serialize};
-use skein_domain::{EnergySettings, FenceZone, LadderSettings, PreflightSettings};
+use skein_domain::{EnergySettings, FailsafeSettings, FenceZone, PreflightSettings};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
@@ -361,7 +361,7 @@ pub struct SafetySettings {
     /// How several vehicles return at once.
     pub returning: ReturningSettings,
     /// What is done when something goes wrong in flight.
-    pub ladder: LadderSettings,
+    pub failsafe: FailsafeSettings,
     /// How the way home is reckoned.
     pub energy: EnergySettings,
     /// What is looked at before arming.
@@ -381,7 +381,7 @@ impl Default for SafetySettings {
             fence: None,
             zones: Vec::new(),
             returning: ReturningSettings::default(),
-            ladder: LadderSettings::default(),
+            failsafe: FailsafeSettings::default(),
             energy: EnergySettings::default(),
             preflight: PreflightSettings::default(),
         }

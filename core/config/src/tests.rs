@@ -65,6 +65,13 @@ fn an_unknown_key_is_named() {
 }
 
 #[test]
+fn a_key_that_has_another_name_now_is_refused_with_it() {
+    let old = concat!("[safety.lad", "der.gnss_loss]\nmode = \"warn_only\"\n");
+    let error = NodeConfig::parse(old).expect_err("refused").to_string();
+    assert!(error.contains("is called safety.failsafe"), "{error}");
+}
+
+#[test]
 fn all_senseless_values_are_listed() {
     let error = NodeConfig::parse(
         "[node]\ncontrol_rate_hz = nan\n[link]\nown_system_id = 0\n[[adopt]]\nendpoint = \"nowhere\"\n",

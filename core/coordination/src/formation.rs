@@ -112,7 +112,7 @@ impl Formation {
     }
 }
 
-/// Vehicles in the air, heard, with a position and in the swarm's hands.
+/// Vehicles in the air, heard, with a position and under the swarm's control.
 #[must_use]
 pub fn available(peers: &PeerSnapshot) -> Vec<VehicleId> {
     peers

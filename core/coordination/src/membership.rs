@@ -37,7 +37,7 @@ pub struct Changed {
 }
 
 impl Judging<'_> {
-    /// Whether the leader has to be replaced at once: not heard, or not in the swarm's hands any more.
+    /// Whether the leader has to be replaced at once: not heard, or not under the swarm's control any more.
     #[must_use]
     pub fn lost_leader(&self, formation: &Formation) -> Option<VehicleId> {
         let leader = formation.leader?;

@@ -122,14 +122,14 @@ fn as_heard(entry: &PeerEntry, now: NodeTime) -> Option<Neighbour> {
     let kinematics = entry.kinematics?;
     let fresh = now.seconds_since(kinematics.measured) <= FRESH_S;
     let lost = matches!(entry.flight_state, FlightState::PilotControl | FlightState::Faulted);
-    let in_our_hands = entry.link.connected && !lost && entry.link.setpoint_rate_hz > 0.0;
+    let under_our_control = entry.link.connected && !lost && entry.link.setpoint_rate_hz > 0.0;
     Some(Neighbour {
         id: NeighbourId::Vehicle(entry.id),
         position: kinematics.position,
         velocity: kinematics.velocity,
         measured: kinematics.measured,
         uncertainty_m: VEHICLE_UNCERTAINTY_M,
-        cooperation: if fresh && in_our_hands {
+        cooperation: if fresh && under_our_control {
             Cooperation::Shares
         } else {
             Cooperation::DoesNot

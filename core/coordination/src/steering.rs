@@ -12,7 +12,7 @@ use skein_view::{PeerEntry, PeerSnapshot};
 
 /// The gate's answer to one setpoint.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Answer {
+pub struct GateAnswer {
     /// It was too fast as it was wanted, and is flown slower.
     pub slowed: Option<Refusal>,
     /// What may be sent.
@@ -21,9 +21,15 @@ pub struct Answer {
 
 /// Has the gate steer a setpoint of the vehicle of this entry.
 #[must_use]
-pub fn steer(gate: &Gate, entry: &PeerEntry, wanted: &Setpoint, surroundings: &Surroundings, now: NodeTime) -> Answer {
+pub fn steer(
+    gate: &Gate,
+    entry: &PeerEntry,
+    wanted: &Setpoint,
+    surroundings: &Surroundings,
+    now: NodeTime,
+) -> GateAnswer {
     let Some(own) = entry.kinematics.as_ref() else {
-        return Answer {
+        return GateAnswer {
             slowed: None,
             outcome: Err(Refusal::NoPosition),
         };
@@ -32,11 +38,11 @@ pub fn steer(gate: &Gate, entry: &PeerEntry, wanted: &Setpoint, surroundings: &S
     let steer = |setpoint: &Setpoint| gate.steer(&own, setpoint, surroundings, now);
     match steer(wanted) {
         // Too fast is mended by flying slower on the same way; stopping in the midst of others would be worse.
-        Err(refusal @ Refusal::TooFast { .. }) => Answer {
+        Err(refusal @ Refusal::TooFast { .. }) => GateAnswer {
             slowed: Some(refusal),
             outcome: steer(&gate.slowed(wanted)),
         },
-        outcome => Answer { slowed: None, outcome },
+        outcome => GateAnswer { slowed: None, outcome },
     }
 }
 

@@ -1,5 +1,5 @@
 //! What participants say of themselves on the wire (RTPS 2.3: a message of submessages, the discovery protocol's DATA with a list of parameters):
-//! as little of it as the herald needs.
+//! as little of it as the announcer needs.
 //!
 //! Must never do: read beyond what has arrived, or take what one participant says for another's.
 

@@ -7,7 +7,7 @@
 #![deny(unsafe_code)]
 
 mod announcement;
-mod herald;
+mod announcer;
 mod interrupted;
 mod multicast;
 mod peer;
@@ -70,7 +70,7 @@ pub enum JoinError {
     },
     /// Peers can't be told of the participant.
     #[error("peers can't be told of this node: {0}")]
-    Herald(String),
+    Announcer(String),
     /// DDS could not begin.
     #[error("DDS did not start: {0}")]
     Start(String),
@@ -99,7 +99,7 @@ pub fn join(settings: &DdsSettings) -> Result<DomainParticipant, JoinError> {
     })?;
     let participant = build(settings)?;
     drop(kept);
-    herald::begin(&participant, settings).map_err(|error| JoinError::Herald(error.to_string()))?;
+    announcer::begin(&participant, settings).map_err(|error| JoinError::Announcer(error.to_string()))?;
     Ok(participant)
 }
 

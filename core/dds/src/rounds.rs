@@ -1,4 +1,4 @@
-//! When the herald calls whom: often at first, seldom later, and never many at once.
+//! When the announcer calls whom: often at first, seldom later, and never many at once.
 //!
 //! Must never do: look at a clock, or draw anything.
 

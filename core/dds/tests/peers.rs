@@ -185,7 +185,7 @@ fn one_that_names_a_port_is_enough_and_who_comes_back_is_found_again() {
 }
 
 #[test]
-fn the_herald_ends_with_its_participant() {
+fn the_announcer_ends_with_its_participant() {
     let settings = DdsSettings {
         domain_id: 75,
         peers: vec![Peer {
@@ -202,21 +202,21 @@ fn the_herald_ends_with_its_participant() {
     let length = far.recv(&mut told).unwrap();
     assert!(told[..length].starts_with(b"RTPS"));
     assert_eq!(told[8..20], participant.guid().to_bytes()[..12]);
-    assert_eq!(heralds(), 1);
+    assert_eq!(announcers(), 1);
     drop(participant);
     let began = Instant::now();
-    while heralds() > 0 {
-        assert!(began.elapsed() < Duration::from_secs(30), "the herald goes on");
+    while announcers() > 0 {
+        assert!(began.elapsed() < Duration::from_secs(30), "the announcer goes on");
         std::thread::yield_now();
     }
 }
 
-/// How many threads of this process are heralds.
-fn heralds() -> usize {
+/// How many threads of this process are announcers.
+fn announcers() -> usize {
     let threads = std::fs::read_dir("/proc/self/task").unwrap().map_while(Result::ok);
     let name = |thread: std::fs::DirEntry| std::fs::read_to_string(thread.path().join("comm"));
     threads
         .filter_map(|thread| name(thread).ok())
-        .filter(|name| name.trim() == "dds herald")
+        .filter(|name| name.trim() == "dds announcer")
         .count()
 }

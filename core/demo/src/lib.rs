@@ -1,7 +1,7 @@
 //! `skein demo`: simulated vehicles and a node in one process, joined by real MAVLink over real sockets. A director gives the
 //! commands an operator would give; a referee watches the simulator's truth, not what the node believes. With `--listen` the vehicles are
 //! autopilots that are there already, a real PX4 in its own simulation say; the referee then has their reports only. The three types to know:
-//! [`DemoArguments`], `Stage` (what a scenario flies on), `Referee` (what judges it).
+//! [`DemoArguments`], `ScenarioRunner` (what a scenario flies on), `Referee` (what judges it).
 //!
 //! Must never do: fly anything by itself; a scenario gives the commands that an operator would give.
 #![forbid(unsafe_code)]
@@ -15,7 +15,7 @@ mod referee;
 pub mod report;
 mod reports;
 mod scenario;
-mod stage;
+mod scenario_runner;
 mod steps;
 
 pub use args::{DemoArguments, DemoLink, FaultPlan, Scenario, SimulatedKind};
@@ -26,11 +26,11 @@ use layout::Layout;
 use link_cuts::LinkCuts;
 use referee::Referee;
 use scenario::{Chosen, Flight, Setup};
+use scenario_runner::ScenarioRunner;
 use skein_config::{EndpointSettings, NodeConfig, PluginSettings};
 use skein_node::{Running, build, plugins_beside_program, stop_asked};
 use skein_sim::{Faces, PayloadPlan, PortPlan, SimSettings, Simulation};
 use skein_sim_dds::DdsSettings;
-use stage::Stage;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -81,8 +81,8 @@ pub async fn demo(arguments: DemoArguments) -> anyhow::Result<ExitCode> {
                 }
                 let (referee, reports) = referee(simulation.as_ref(), &running)?;
                 let count = usize::from(arguments.count());
-                let stage = Stage::new(running.handle(), simulation.as_ref(), &referee, count, take_off_stagger_s);
-                fly(&arguments, &mut flight, &stage, reports.as_ref()).await
+                let runner = ScenarioRunner::new(running.handle(), simulation.as_ref(), &referee, count, take_off_stagger_s);
+                fly(&arguments, &mut flight, &runner, reports.as_ref()).await
             } => flown,
             asked = stop_asked() => asked.map_err(anyhow::Error::from).and_then(|()| bail!("stopped before the flight was over")),
         }
@@ -203,27 +203,27 @@ fn simulate(settings: SimSettings, running: &Running, domain_id: u16) -> anyhow:
 async fn fly(
     arguments: &DemoArguments,
     flight: &mut Chosen,
-    stage: &Stage<'_>,
+    runner: &ScenarioRunner<'_>,
     reports: Option<&reports::Watch>,
 ) -> anyhow::Result<ExitCode> {
     let cuts = LinkCuts::default();
     let drills = arguments
         .faults
         .filter(|plan| *plan != FaultPlan::Links)
-        .map(|plan| Drills::start(plan, stage.node.clone(), arguments.seed));
+        .map(|plan| Drills::start(plan, runner.node.clone(), arguments.seed));
     let flown = if arguments.faults == Some(FaultPlan::Links) {
         tokio::select! {
-            flown = flight.fly(stage) => flown,
-            failed = cuts.cut_in_turn(stage) => Err(failed),
+            flown = flight.fly(runner) => flown,
+            failed = cuts.cut_in_turn(runner) => Err(failed),
         }
     } else {
-        flight.fly(stage).await
+        flight.fly(runner).await
     };
-    let flight_s = flown.is_ok().then(|| stage.elapsed_s());
+    let flight_s = flown.is_ok().then(|| runner.elapsed_s());
     let faults = drills.map_or(cuts.made(), Drills::stop);
     // The last frames of the truth are in when the referee has seen one more.
     tokio::time::sleep(Duration::from_millis(100)).await;
-    let mut criteria = flight.criteria(stage.referee);
+    let mut criteria = flight.criteria(runner.referee);
     if arguments.faults == Some(FaultPlan::Links) {
         criteria.extend(cuts.criteria(usize::from(arguments.count())));
     }
@@ -234,7 +234,7 @@ async fn fly(
         setpoints_missing: reports.map(reports::Watch::missing),
         broke_off: flown.as_ref().err(),
     };
-    let report = report::make(arguments, &stage.node, stage.referee, outcome);
+    let report = report::make(arguments, &runner.node, runner.referee, outcome);
     if let Some(file) = &arguments.report {
         let json = serde_json::to_string_pretty(&report)?;
         std::fs::write(file, json + "\n").with_context(|| format!("cannot write the report to {}", file.display()))?;

@@ -4,7 +4,7 @@
 //! Must never do: cut both links of a vehicle.
 
 use super::report::{Criterion, at_least, at_most};
-use super::stage::Stage;
+use super::scenario_runner::ScenarioRunner;
 use skein_domain::{FlightMode, VehicleId};
 use skein_sim::{Face, Fault};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -39,15 +39,15 @@ impl LinkCuts {
     }
 
     /// Cuts the first link of each vehicle in turn. Ends only when it cannot.
-    pub async fn cut_in_turn(&self, stage: &Stage<'_>) -> anyhow::Error {
-        match self.cut_all(stage).await {
+    pub async fn cut_in_turn(&self, runner: &ScenarioRunner<'_>) -> anyhow::Error {
+        match self.cut_all(runner).await {
             Ok(()) => std::future::pending().await,
             Err(error) => error,
         }
     }
 
-    async fn cut_all(&self, stage: &Stage<'_>) -> anyhow::Result<()> {
-        while stage
+    async fn cut_all(&self, runner: &ScenarioRunner<'_>) -> anyhow::Result<()> {
+        while runner
             .node
             .snapshot()
             .formation
@@ -56,7 +56,7 @@ impl LinkCuts {
         {
             tokio::time::sleep(LOOK).await;
         }
-        let vehicles: Vec<_> = stage
+        let vehicles: Vec<_> = runner
             .node
             .snapshot()
             .vehicles
@@ -65,25 +65,25 @@ impl LinkCuts {
             .collect();
         for (vehicle, system_id) in vehicles {
             let cut = |cut| Fault::Cut { face: Face::Dds, cut };
-            flown_over_dds(stage, vehicle).await;
-            let before = told(stage, vehicle, TO_MAVLINK).len();
-            stage.simulation()?.inflict(system_id, cut(true))?;
+            flown_over_dds(runner, vehicle).await;
+            let before = told(runner, vehicle, TO_MAVLINK).len();
+            runner.simulation()?.inflict(system_id, cut(true))?;
             self.made.fetch_add(1, Ordering::Relaxed);
             let until = Instant::now() + CUT;
             let mut stayed = true;
             while Instant::now() < until {
                 tokio::time::sleep(LOOK).await;
-                let fleet = stage.node.snapshot();
+                let fleet = runner.node.snapshot();
                 stayed &= fleet
                     .vehicles
                     .iter()
                     .any(|v| v.id == vehicle && v.mode == FlightMode::Offboard);
             }
-            stage.simulation()?.inflict(system_id, cut(false))?;
+            runner.simulation()?.inflict(system_id, cut(false))?;
             self.left_offboard.fetch_add(u64::from(!stayed), Ordering::Relaxed);
-            let handed_over = told(stage, vehicle, TO_MAVLINK).len() > before;
+            let handed_over = told(runner, vehicle, TO_MAVLINK).len() > before;
             self.handed_over.fetch_add(u64::from(handed_over), Ordering::Relaxed);
-            stage.say(&format!("vehicle {vehicle}: DDS was cut for {} s", CUT.as_secs()));
+            runner.say(&format!("vehicle {vehicle}: DDS was cut for {} s", CUT.as_secs()));
             tokio::time::sleep(APART).await;
         }
         Ok(())
@@ -111,8 +111,8 @@ impl LinkCuts {
 }
 
 /// What a vehicle was told of with these words, in order.
-fn told(stage: &Stage<'_>, vehicle: VehicleId, words: &str) -> Vec<String> {
-    let events = stage.node.events_after(0);
+fn told(runner: &ScenarioRunner<'_>, vehicle: VehicleId, words: &str) -> Vec<String> {
+    let events = runner.node.events_after(0);
     let of_it = events.iter().filter(|e| e.vehicle == Some(vehicle));
     of_it
         .map(|e| e.text.clone())
@@ -121,9 +121,9 @@ fn told(stage: &Stage<'_>, vehicle: VehicleId, words: &str) -> Vec<String> {
 }
 
 /// Waits until a vehicle is flown over the link that is to be cut. Who was never handed over flies over it from the start.
-async fn flown_over_dds(stage: &Stage<'_>, vehicle: VehicleId) {
+async fn flown_over_dds(runner: &ScenarioRunner<'_>, vehicle: VehicleId) {
     let until = Instant::now() + BACK_WITHIN;
-    let over_dds = || (told(stage, vehicle, FLOWN_OVER).last()).is_none_or(|text| text.contains(TO_DDS));
+    let over_dds = || (told(runner, vehicle, FLOWN_OVER).last()).is_none_or(|text| text.contains(TO_DDS));
     while !over_dds() && Instant::now() < until {
         tokio::time::sleep(LOOK).await;
     }

@@ -52,7 +52,7 @@ pub struct Figures {
     pub landings: Vec<Landing>,
     /// Speed at which straight flight counts, in metres per second.
     pub cruise_m_s: f64,
-    /// System ids of vehicles with which something was done that takes them out of the swarm's hands: neither their modes nor their
+    /// System ids of vehicles with which something was done that takes them out of the swarm's control: neither their modes nor their
     /// setpoints count.
     pub excused: BTreeSet<u8>,
     /// System ids of vehicles that are not expected to land.

@@ -12,7 +12,7 @@ mod tour;
 use super::layout::Layout;
 use super::referee::Referee;
 use super::report::Criterion;
-use super::stage::Stage;
+use super::scenario_runner::ScenarioRunner;
 use crate::args::Scenario;
 use skein_config::NodeConfig;
 use skein_sim::SimSettings;
@@ -36,7 +36,7 @@ pub trait Flight {
     ///
     /// # Errors
     /// When something that should happen does not, or is refused.
-    async fn fly(&mut self, stage: &Stage<'_>) -> anyhow::Result<()>;
+    async fn fly(&mut self, runner: &ScenarioRunner<'_>) -> anyhow::Result<()>;
 
     /// What it has to meet beside what every flight has to; also after a flight that broke off.
     fn criteria(&self, referee: &Referee) -> Vec<Criterion>;
@@ -94,15 +94,15 @@ impl Flight for Chosen {
         }
     }
 
-    async fn fly(&mut self, stage: &Stage<'_>) -> anyhow::Result<()> {
+    async fn fly(&mut self, runner: &ScenarioRunner<'_>) -> anyhow::Result<()> {
         match self {
-            Self::Tour(flight) => flight.fly(stage).await,
-            Self::Formations(flight) => flight.fly(stage).await,
-            Self::LeaderLoss(flight) => flight.fly(stage).await,
-            Self::JoinLeave(flight) => flight.fly(stage).await,
-            Self::Mixed(flight) => flight.fly(stage).await,
-            Self::Fence(flight) => flight.fly(stage).await,
-            Self::NoCoordinator(flight) => flight.fly(stage).await,
+            Self::Tour(flight) => flight.fly(runner).await,
+            Self::Formations(flight) => flight.fly(runner).await,
+            Self::LeaderLoss(flight) => flight.fly(runner).await,
+            Self::JoinLeave(flight) => flight.fly(runner).await,
+            Self::Mixed(flight) => flight.fly(runner).await,
+            Self::Fence(flight) => flight.fly(runner).await,
+            Self::NoCoordinator(flight) => flight.fly(runner).await,
         }
     }
 

@@ -1,7 +1,7 @@
 //! How evenly setpoints move: the largest step of anyone's position setpoint beyond what its flight explains, from the pictures of the
 //! fleet.
 
-use super::stage::Stage;
+use super::scenario_runner::ScenarioRunner;
 use parking_lot::Mutex;
 use skein_domain::{NodeTime, PositionNed, VehicleId};
 use skein_runtime::NodeHandle;
@@ -16,7 +16,7 @@ const LOOK_EVERY: Duration = Duration::from_millis(10);
 
 /// The largest step seen.
 #[derive(Debug, Clone, Copy)]
-pub struct Step {
+pub struct SetpointStep {
     /// Whose.
     pub vehicle: VehicleId,
     /// How far beyond what its speed explains, in metres.
@@ -30,10 +30,10 @@ pub struct Step {
 /// A watch under way. Dropping it ends it.
 pub struct StepWatch {
     task: JoinHandle<()>,
-    largest: Arc<Mutex<Option<Step>>>,
+    largest: Arc<Mutex<Option<SetpointStep>>>,
 }
 
-impl Step {
+impl SetpointStep {
     /// In words.
     pub fn describe(&self) -> String {
         let (vehicle, beyond_m, at_s) = (self.vehicle, self.beyond_m, self.time.as_seconds());
@@ -67,10 +67,10 @@ impl StepWatch {
     }
 
     /// Ends it; gives the largest step.
-    pub fn end(self, stage: &Stage<'_>) -> Option<Step> {
+    pub fn end(self, runner: &ScenarioRunner<'_>) -> Option<SetpointStep> {
         let largest = *self.largest.lock();
         if let Some(step) = &largest {
-            stage.say(&step.describe());
+            runner.say(&step.describe());
         }
         largest
     }
@@ -89,7 +89,7 @@ fn look(
     except: Option<VehicleId>,
     speed_m_s: f64,
     places: &mut Places,
-    largest: &Mutex<Option<Step>>,
+    largest: &Mutex<Option<SetpointStep>>,
 ) {
     for vehicle in fleet.vehicles.iter().filter(|v| Some(v.id) != except) {
         let Some(place) = vehicle.slot else {
@@ -102,7 +102,7 @@ fn look(
             let beyond_m = from.distance_m(&place) - explained_m;
             let mut largest = largest.lock();
             if largest.is_none_or(|l| beyond_m > l.beyond_m) {
-                *largest = Some(Step {
+                *largest = Some(SetpointStep {
                     vehicle: vehicle.id,
                     beyond_m,
                     time: fleet.time,

@@ -39,7 +39,7 @@ pub struct ControlRequest {
     pub since: NodeTime,
 }
 
-/// Who has a vehicle in hand.
+/// Who has control authority over a vehicle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct VehicleControl {
     /// The vehicle.

@@ -8,12 +8,12 @@ pub mod command;
 pub mod control;
 pub mod energy;
 pub mod exchange;
+pub mod failsafe;
 pub mod fence;
 pub mod formation;
 pub mod frames;
 pub mod ids;
 pub mod intent;
-pub mod ladder;
 pub mod limits;
 pub mod link;
 pub mod manifest;
@@ -29,6 +29,9 @@ pub mod trajectory;
 
 pub use command::{AutopilotCommand, VehicleCommand};
 pub use energy::{EnergyLevel, EnergySettings, EnergyState};
+pub use failsafe::{
+    Alarm, FailsafeEvent, FailsafeEventKind, FailsafeSettings, FailsafeState, Order, Reaction, ReportOnly, Trigger,
+};
 pub use fence::{
     AltitudeReference, BreachAction, BreachReturn, FencePlan, FenceZone, MapPoint, ZoneError, ZoneKind, ZoneOutline,
 };
@@ -40,9 +43,6 @@ pub use ids::{CommandId, Incarnation, NodeId, RequestId, SystemId, VehicleId};
 pub use intent::{
     AnchorPlan, AnchorReference, FormationHeading, Intent, Keeping, KeepingLaw, NeighbourPlace, Route, SlotMove, Task,
     Trajectory, TrajectoryPiece, VehicleTask,
-};
-pub use ladder::{
-    Alarm, LadderEvent, LadderEventKind, LadderSettings, LadderState, Order, Reaction, ReportOnly, Trigger,
 };
 pub use limits::FlightLimits;
 pub use parameter::{

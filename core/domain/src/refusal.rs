@@ -231,10 +231,10 @@ pub enum Refusal {
         #[n(0)]
         detail: String,
     },
-    /// Another operator has the vehicle in hand.
-    #[error("{holder} has vehicle {vehicle} in hand: ask for it")]
+    /// Another operator has control authority over the vehicle.
+    #[error("{holder} has control authority over vehicle {vehicle}: ask for it")]
     #[n(25)]
-    InOtherHands {
+    NoControlAuthority {
         /// The vehicle.
         #[n(0)]
         vehicle: VehicleId,
@@ -274,7 +274,7 @@ impl Refusal {
             Self::NotEnoughVehicles { .. } => "not_enough_vehicles",
             Self::StaleIncarnation { .. } => "stale_incarnation",
             Self::DuplicateSystemId { .. } => "duplicate_system_id",
-            Self::InOtherHands { .. } => "in_other_hands",
+            Self::NoControlAuthority { .. } => "no_control_authority",
             Self::NotRunning { .. } => "not_running",
             Self::NotPermitted { .. } => "not_permitted",
             Self::NotSupported { .. } => "not_supported",

@@ -150,7 +150,7 @@ plain_enum!(
         1 Arming,
         /// Armed on the ground or climbing to the take-off height.
         2 TakingOff,
-        /// Stays where it is, in the swarm's hands.
+        /// Stays where it is, under the swarm's control.
         3 Holding,
         /// Flies to a place it was sent to.
         4 GoingTo,
@@ -162,7 +162,7 @@ plain_enum!(
         7 Returning,
         /// Descends to the ground.
         8 Landing,
-        /// A human pilot or the autopilot's own failsafe has taken it out of the swarm's hands.
+        /// A human pilot or the autopilot's own failsafe has taken it out of the swarm's control.
         9 PilotControl,
         /// Something failed that the model cannot mend; an operator must look.
         10 Faulted,
@@ -170,7 +170,7 @@ plain_enum!(
 );
 
 impl FlightState {
-    /// Whether the vehicle is in the air and in the swarm's hands, so that it may take a slot.
+    /// Whether the vehicle is in the air and under the swarm's control, so that it may take a slot.
     #[must_use]
     pub fn is_available_in_air(self) -> bool {
         matches!(self, Self::Holding | Self::GoingTo | Self::Following | Self::Leading)

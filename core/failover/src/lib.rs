@@ -12,19 +12,19 @@
 //! * a coordinator that was cut off is fenced at every vehicle that obeys a greater number, whatever it still says;
 //! * in a partition each part has a holder of its own; when the parts meet the greater number wins.
 //!
-//! What a node may do of this rests on [`Office::obeyed`] alone; whether the holder is still there, and what a vehicle does without one,
-//! is said by [`Watch::allegiance`].
+//! What a node may do of this rests on [`Leadership::obeyed`] alone; whether the holder is still there, and what a vehicle does without one,
+//! is said by [`LeaderMonitor::leader_state`].
 //!
-//! A holder is missed when no new pulse of it comes, heard from itself or from anyone ([`Watch`]). Then the most suited of those who
-//! are heard claims the next number ([`Office::claim`]): by configured priority, then by the smaller id, the others a little later each.
+//! A holder is missed when no new pulse of it comes, heard from itself or from anyone ([`LeaderMonitor`]). Then the most suited of those who
+//! are heard claims the next number ([`Leadership::claim`]): by configured priority, then by the smaller id, the others a little later each.
 #![forbid(unsafe_code)]
 
-mod allegiance;
-mod office;
+mod leader_state;
+mod leadership;
+mod monitor;
 mod term;
-mod watch;
 
-pub use allegiance::{Allegiance, Reaction, Unled};
-pub use office::{ClaimError, Handover, Office, OrderError};
+pub use leader_state::{LeaderState, Reaction, Unled};
+pub use leadership::{ClaimError, Handover, Leadership, OrderError};
+pub use monitor::{Apart, LeaderMonitor, LeaderMonitorSettings, Turn};
 pub use term::{Beacon, Standing, Term};
-pub use watch::{Apart, Turn, Watch, WatchSettings};

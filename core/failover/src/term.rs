@@ -1,6 +1,6 @@
 //! What nodes tell each other: terms, pulses, and who may coordinate.
 //!
-//! Must never do: say that one term is better than another of the same number; only the office decides what is obeyed.
+//! Must never do: say that one term is better than another of the same number; only the leadership decides what is obeyed.
 
 use minicbor::{Decode, Encode};
 use serde::{Deserialize, Serialize};
@@ -29,7 +29,7 @@ impl PartialOrd for Standing {
     }
 }
 
-/// A term of office.
+/// A term of the leadership.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, Encode, Decode)]
 pub struct Term {
     /// From 1; grows with every change of the holder.

@@ -60,7 +60,7 @@ pub struct KeepingCommand {
 }
 
 /// A neighbour as it is now.
-struct Seen {
+struct SeenNeighbour {
     /// Where it is, relative to the vehicle.
     off: Vector3<f64>,
     velocity: Vector3<f64>,
@@ -80,7 +80,7 @@ pub fn command(
     limits: &FlightLimits,
     tuning: &KeepingTuning,
 ) -> KeepingCommand {
-    let seen: Vec<Seen> = keeping
+    let seen: Vec<SeenNeighbour> = keeping
         .neighbours
         .iter()
         .filter_map(|neighbour| see(neighbour, position, peers, now, tuning))
@@ -109,7 +109,7 @@ fn see(
     peers: &[PeerState],
     now: NodeTime,
     tuning: &KeepingTuning,
-) -> Option<Seen> {
+) -> Option<SeenNeighbour> {
     let peer = peers
         .iter()
         .find(|peer| peer.id == neighbour.vehicle && peer.airborne)?;
@@ -121,7 +121,7 @@ fn see(
         return None;
     }
     let there = kinematics.position.after(&kinematics.velocity, age_s.max(0.0));
-    let seen = Seen {
+    let seen = SeenNeighbour {
         off: there.vector() - position.vector(),
         velocity: kinematics.velocity.vector(),
         place: Vector3::new(neighbour.north_m, neighbour.east_m, neighbour.down_m),
@@ -139,8 +139,8 @@ fn own_hops(keeping: &Keeping) -> Option<u16> {
 
 /// The velocity of the formation: that of the neighbours nearer to the leader. Taking it from nobody farther off keeps it from going round
 /// in circles, in which delays would add up to swinging.
-fn formation_velocity(seen: &[Seen], own_hops: Option<u16>) -> Vector3<f64> {
-    let mean = |nearer: &dyn Fn(&Seen) -> bool| {
+fn formation_velocity(seen: &[SeenNeighbour], own_hops: Option<u16>) -> Vector3<f64> {
+    let mean = |nearer: &dyn Fn(&SeenNeighbour) -> bool| {
         let (count, sum) = seen
             .iter()
             .filter(|s| nearer(s))
@@ -158,7 +158,7 @@ fn formation_velocity(seen: &[Seen], own_hops: Option<u16>) -> Vector3<f64> {
 }
 
 /// The gradient of the distances in the plane (Krick, Broucke & Francis 2009), with the pattern as it is turned best; heights as they are.
-fn by_distances(seen: &[Seen]) -> (Vector3<f64>, f64) {
+fn by_distances(seen: &[SeenNeighbour]) -> (Vector3<f64>, f64) {
     let count = seen.len() as f64;
     let (along, across) = seen.iter().fold((0.0, 0.0), |(along, across), s| {
         (
@@ -188,7 +188,7 @@ fn by_distances(seen: &[Seen]) -> (Vector3<f64>, f64) {
 }
 
 /// What is off across the wanted direction (Zhao & Zelazo 2016), and with less weight along it.
-fn by_bearings(seen: &[Seen]) -> (Vector3<f64>, f64) {
+fn by_bearings(seen: &[SeenNeighbour]) -> (Vector3<f64>, f64) {
     let count = seen.len() as f64;
     let (mut correction, mut error_m) = (Vector3::zeros(), 0.0);
     for s in seen {

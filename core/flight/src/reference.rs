@@ -61,7 +61,7 @@ pub enum ReferenceError {
 
 /// One thing told.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Told {
+struct ReferenceReport {
     position: Vector3<f64>,
     velocity: Option<Vector3<f64>>,
     heading_rad: Option<f64>,
@@ -91,7 +91,7 @@ struct State {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReferenceTracker {
     limits: ReferenceLimits,
-    told: VecDeque<Told>,
+    told: VecDeque<ReferenceReport>,
     /// When the steps begin, what is aimed at, and the anchor at the step of the last thing told.
     tracked: Option<(NodeTime, Aim, State)>,
 }
@@ -144,12 +144,12 @@ impl ReferenceTracker {
             });
         }
         // After a silence what was told before says nothing about how it moves now.
-        let recent = |told: &Told| time.seconds_since(told.time) <= WINDOW_S;
+        let recent = |told: &ReferenceReport| time.seconds_since(told.time) <= WINDOW_S;
         self.told.retain(recent);
         if self.told.len() == MOST_TOLD {
             self.told.pop_front();
         }
-        self.told.push_back(Told {
+        self.told.push_back(ReferenceReport {
             position: position.vector(),
             velocity: velocity.map(|v| v.vector()),
             heading_rad,
@@ -239,9 +239,9 @@ impl ReferenceTracker {
     }
 
     /// The straight line through what was told lately, at its end.
-    fn fitted(&self, last: &Told) -> (Vector3<f64>, Vector3<f64>) {
+    fn fitted(&self, last: &ReferenceReport) -> (Vector3<f64>, Vector3<f64>) {
         let count = self.told.len() as f64;
-        let age_s = |told: &Told| told.time.seconds_since(last.time);
+        let age_s = |told: &ReferenceReport| told.time.seconds_since(last.time);
         let mean_s = self.told.iter().map(age_s).sum::<f64>() / count;
         // Relative to the last one, so that large coordinates cost no digits.
         let mean = self
@@ -255,7 +255,7 @@ impl ReferenceTracker {
         if span_s < LEAST_SPAN_S {
             return (last.position, Vector3::zeros());
         }
-        let weighted = |told: &Told| (told.position - last.position - mean) * (age_s(told) - mean_s);
+        let weighted = |told: &ReferenceReport| (told.position - last.position - mean) * (age_s(told) - mean_s);
         let velocity = self.told.iter().map(weighted).sum::<Vector3<f64>>() / spread;
         (last.position + mean - velocity * mean_s, velocity)
     }

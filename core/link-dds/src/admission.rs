@@ -101,7 +101,7 @@ pub enum Verdict {
 }
 
 #[derive(Debug, Default)]
-struct Seen {
+struct SeenMessage {
     version: u32,
     definition: Option<&'static Definition>,
     good: u8,
@@ -111,7 +111,7 @@ struct Seen {
 /// The check of one vehicle.
 #[derive(Debug, Default)]
 pub struct Admission {
-    topics: BTreeMap<Topic, Seen>,
+    topics: BTreeMap<Topic, SeenMessage>,
     /// Topics that are there in versions that are not known. Another program may offer a known one beside them.
     unknown: BTreeMap<Topic, Mismatch>,
     /// The same for topics that Skein writes.
@@ -306,7 +306,7 @@ impl Admission {
             .into_iter()
             .filter(|topic| match (topic.need(), self.topics.get(topic)) {
                 (Need::Optional, _) => false,
-                (Need::Seen, seen) => seen.is_none_or(|seen| seen.good < GOOD_SAMPLES),
+                (Need::SeenMessage, seen) => seen.is_none_or(|seen| seen.good < GOOD_SAMPLES),
             });
         let unread = Command::ALL
             .into_iter()

@@ -18,7 +18,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use vehicle::{Around, Vehicle};
+use vehicle::{Around, DdsVehicle};
 
 /// How often discovery is looked at, in seconds.
 const SCAN_S: f64 = 0.2;
@@ -136,7 +136,7 @@ struct Worker {
     settings: LinkSettings,
     links: Arc<DdsLinkTable>,
     events: EventSink,
-    vehicles: BTreeMap<Namespace, Vehicle>,
+    vehicles: BTreeMap<Namespace, DdsVehicle>,
     next_scan: NodeTime,
 }
 
@@ -233,14 +233,14 @@ impl Worker {
 
 /// The vehicle of a topic; of strangers' topics there may be any number.
 fn entry<'a>(
-    vehicles: &'a mut BTreeMap<Namespace, Vehicle>,
+    vehicles: &'a mut BTreeMap<Namespace, DdsVehicle>,
     name: &TopicName,
     now: NodeTime,
-) -> Option<&'a mut Vehicle> {
+) -> Option<&'a mut DdsVehicle> {
     if !vehicles.contains_key(&name.namespace) && (name.direction == Direction::In || vehicles.len() >= VEHICLES_MAX) {
         return None;
     }
-    let new = || Vehicle::new(name.namespace.clone(), now);
+    let new = || DdsVehicle::new(name.namespace.clone(), now);
     Some(vehicles.entry(name.namespace.clone()).or_insert_with(new))
 }
 

@@ -231,7 +231,7 @@ impl VehicleSession {
         if let Some(change) = self.modes.on_mode(now, mode) {
             let (from, to, commanded) = (change.from, change.to, change.commanded);
             self.events.push(LinkEvent::ModeChanged { from, to, commanded });
-            // On the ground nobody is taken out of anyone's hands: after a landing PX4 changes its mode by itself.
+            // On the ground nobody is taken out of anyone's control: after a landing PX4 changes its mode by itself.
             if from == FlightMode::Offboard && !commanded && armed {
                 let action = self.stream.taken_over();
                 self.act(now, action);

@@ -49,7 +49,7 @@ pub struct Frame<'a> {
 }
 
 /// What stands at the start of some bytes.
-enum Step<'a> {
+enum FrameStep<'a> {
     /// A frame of so many bytes.
     Frame(Frame<'a>, usize),
     /// The start of a frame that is not here whole.
@@ -98,25 +98,25 @@ fn header(version: MavlinkVersion, bytes: &[u8]) -> Option<(FrameHeader, usize)>
 }
 
 /// The first frame of `bytes`, if they begin with one.
-fn step(bytes: &[u8]) -> Step<'_> {
+fn step(bytes: &[u8]) -> FrameStep<'_> {
     let (version, header_len, flags) = match *bytes {
         [MAV_STX_V2, _, flags, ..] => (MavlinkVersion::V2, V2_HEADER_BYTES, flags),
         [MAV_STX, ..] => (MavlinkVersion::V1, V1_HEADER_BYTES, 0),
-        [MAV_STX_V2, ..] => return Step::Partial,
-        _ => return Step::Stray,
+        [MAV_STX_V2, ..] => return FrameStep::Partial,
+        _ => return FrameStep::Stray,
     };
     // Any other flag changes the layout (or means something we must understand): such a frame is not for us.
     if flags & !FLAG_SIGNED != 0 {
-        return Step::Stray;
+        return FrameStep::Stray;
     }
     let Some((header, payload_len)) = bytes.get(..header_len).and_then(|bytes| header(version, bytes)) else {
-        return Step::Partial;
+        return FrameStep::Partial;
     };
     let payload_end = header_len + payload_len;
     let signature = if flags & FLAG_SIGNED == 0 { 0 } else { SIGNATURE_BYTES };
     let frame_len = payload_end + CHECKSUM_BYTES + signature;
     if bytes.len() < frame_len {
-        return Step::Partial;
+        return FrameStep::Partial;
     }
     let checksum = bytes
         .get(payload_end..)
@@ -124,18 +124,18 @@ fn step(bytes: &[u8]) -> Step<'_> {
     let (Some(payload), Some(checked), Some(checksum)) =
         (bytes.get(header_len..payload_end), bytes.get(1..payload_end), checksum)
     else {
-        return Step::Partial;
+        return FrameStep::Partial;
     };
     let extra = checksum_extra(header.message_id);
     let known = extra.is_some();
     if let Some(extra) = extra {
         if calculate_crc(checked, extra) != u16::from_le_bytes(*checksum) {
-            return Step::BadCrc;
+            return FrameStep::BadCrc;
         }
     } else if !matches!(bytes.get(frame_len), None | Some(&(MAV_STX | MAV_STX_V2))) {
-        return Step::Stray;
+        return FrameStep::Stray;
     }
-    Step::Frame(Frame { header, payload, known }, frame_len)
+    FrameStep::Frame(Frame { header, payload, known }, frame_len)
 }
 
 /// Calls `frame` for every frame in `bytes`, and counts. Gives the bytes used; the rest may be the start of a frame.
@@ -149,16 +149,16 @@ fn scan(
     let mut damaged = false;
     while !rest.is_empty() {
         match step(rest) {
-            Step::Frame(found, len) => {
+            FrameStep::Frame(found, len) => {
                 damaged = false;
                 counters.frames_in += 1;
                 counters.unknown += u64::from(!found.known);
                 frame(counters, &found);
                 rest = rest.get(len..).unwrap_or_default();
             }
-            Step::Partial => break,
+            FrameStep::Partial => break,
             step => {
-                if matches!(step, Step::BadCrc) && !damaged {
+                if matches!(step, FrameStep::BadCrc) && !damaged {
                     counters.bad_crc += 1;
                     damaged = true;
                 }

@@ -2,8 +2,8 @@
 //!
 //! Must never do: print a secret.
 
+use skein_bus::envelope::{SwarmKey, WeakSecret};
 use skein_bus::redundant::Redundant;
-use skein_bus::seal::{SwarmKey, WeakSecret};
 use skein_bus::transport::Transport;
 use skein_cluster::{OpenedTransport, SwarmSetup};
 use skein_config::{SwarmSettings, SwarmTransport};

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// What an instance wants done after an event batch, and what it is to go on from after a restart.
 #[derive(Debug, Clone)]
-pub struct Answer {
+pub struct PluginAnswer {
     /// In the order they are to be carried out; without [`Effect::Frame`].
     pub effects: Vec<Effect>,
     /// The frames it gave, in order.
@@ -65,10 +65,15 @@ impl Judge {
     }
 
     /// A whole answer.
-    pub(crate) fn answer(&self, manifest: &Manifest, pool: &Pool, answer: &RawAnswer) -> Result<Answer, PluginError> {
+    pub(crate) fn answer(
+        &self,
+        manifest: &Manifest,
+        pool: &Pool,
+        answer: &RawAnswer,
+    ) -> Result<PluginAnswer, PluginError> {
         let (effects, frames) = self.effects(manifest, pool, answer.schema, answer.bytes.bytes())?;
         let snapshot = answer.snapshot.as_ref().map_or(&[][..], AnswerBytes::bytes);
-        Ok(Answer {
+        Ok(PluginAnswer {
             effects,
             frames,
             snapshot: self.snapshot(snapshot)?,

@@ -1,14 +1,14 @@
-//! The calls of one instance on a lane of this process.
+//! The calls of one instance on a worker of this process.
 //!
-//! Must never do: wait for a call of another instance's but in the lane's order.
+//! Must never do: wait for a call of another instance's but in the worker's order.
 
 use crate::PluginError;
 use crate::answer::RawAnswer;
-use crate::body::InstanceBody;
 use crate::frames::Frame;
-use crate::lane::{Job, Lane};
+use crate::hosted::HostedInstance;
 use crate::runner_settings::RunnerSettings;
 use crate::task::Task;
+use crate::worker::{Job, Worker};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -30,25 +30,25 @@ pub(crate) fn encode<T: minicbor::Encode<()>>(value: &T) -> Result<Vec<u8>, Plug
 /// The untyped calls of one instance, of any kind of plugin.
 #[derive(Debug)]
 pub(crate) struct Calls {
-    pub(crate) body: Arc<InstanceBody>,
-    lane: Arc<Lane>,
+    pub(crate) hosted: Arc<HostedInstance>,
+    worker: Arc<Worker>,
     pub(crate) settings: RunnerSettings,
 }
 
 impl Calls {
-    /// Makes an instance on this lane.
+    /// Makes an instance on this worker.
     pub(crate) async fn create(
-        lane: Arc<Lane>,
+        worker: Arc<Worker>,
         settings: RunnerSettings,
-        body: InstanceBody,
+        hosted: HostedInstance,
         schema: u32,
         bytes: Vec<u8>,
     ) -> Result<Self, PluginError> {
-        lane.instances.fetch_add(1, Ordering::Relaxed);
-        // From here on `drop` takes the instance off its lane again, whatever becomes of it.
+        worker.instances.fetch_add(1, Ordering::Relaxed);
+        // From here on `drop` takes the instance off its worker again, whatever becomes of it.
         let calls = Self {
-            body: Arc::new(body),
-            lane,
+            hosted: Arc::new(hosted),
+            worker,
             settings,
         };
         calls
@@ -81,29 +81,29 @@ impl Calls {
     async fn ask(&self, task: Task, deadline: Duration) -> Result<Option<RawAnswer>, PluginError> {
         let (reply, answer) = oneshot::channel();
         let job = Job {
-            body: Arc::clone(&self.body),
+            hosted: Arc::clone(&self.hosted),
             task,
             deadline,
             reply: Some(reply),
         };
-        self.lane.push(job).map_err(|refused| refused.1)?;
+        self.worker.push(job).map_err(|refused| refused.1)?;
         answer.await.unwrap_or(Err(PluginError::Gone))
     }
 }
 
 impl Drop for Calls {
     fn drop(&mut self) {
-        self.lane.instances.fetch_sub(1, Ordering::Relaxed);
+        self.worker.instances.fetch_sub(1, Ordering::Relaxed);
         let deadline = self.settings.create_deadline;
         let job = Job {
-            body: Arc::clone(&self.body),
+            hosted: Arc::clone(&self.hosted),
             task: Task::Destroy,
             deadline,
             reply: None,
         };
-        if let Err(refused) = self.lane.push(job) {
+        if let Err(refused) = self.worker.push(job) {
             let (job, error) = *refused;
-            tracing::error!(target: "plugin", instance = %job.body.name, "was not ended: {error}");
+            tracing::error!(target: "plugin", instance = %job.hosted.name, "was not ended: {error}");
         }
     }
 }

@@ -42,13 +42,13 @@ pub struct Catalog {
 #[derive(Debug, Default)]
 struct State {
     plugins: BTreeMap<String, Versions>,
-    files: BTreeMap<PathBuf, Seen>,
+    files: BTreeMap<PathBuf, SeenFile>,
     problems: Vec<Arc<PluginProblem>>,
 }
 
 /// A file as it was when it was last looked into.
 #[derive(Debug)]
-struct Seen {
+struct SeenFile {
     state: FileState,
     problem: Option<Arc<PluginProblem>>,
 }
@@ -131,7 +131,10 @@ impl Catalog {
         };
         if let Ok(state) = now {
             let problem = problem.clone();
-            self.state.lock().files.insert(path.to_owned(), Seen { state, problem });
+            self.state
+                .lock()
+                .files
+                .insert(path.to_owned(), SeenFile { state, problem });
         }
         (plugin, problem)
     }

@@ -3,18 +3,18 @@
 //! Must never do: serve a node. In this process nobody watches these calls or takes their times: one that hangs, hangs the caller.
 
 use crate::answer::{Judge, RawAnswer};
-use crate::body::InstanceBody;
 use crate::calls::encode;
 use crate::child::{Call, Caller, Shared};
 use crate::frames::{Frame, Pool};
+use crate::hosted::HostedInstance;
 use crate::task::Task;
-use crate::{Answer, Isolation, Manifest, Plugin, PluginError, RunnerSettings};
+use crate::{Isolation, Manifest, Plugin, PluginAnswer, PluginError, RunnerSettings};
 use skein_domain::exchange::{CREATE_SCHEMA, Create, EVENT_BATCH_SCHEMA, Effect, EventBatch};
 use skein_plugin_abi::method;
 use std::path::Path;
 use std::sync::Arc;
 
-/// An instance without a lane. Dropping it ends it and waits for that.
+/// An instance without a worker. Dropping it ends it and waits for that.
 #[derive(Debug)]
 pub struct DirectInstance {
     way: Way,
@@ -24,7 +24,7 @@ pub struct DirectInstance {
 
 #[derive(Debug)]
 enum Way {
-    Here(Box<InstanceBody>),
+    Here(Box<HostedInstance>),
     Child(Option<Box<Caller>>, Arc<Shared>),
 }
 
@@ -41,10 +41,10 @@ impl DirectInstance {
         let name = "direct".to_owned();
         let way = match isolation {
             Isolation::InProcess => {
-                let body = InstanceBody::new(plugin, name);
+                let hosted = HostedInstance::new(plugin, name);
                 let schema = CREATE_SCHEMA;
-                body.run(&Task::Create { schema, bytes })?;
-                Way::Here(Box::new(body))
+                hosted.run(&Task::Create { schema, bytes })?;
+                Way::Here(Box::new(hosted))
             }
             Isolation::Child(limits) => {
                 let shared = Arc::new(Shared::new(plugin, name, settings, limits));
@@ -67,7 +67,7 @@ impl DirectInstance {
     }
 
     /// As [`crate::Instance::call`].
-    pub fn call(&mut self, batch: &EventBatch) -> Result<Answer, PluginError> {
+    pub fn call(&mut self, batch: &EventBatch) -> Result<PluginAnswer, PluginError> {
         let answer = self.invoke(batch, true)?;
         self.judge.answer(self.manifest(), self.pool(), &answer)
     }
@@ -76,7 +76,7 @@ impl DirectInstance {
     #[must_use]
     pub fn manifest(&self) -> &Manifest {
         match &self.way {
-            Way::Here(body) => body.plugin.manifest(),
+            Way::Here(hosted) => hosted.plugin.manifest(),
             Way::Child(_, shared) => shared.plugin.manifest(),
         }
     }
@@ -88,7 +88,7 @@ impl DirectInstance {
         })?;
         let (method, schema) = (method::HANDLE_EVENTS, EVENT_BATCH_SCHEMA);
         match &mut self.way {
-            Way::Here(body) => body.invoke_untimed(method, schema, &self.buffer, then_snapshot),
+            Way::Here(hosted) => hosted.invoke_untimed(method, schema, &self.buffer, then_snapshot),
             Way::Child(caller, _) => {
                 let call = Call {
                     method,
@@ -106,7 +106,7 @@ impl DirectInstance {
 
     fn pool(&self) -> &Pool {
         match &self.way {
-            Way::Here(body) => &body.services.pool,
+            Way::Here(hosted) => &hosted.services.pool,
             Way::Child(_, shared) => &shared.pool,
         }
     }
@@ -115,8 +115,8 @@ impl DirectInstance {
 impl Drop for DirectInstance {
     fn drop(&mut self) {
         match &mut self.way {
-            Way::Here(body) => {
-                let _ = body.run(&Task::Destroy);
+            Way::Here(hosted) => {
+                let _ = hosted.run(&Task::Destroy);
             }
             Way::Child(caller, _) => {
                 if let Some(caller) = caller.take() {

@@ -1,6 +1,6 @@
 //! One instance of a plugin, as its actor holds it: event batches in, effect batches out.
 
-use crate::answer::{Answer, Judge, RawAnswer};
+use crate::answer::{Judge, PluginAnswer, RawAnswer};
 use crate::calls::{Calls, encode};
 use crate::child::{Call, ChildCalls};
 use crate::frames::{Frame, Pool};
@@ -20,7 +20,7 @@ pub struct Instance {
 /// How it is reached.
 #[derive(Debug)]
 pub(crate) enum Way {
-    /// On a lane of this process.
+    /// On a worker of this process.
     Here(Calls),
     /// In a process of its own.
     Child(ChildCalls),
@@ -34,7 +34,7 @@ impl Instance {
     /// Hands a batch of events in; gives what the instance wants done and its snapshot after it, of the same visit. The bytes of `frames`
     /// can be read by the instance during the call, under the ids of their headers. Calls of one instance are made in the order they were
     /// begun. If the future is dropped the call is still made, and its effects are lost.
-    pub async fn call(&self, batch: EventBatch, frames: &[Arc<Frame>]) -> Result<Answer, PluginError> {
+    pub async fn call(&self, batch: EventBatch, frames: &[Arc<Frame>]) -> Result<PluginAnswer, PluginError> {
         let bytes = encode(&batch)?;
         let answer = self
             .invoke(method::HANDLE_EVENTS, EVENT_BATCH_SCHEMA, bytes, frames.to_vec(), true)
@@ -75,7 +75,7 @@ impl Instance {
     #[must_use]
     pub fn name(&self) -> &str {
         match &self.way {
-            Way::Here(calls) => &calls.body.name,
+            Way::Here(calls) => &calls.hosted.name,
             Way::Child(child) => child.name(),
         }
     }
@@ -84,7 +84,7 @@ impl Instance {
     #[must_use]
     pub fn manifest(&self) -> &Manifest {
         match &self.way {
-            Way::Here(calls) => calls.body.plugin.manifest(),
+            Way::Here(calls) => calls.hosted.plugin.manifest(),
             Way::Child(child) => child.manifest(),
         }
     }
@@ -93,7 +93,7 @@ impl Instance {
     #[must_use]
     pub fn statistics(&self) -> CallStatistics {
         match &self.way {
-            Way::Here(calls) => calls.body.times.read(calls.body.services.log.dropped()),
+            Way::Here(calls) => calls.hosted.times.read(calls.hosted.services.log.dropped()),
             Way::Child(child) => child.statistics(),
         }
     }
@@ -123,7 +123,7 @@ impl Instance {
 
     fn pool(&self) -> &Pool {
         match &self.way {
-            Way::Here(calls) => &calls.body.services.pool,
+            Way::Here(calls) => &calls.hosted.services.pool,
             Way::Child(child) => child.pool(),
         }
     }

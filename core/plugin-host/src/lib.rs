@@ -6,7 +6,6 @@
 //! wait without a deadline, unload a library, trust a length, a text or a number that a plugin gave.
 
 mod answer;
-mod body;
 mod call_clock;
 mod calls;
 mod catalog;
@@ -15,10 +14,10 @@ mod direct;
 mod entry;
 mod error;
 mod frames;
+mod hosted;
 mod image;
 mod instance;
 mod isolation;
-mod lane;
 mod library;
 mod manifest;
 mod private_copy;
@@ -32,8 +31,9 @@ mod task;
 mod thread_time;
 mod trust;
 mod watchdog;
+mod worker;
 
-pub use answer::Answer;
+pub use answer::PluginAnswer;
 pub use catalog::{Catalog, PluginProblem};
 pub use direct::DirectInstance;
 pub use error::{LoadError, PluginError, SchemaError};

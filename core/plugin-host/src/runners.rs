@@ -1,12 +1,12 @@
-//! The pool of threads on which plugins run. Each instance lives on one lane; a lane is a queue and a watched thread.
+//! The pool of threads on which plugins run. Each instance lives on one worker; a worker is a queue and a watched thread.
 
 use crate::answer::Judge;
-use crate::body::InstanceBody;
 use crate::calls::{Calls, encode};
 use crate::child::ChildCalls;
+use crate::hosted::HostedInstance;
 use crate::instance::Way;
-use crate::lane::Lane;
 use crate::runner_settings::RunnerSettings;
+use crate::worker::Worker;
 use crate::{Instance, Isolation, Plugin, PluginError, watchdog};
 use parking_lot::Mutex;
 use skein_domain::exchange::{CREATE_SCHEMA, Create};
@@ -18,8 +18,8 @@ use std::time::Duration;
 /// How the pool is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RunnersHealth {
-    /// Lanes, each with one thread.
-    pub lanes: usize,
+    /// Workers, each with one thread.
+    pub workers: usize,
     /// Living instances in this process.
     pub instances: usize,
     /// Child processes.
@@ -30,7 +30,7 @@ pub struct RunnersHealth {
 #[derive(Debug)]
 pub struct Runners {
     settings: RunnerSettings,
-    lanes: Vec<Arc<Lane>>,
+    workers: Vec<Arc<Worker>>,
     watched: AtomicBool,
     host_program: Mutex<Option<PathBuf>>,
     /// Each child's thread has one.
@@ -54,12 +54,12 @@ impl Runners {
     /// A pool with all bounds given. Threads start with the first instance that needs them.
     #[must_use]
     pub fn with_settings(settings: RunnerSettings) -> Arc<Self> {
-        let lanes = (0..settings.threads.max(1))
-            .map(|index| Arc::new(Lane::new(index)))
+        let workers = (0..settings.threads.max(1))
+            .map(|index| Arc::new(Worker::new(index)))
             .collect();
         Arc::new(Self {
             settings,
-            lanes,
+            workers,
             watched: AtomicBool::new(false),
             host_program: Mutex::default(),
             children: Arc::default(),
@@ -76,12 +76,12 @@ impl Runners {
     #[must_use]
     pub fn health(&self) -> RunnersHealth {
         let instances = self
-            .lanes
+            .workers
             .iter()
-            .map(|lane| lane.instances.load(Ordering::Relaxed))
+            .map(|worker| worker.instances.load(Ordering::Relaxed))
             .sum();
         RunnersHealth {
-            lanes: self.lanes.len(),
+            workers: self.workers.len(),
             instances,
             children: Arc::strong_count(&self.children) - 1,
         }
@@ -115,18 +115,18 @@ impl Runners {
         Ok(Instance::new(way, isolation, Judge::new(self.settings)))
     }
 
-    /// On the lane with the fewest instances.
+    /// On the worker with the fewest instances.
     async fn create_here(&self, plugin: Arc<Plugin>, name: String, bytes: Vec<u8>) -> Result<Calls, PluginError> {
         let hanging = plugin.hanging_threads();
         if hanging >= self.settings.max_hanging_threads {
             return Err(PluginError::Quarantined { hanging });
         }
         self.watch()?;
-        let lanes = self.lanes.iter();
-        let lane = lanes.min_by_key(|lane| lane.instances.load(Ordering::Relaxed));
-        let lane = Arc::clone(lane.ok_or(PluginError::Gone)?);
-        let body = InstanceBody::new(plugin, name);
-        Calls::create(lane, self.settings, body, CREATE_SCHEMA, bytes).await
+        let workers = self.workers.iter();
+        let worker = workers.min_by_key(|worker| worker.instances.load(Ordering::Relaxed));
+        let worker = Arc::clone(worker.ok_or(PluginError::Gone)?);
+        let hosted = HostedInstance::new(plugin, name);
+        Calls::create(worker, self.settings, hosted, CREATE_SCHEMA, bytes).await
     }
 
     /// The program to be started for a child.
@@ -140,8 +140,8 @@ impl Runners {
         if self.watched.swap(true, Ordering::Relaxed) {
             return Ok(());
         }
-        let lanes = self.lanes.iter().map(|lane| Arc::clone(&lane.shared)).collect();
-        watchdog::watch(lanes, self.settings.call_deadline).map_err(|e| {
+        let workers = self.workers.iter().map(|worker| Arc::clone(&worker.shared)).collect();
+        watchdog::watch(workers, self.settings.call_deadline).map_err(|e| {
             self.watched.store(false, Ordering::Relaxed);
             PluginError::NoThread { detail: e.to_string() }
         })

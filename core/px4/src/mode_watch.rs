@@ -1,5 +1,5 @@
 //! Whether a change of mode was asked for from here. An unasked change out of OFFBOARD is the pilot's, or the autopilot's own
-//! failsafe; either way the vehicle is out of the swarm's hands.
+//! failsafe; either way the vehicle is out of the swarm's control.
 
 use skein_domain::{FlightMode, NodeTime};
 

@@ -120,7 +120,7 @@ impl Goal {
 
 /// One command and what must follow it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Step {
+pub struct PlanStep {
     /// The command.
     pub command: Command,
     /// What must follow.
@@ -159,11 +159,11 @@ pub struct Plan {
     /// What is waited for first.
     pub condition: Condition,
     /// In order.
-    pub steps: Vec<Step>,
+    pub steps: Vec<PlanStep>,
 }
 
 impl Plan {
-    fn single(name: &'static str, class: Class, step: Step) -> Self {
+    fn single(name: &'static str, class: Class, step: PlanStep) -> Self {
         Self {
             name,
             class,
@@ -186,7 +186,7 @@ pub fn plan(command: AutopilotCommand, situation: &Situation) -> Result<Plan, Re
             Ok(Plan::single(
                 "disarm",
                 Class::Arming,
-                Step {
+                PlanStep {
                     command,
                     goal: Goal::Armed(false),
                 },
@@ -262,7 +262,7 @@ fn invalid(detail: &str) -> Refusal {
     }
 }
 
-fn change_mode(mode: FlightMode, px4: Px4Mode) -> Step {
+fn change_mode(mode: FlightMode, px4: Px4Mode) -> PlanStep {
     const CUSTOM_MODE_ENABLED: f32 = 1.0;
     let parameters = [
         CUSTOM_MODE_ENABLED,
@@ -273,7 +273,7 @@ fn change_mode(mode: FlightMode, px4: Px4Mode) -> Step {
         0.0,
         0.0,
     ];
-    Step {
+    PlanStep {
         command: Command::long(MavCmd::MAV_CMD_DO_SET_MODE, parameters),
         goal: Goal::Mode(mode),
     }
@@ -288,7 +288,7 @@ fn arm(situation: &Situation) -> Plan {
     let mut plan = Plan::single(
         "arm",
         Class::Arming,
-        Step {
+        PlanStep {
             command,
             goal: Goal::Armed(true),
         },
@@ -329,7 +329,7 @@ fn take_off(height_m: f64, situation: &Situation) -> Result<Plan, Refusal> {
     Ok(Plan::single(
         "take_off",
         Class::Flight,
-        Step {
+        PlanStep {
             command,
             goal: Goal::TakingOff,
         },
@@ -342,7 +342,7 @@ fn land(situation: &Situation) -> Plan {
     let plan = Plan::single(
         "land",
         Class::Flight,
-        Step {
+        PlanStep {
             command,
             goal: Goal::Mode(FlightMode::Land),
         },

@@ -5,7 +5,7 @@
 use crate::rate::Rate;
 use crate::stamp::Stamps;
 use crate::swarm::Swarm;
-use crate::vehicle::Vehicle;
+use crate::vehicle::Ros2Vehicle;
 use crate::{Ros2Error, names};
 use ros2_client::Context;
 use skein_dds::Place;
@@ -67,7 +67,7 @@ struct Speaker<'a> {
     node: &'a NodeHandle,
     runtime: &'a tokio::runtime::Handle,
     // Before the context: nodes go before it does.
-    vehicles: BTreeMap<VehicleId, Vehicle>,
+    vehicles: BTreeMap<VehicleId, Ros2Vehicle>,
     swarm: Swarm,
     context: Context,
     names: names::Names,
@@ -158,7 +158,7 @@ impl Speaker<'_> {
         };
         self.next_vehicle = now + NEXT_VEHICLE_AFTER;
         let name = self.names.of(newcomer.id, &newcomer.name);
-        let vehicle = Vehicle::new(
+        let vehicle = Ros2Vehicle::new(
             &self.context,
             self.node,
             self.runtime,

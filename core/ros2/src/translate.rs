@@ -287,9 +287,9 @@ pub fn health(vehicle: &VehicleSnapshot, name: &str, more: Vec<(&str, String)>) 
         (Level::Stale, format!("not heard for {:.1} s", vehicle.age_s))
     } else if vehicle.stopped {
         (Level::Error, "stopped in an emergency".to_owned())
-    } else if let Some(order) = vehicle.ladder.as_ref().and_then(|ladder| ladder.order.as_ref()) {
+    } else if let Some(order) = vehicle.failsafe.as_ref().and_then(|failsafe| failsafe.order.as_ref()) {
         (Level::Error, format!("under orders: {}", json(order)))
-    } else if vehicle.ladder.is_some() || !vehicle.degraded.is_empty() {
+    } else if vehicle.failsafe.is_some() || !vehicle.degraded.is_empty() {
         (Level::Warn, vehicle.degraded.join("; "))
     } else {
         (Level::Ok, vehicle.flight_state.word())
@@ -305,8 +305,8 @@ pub fn health(vehicle: &VehicleSnapshot, name: &str, more: Vec<(&str, String)>) 
     if let Some(round_trip_s) = vehicle.link.round_trip_s {
         values.push(("round_trip_s", number(f64::from(round_trip_s))));
     }
-    if let Some(ladder) = &vehicle.ladder {
-        values.push(("alarms", json(&ladder.alarms)));
+    if let Some(failsafe) = &vehicle.failsafe {
+        values.push(("alarms", json(&failsafe.alarms)));
     }
     values.extend(more);
     DiagnosticStatus {

@@ -49,7 +49,7 @@ struct Detector {
 }
 
 /// One vehicle. Its tasks end with it.
-pub struct Vehicle {
+pub struct Ros2Vehicle {
     // Before the node: its tasks hold servers of it.
     _tasks: Tasks,
     id: VehicleId,
@@ -67,7 +67,7 @@ pub struct Vehicle {
     place: Place,
 }
 
-impl Vehicle {
+impl Ros2Vehicle {
     /// A node for a vehicle of this name.
     ///
     /// # Errors

@@ -32,10 +32,10 @@ pub fn own_items(plugin: &str, items: Vec<PreflightItem>) -> Vec<PreflightItem> 
 ///
 /// # Errors
 /// [`Refusal::Preflight`] with the red items.
-pub fn may_arm(shared: &SharedState, cell: &VehicleRecord) -> Result<(), Refusal> {
+pub fn may_arm(shared: &SharedState, record: &VehicleRecord) -> Result<(), Refusal> {
     let now = shared.now();
     let overrides = shared.overrides.lock().clone();
-    let reports = [vehicle_report(shared, cell, now), swarm_report(shared, now)];
+    let reports = [vehicle_report(shared, record, now), swarm_report(shared, now)];
     for report in &reports {
         preflight::may_arm(report, &overrides, now)?;
     }
@@ -45,46 +45,46 @@ pub fn may_arm(shared: &SharedState, cell: &VehicleRecord) -> Result<(), Refusal
     {
         let text = format!(
             "{}: armed although red: {} ({}, overridden by {})",
-            cell.name,
+            record.name,
             used.items.join(", "),
             used.reason,
             used.operator
         );
         shared
             .events
-            .record(now, Some(cell.id), Severity::Warning, EventKind::Preflight, text);
+            .record(now, Some(record.id), Severity::Warning, EventKind::Preflight, text);
     }
     Ok(())
 }
 
-pub(crate) fn vehicle_report(shared: &SharedState, cell: &VehicleRecord, now: NodeTime) -> PreflightReport {
+pub(crate) fn vehicle_report(shared: &SharedState, record: &VehicleRecord, now: NodeTime) -> PreflightReport {
     let peers = shared.peers.load();
     let settings = &shared.config.safety.preflight;
-    let Some(entry) = peers.entry(cell.id) else {
+    let Some(entry) = peers.entry(record.id) else {
         return PreflightReport {
-            vehicle: Some(cell.id),
+            vehicle: Some(record.id),
             made_at: now,
             ..PreflightReport::default()
         };
     };
-    let mut report = preflight::vehicle_report(&checks(shared, cell, entry, now), settings, now);
-    report.items.extend(cell.state.lock().preflight.iter().cloned());
-    for payload in cell.payloads() {
+    let mut report = preflight::vehicle_report(&checks(shared, record, entry, now), settings, now);
+    report.items.extend(record.state.lock().preflight.iter().cloned());
+    for payload in record.payloads() {
         report.items.extend(payload.state.lock().preflight.iter().cloned());
     }
     report.finished()
 }
 
-fn checks(shared: &SharedState, cell: &VehicleRecord, entry: &PeerEntry, now: NodeTime) -> VehicleChecks {
+fn checks(shared: &SharedState, record: &VehicleRecord, entry: &PeerEntry, now: NodeTime) -> VehicleChecks {
     let gate = shared.gate();
     let fences = gate.fences();
     let position = entry.kinematics.map(|k| k.position);
     let running = |status: ActorStatus| status == ActorStatus::Running;
-    let model = cell.model.health.lock().clone();
-    // Each lock is let go before the next is taken: within one expression all would be held to its end, and the watch over the vehicle
+    let model = record.model.health.lock().clone();
+    // Each lock is let go before the next is taken: within one expression all would be held to its end, and the monitor over the vehicle
     // takes these two the other way round.
-    let alarms = cell.watch.lock().would_act(&shared.config.safety.ladder);
-    let limits_known = cell.state.lock().limits.is_some();
+    let alarms = record.failsafe.lock().would_act(&shared.config.safety.failsafe);
+    let limits_known = record.state.lock().limits.is_some();
     VehicleChecks {
         // The ground is wherever it is: only the outline counts there.
         inside_fence: position.map(|at| fences.landing(&at).is_ok()),
@@ -93,7 +93,7 @@ fn checks(shared: &SharedState, cell: &VehicleRecord, entry: &PeerEntry, now: No
             running: running(model.status),
             name: model.plugin,
         }),
-        payloads: cell
+        payloads: record
             .payloads()
             .iter()
             .map(|payload| NamedRunning {
@@ -102,18 +102,18 @@ fn checks(shared: &SharedState, cell: &VehicleRecord, entry: &PeerEntry, now: No
             })
             .collect(),
         limits_known: Some(limits_known),
-        system_id: system_id_use(shared, cell),
+        system_id: system_id_use(shared, record),
         alarms: Some(alarms),
-        ..VehicleChecks::observed(cell.id, &entry.telemetry, &entry.link, now)
+        ..VehicleChecks::observed(record.id, &entry.telemetry, &entry.link, now)
     }
 }
 
-fn system_id_use(shared: &SharedState, cell: &VehicleRecord) -> SystemIdUse {
-    if cell.link.load().0.is_shared() {
+fn system_id_use(shared: &SharedState, record: &VehicleRecord) -> SystemIdUse {
+    if record.link.load().0.is_shared() {
         return SystemIdUse::Shared;
     }
     let others = shared.unadopted.lock();
-    if others.iter().any(|other| other.system_id == cell.system_id) {
+    if others.iter().any(|other| other.system_id == record.system_id) {
         SystemIdUse::Elsewhere
     } else {
         SystemIdUse::Alone
@@ -129,9 +129,9 @@ pub(crate) fn swarm_report(shared: &SharedState, now: NodeTime) -> PreflightRepo
     let home_is_outside = |home: &PositionNed| fences.landing(home).is_err();
     let coordinator_age_s = now.seconds_since(shared.coordinator_seen());
     let capable = shared
-        .cells()
+        .records()
         .iter()
-        .filter(|cell| cell.state.lock().capability.is_some_and(|c| c.capable))
+        .filter(|record| record.state.lock().capability.is_some_and(|c| c.capable))
         .count();
     let checks = SwarmChecks {
         frame_known: shared.frame().is_some(),

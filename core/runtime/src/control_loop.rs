@@ -82,11 +82,11 @@ impl Actor for ControlLoop {
 /// One control period of the node.
 fn tick(shared: &SharedState) {
     let now = shared.now();
-    let cells = shared.cells();
-    let mut entries = Vec::with_capacity(cells.len());
-    for cell in &cells {
-        let (mut telemetry, link) = cell.link.load().0.read(now);
-        telemetry.simulated |= cell.simulated;
+    let records = shared.records();
+    let mut entries = Vec::with_capacity(records.len());
+    for record in &records {
+        let (mut telemetry, link) = record.link.load().0.read(now);
+        telemetry.simulated |= record.simulated;
         if shared.frame().is_none()
             && shared.may_fix_frame(now)
             && let Some(place) = shared.resume.origin().or(telemetry.home).or(telemetry.global)
@@ -95,23 +95,23 @@ fn tick(shared: &SharedState) {
         {
             let text = format!(
                 "swarm frame fixed at {:.7}, {:.7}, {:.1} m AMSL, the place of {}",
-                place.latitude_deg, place.longitude_deg, place.altitude_amsl_m, cell.name
+                place.latitude_deg, place.longitude_deg, place.altitude_amsl_m, record.name
             );
             shared
                 .events
-                .record(now, Some(cell.id), Severity::Info, EventKind::Notice, text);
+                .record(now, Some(record.id), Severity::Info, EventKind::Notice, text);
         }
         let frame = shared.frame();
         let (flight_state, anchor, limits) = {
-            let published = cell.state.lock();
+            let published = record.state.lock();
             (published.flight_state, published.anchor, published.limits)
         };
         let (under_order, may_rejoin, energy) = {
-            let watch = cell.watch.lock();
-            (watch.is_under_order(), watch.may_rejoin(), watch.energy())
+            let monitor = record.failsafe.lock();
+            (monitor.is_under_order(), monitor.may_rejoin(), monitor.energy())
         };
         entries.push(PeerEntry {
-            id: cell.id,
+            id: record.id,
             kinematics: frame.as_ref().and_then(|f| kinematics(f, &telemetry)),
             airborne: airborne(&telemetry),
             home: frame.zip(telemetry.home).map(|(f, home)| f.position(&home)),
@@ -127,15 +127,17 @@ fn tick(shared: &SharedState) {
     }
     add_others(shared, &mut entries, now);
     publish(shared, entries, now);
-    for cell in &cells {
-        let Some(actor) = cell.actor.load_full() else { continue };
-        if !cell.tick_waiting.swap(true, Ordering::AcqRel) && actor.cast(VehicleMessage::Tick).is_err() {
+    for record in &records {
+        let Some(actor) = record.actor.load_full() else {
+            continue;
+        };
+        if !record.tick_waiting.swap(true, Ordering::AcqRel) && actor.cast(VehicleMessage::Tick).is_err() {
             // The actor has ended; its next incarnation clears the mark.
-            cell.tick_waiting.store(false, Ordering::Release);
+            record.tick_waiting.store(false, Ordering::Release);
         }
     }
-    for cell in &cells {
-        for payload in cell.payloads.read().values() {
+    for record in &records {
+        for payload in record.payloads.read().values() {
             wake(payload, now);
         }
     }

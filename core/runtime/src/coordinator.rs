@@ -4,7 +4,7 @@
 //! Bound: one plan to regroup is made at a time; reviews that come meanwhile do not ask for another. Must never do: wait for a vehicle,
 //! or for a plan.
 
-mod office;
+mod leadership;
 mod planning;
 mod relief;
 mod trajectories;
@@ -83,7 +83,7 @@ pub struct CoordinatorState {
     /// Its node heard no other one when it was last looked.
     cut_off: bool,
     /// Whom its node succeeded, until it has looked who else is missed.
-    bereaved: Option<office::Bereaved>,
+    lost_leader: Option<leadership::LostLeader>,
 }
 
 impl Actor for Coordinator {
@@ -112,7 +112,7 @@ impl Actor for Coordinator {
             told_cannot: None,
             term: None,
             cut_off: false,
-            bereaved: None,
+            lost_leader: None,
         })
     }
 
@@ -201,9 +201,9 @@ impl CoordinatorState {
             .formation
             .as_ref()
             .and_then(|f| f.leader);
-        for cell in self.shared.cells() {
-            if Some(cell.id) != leader {
-                cell.state.lock().anchor = None;
+        for record in self.shared.records() {
+            if Some(record.id) != leader {
+                record.state.lock().anchor = None;
             }
         }
         if let Some(swarm) = &self.shared.swarm {
@@ -253,8 +253,8 @@ impl CoordinatorState {
             .lock()
             .set_route(route, &peers, &limits, &gate)?;
         let slower = fitted.speed_m_s < asked_m_s;
-        for cell in self.shared.cells() {
-            cell.state.lock().route_finished = None;
+        for record in self.shared.records() {
+            record.state.lock().route_finished = None;
         }
         self.publish();
         let text = if slower {
@@ -273,7 +273,7 @@ impl CoordinatorState {
     /// members where they keep it by themselves.
     fn watch(&mut self) {
         let now = self.shared.now();
-        if !self.is_in_office() {
+        if !self.is_leading() {
             return;
         }
         self.shared.see_coordinator();

@@ -8,7 +8,7 @@ mod probation;
 
 pub use payloads::{payload_cell, payload_kind};
 
-use crate::vehicle::{Vehicle, VehicleArguments};
+use crate::vehicle::{VehicleActor, VehicleArguments};
 use payloads::{PayloadKey, SupervisedPayload};
 use probation::Probation;
 use ractor::{Actor, ActorId, ActorProcessingErr, ActorRef, RpcReplyPort, SupervisionEvent};
@@ -49,7 +49,7 @@ pub enum FleetMessage {
 
 /// Whose actor a child is.
 enum Child {
-    Vehicle(VehicleId),
+    VehicleActor(VehicleId),
     Payload(PayloadKey),
 }
 
@@ -98,17 +98,17 @@ impl Actor for Fleet {
             probation: Probation::default(),
         };
         // After a restart of the fleet itself, its vehicles are in the shared state.
-        for cell in state.shared.cells() {
-            let incarnation = cell.state.lock().actor.incarnation;
+        for record in state.shared.records() {
+            let incarnation = record.state.lock().actor.incarnation;
             state.records.insert(
-                cell.id,
+                record.id,
                 Record {
                     incarnation,
                     ..Record::default()
                 },
             );
-            state.start(&myself, cell.clone()).await;
-            state.start_payloads(&myself, &cell).await;
+            state.start(&myself, record.clone()).await;
+            state.start_payloads(&myself, &record).await;
         }
         Ok(state)
     }
@@ -124,8 +124,8 @@ impl Actor for Fleet {
             FleetMessage::Trouble(trouble) => state.not_adopted(trouble),
             FleetMessage::LookAtNewcomers => state.look_at_newcomers(&myself).await,
             FleetMessage::Restart(id) => {
-                if let Some(cell) = state.shared.cell(id) {
-                    state.start(&myself, cell).await;
+                if let Some(record) = state.shared.record(id) {
+                    state.start(&myself, record).await;
                 }
             }
             FleetMessage::RestartPayload(key) => state.start_payload(&myself, key).await,
@@ -146,13 +146,13 @@ impl Actor for Fleet {
         event: SupervisionEvent,
         state: &mut FleetState,
     ) -> Result<(), ActorProcessingErr> {
-        let (cell, error) = match event {
-            SupervisionEvent::ActorFailed(cell, error) => (cell, error.to_string()),
-            SupervisionEvent::ActorTerminated(cell, _, reason) => (cell, reason.unwrap_or_else(|| "ended".into())),
+        let (record, error) = match event {
+            SupervisionEvent::ActorFailed(record, error) => (record, error.to_string()),
+            SupervisionEvent::ActorTerminated(record, _, reason) => (record, reason.unwrap_or_else(|| "ended".into())),
             _ => return Ok(()),
         };
-        match state.children.remove(&cell.get_id()) {
-            Some(Child::Vehicle(id)) => state.ended(&myself, id, &error).await,
+        match state.children.remove(&record.get_id()) {
+            Some(Child::VehicleActor(id)) => state.ended(&myself, id, &error).await,
             Some(Child::Payload(key)) => state.payload_ended(&myself, key, &error),
             None => {}
         }
@@ -195,7 +195,7 @@ impl FleetState {
                 .before()
                 .is_some_and(|flown| flown.vehicles.contains_key(&id))
         };
-        let known = self.shared.cell(id).is_some() || flown_before();
+        let known = self.shared.record(id).is_some() || flown_before();
         let now = if known {
             Some(discovery)
         } else {
@@ -222,7 +222,7 @@ impl FleetState {
         let (endpoint, system_id) = (&discovery.endpoint, discovery.system_id);
         let id = vehicle_id(discovery, rule);
         let now = self.shared.now();
-        if let Some(known) = self.shared.cell(id) {
+        if let Some(known) = self.shared.record(id) {
             return self.heard_again(&known, discovery);
         }
         let plugin = self
@@ -236,26 +236,26 @@ impl FleetState {
             .replace("{system_id}", &system_id.to_string())
             .replace("{vehicle_id}", &id.to_string());
         let link = self.link_of(id, discovery, rule);
-        let cell = self.new_cell(id, name, link, plugin, rule)?;
+        let record = self.new_cell(id, name, link, plugin, rule)?;
         self.shared
             .unadopted
             .lock()
             .retain(|u| u.system_id != system_id || u.endpoint != *endpoint);
         let text = format!(
             "{} adopted: system id {system_id} on {endpoint}, model {}",
-            cell.name, rule.model
+            record.name, rule.model
         );
         self.shared
             .events
             .record(now, Some(id), Severity::Info, EventKind::Adopted, text);
-        self.shared.insert_cell(cell.clone());
+        self.shared.insert_cell(record.clone());
         // Heard before it was ours, it would be kept away from as a stranger in its own place.
         self.shared
             .sightings
             .forget(&skein_link_mavlink::sighting::source_of(system_id.0));
         self.records.insert(id, Record::default());
-        self.start(myself, cell.clone()).await;
-        self.start_payloads(myself, &cell).await;
+        self.start(myself, record.clone()).await;
+        self.start_payloads(myself, &record).await;
         Ok(())
     }
 
@@ -316,7 +316,7 @@ impl FleetState {
             system_id,
         };
         let life = PluginRecord::new(identity, plugin, rule.model_config_json(), rule.model_isolation);
-        let cell = Arc::new(VehicleRecord::new(
+        let record = Arc::new(VehicleRecord::new(
             id,
             name,
             system_id,
@@ -325,10 +325,10 @@ impl FleetState {
             link,
         ));
         for payload in &rule.payloads {
-            let payload = payload_cell(&self.shared, &cell, payload).map_err(|refusal| refusal.to_string())?;
-            cell.payloads.write().insert(payload.name.clone(), Arc::new(payload));
+            let payload = payload_cell(&self.shared, &record, payload).map_err(|refusal| refusal.to_string())?;
+            record.payloads.write().insert(payload.name.clone(), Arc::new(payload));
         }
-        Ok(cell)
+        Ok(record)
     }
 
     fn not_adopted(&mut self, trouble: UnadoptedVehicle) {
@@ -345,27 +345,27 @@ impl FleetState {
     }
 
     /// Starts the next incarnation of a vehicle's actor. Its `pre_start` only takes what lies ready, so that nothing is waited for.
-    async fn start(&mut self, myself: &ActorRef<FleetMessage>, cell: Arc<VehicleRecord>) {
-        let id = cell.id;
+    async fn start(&mut self, myself: &ActorRef<FleetMessage>, record: Arc<VehicleRecord>) {
+        let id = record.id;
         let record = self.records.entry(id).or_default();
         record.incarnation = record.incarnation.next();
         let arguments = VehicleArguments {
             shared: self.shared.clone(),
-            cell,
+            record,
             incarnation: record.incarnation,
         };
-        match Vehicle::spawn_linked(None, Vehicle, arguments, myself.get_cell()).await {
+        match VehicleActor::spawn_linked(None, VehicleActor, arguments, myself.get_cell()).await {
             Ok((actor, _)) => {
-                self.children.insert(actor.get_id(), Child::Vehicle(id));
+                self.children.insert(actor.get_id(), Child::VehicleActor(id));
             }
             Err(error) => self.ended(myself, id, &error.to_string()).await,
         }
     }
 
     async fn ended(&mut self, myself: &ActorRef<FleetMessage>, id: VehicleId, error: &str) {
-        let Some(cell) = self.shared.cell(id) else { return };
+        let Some(record) = self.shared.record(id) else { return };
         let now = self.shared.now();
-        cell.actor.store(None);
+        record.actor.store(None);
         let record = self.records.entry(id).or_default();
         let decision = record
             .history
@@ -375,7 +375,7 @@ impl FleetState {
             Decision::GiveUp => ActorStatus::GivenUp,
         };
         {
-            let mut published = cell.state.lock();
+            let mut published = record.state.lock();
             published.actor.status = status;
             published.actor.last_error = error.to_owned();
             published.actor.since = now;
@@ -386,36 +386,36 @@ impl FleetState {
         };
         match decision {
             Decision::RestartAfter(delay_s) => {
-                let text = format!("{}: actor ended ({error}); restarting", cell.name);
+                let text = format!("{}: actor ended ({error}); restarting", record.name);
                 self.shared.events.record(now, Some(id), Severity::Warning, kind, text);
                 // Through the mailbox even without a delay, so that one crashing vehicle cannot keep the fleet in this loop.
                 myself.send_after(Duration::from_secs_f64(delay_s), move || FleetMessage::Restart(id));
             }
             Decision::GiveUp => {
-                let text = format!("{}: actor failed too often ({error}); its autopilot holds", cell.name);
+                let text = format!("{}: actor failed too often ({error}); its autopilot holds", record.name);
                 self.shared.events.record(now, Some(id), Severity::Critical, kind, text);
-                give_up(&self.shared, &cell);
+                give_up(&self.shared, &record);
             }
         }
     }
 }
 
 /// Nobody steers the vehicle any more: its autopilot is told to hold by itself.
-fn give_up(shared: &SharedState, cell: &VehicleRecord) {
+fn give_up(shared: &SharedState, record: &VehicleRecord) {
     let now = shared.now();
     if shared
         .peers
         .load()
-        .entry(cell.id)
+        .entry(record.id)
         .is_some_and(|e| e.telemetry.mode == FlightMode::Offboard && e.airborne)
     {
-        cell.link.load().0.request(
+        record.link.load().0.request(
             now,
             RequestId(u32::MAX),
             AutopilotCommand::SetMode { mode: FlightMode::Hold },
         );
     }
-    let mut published = cell.state.lock();
+    let mut published = record.state.lock();
     published.flight_state = FlightState::Faulted;
     published.detail = "its actor failed too often; the autopilot holds".into();
     published.since = now;

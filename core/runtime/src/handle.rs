@@ -278,8 +278,8 @@ impl NodeHandle {
             .events
             .record(self.now(), None, Severity::Advisory, EventKind::Notice, text);
         let actor_of = |vehicle: VehicleId| {
-            let cell = self.shared.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
-            cell.actor.load_full().ok_or(Refusal::NotRunning {
+            let record = self.shared.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+            record.actor.load_full().ok_or(Refusal::NotRunning {
                 what: format!("actor of vehicle {vehicle}"),
             })
         };

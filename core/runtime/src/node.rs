@@ -222,12 +222,12 @@ impl Actor for NodeActor {
         event: SupervisionEvent,
         state: &mut NodeState,
     ) -> Result<(), ActorProcessingErr> {
-        let (cell, error): (ActorCell, String) = match event {
-            SupervisionEvent::ActorFailed(cell, error) => (cell, error.to_string()),
-            SupervisionEvent::ActorTerminated(cell, _, reason) => (cell, reason.unwrap_or_else(|| "ended".into())),
+        let (record, error): (ActorCell, String) = match event {
+            SupervisionEvent::ActorFailed(record, error) => (record, error.to_string()),
+            SupervisionEvent::ActorTerminated(record, _, reason) => (record, reason.unwrap_or_else(|| "ended".into())),
             _ => return Ok(()),
         };
-        if let Some(part) = state.children.remove(&cell.get_id()) {
+        if let Some(part) = state.children.remove(&record.get_id()) {
             state.ended(&myself, part, &error);
         }
         Ok(())

@@ -100,15 +100,15 @@ fn vehicles(
     now: NodeTime,
 ) -> Vec<VehicleSnapshot> {
     let node = shared.swarm.as_ref().map(|swarm| swarm.role.load().node);
-    let cells = shared.cells();
-    let mut all: Vec<VehicleSnapshot> = cells
+    let records = shared.records();
+    let mut all: Vec<VehicleSnapshot> = records
         .iter()
-        .filter_map(|cell| picture::vehicle(shared, cell, peers, leader, now))
+        .filter_map(|record| picture::vehicle(shared, record, peers, leader, now))
         .map(|vehicle| VehicleSnapshot { node, ..vehicle })
         .collect();
     if let Some(swarm) = &shared.swarm {
         let remote = swarm.vehicles.read();
-        let others = remote.iter().filter(|(id, _)| shared.cell(**id).is_none());
+        let others = remote.iter().filter(|(id, _)| shared.record(**id).is_none());
         all.extend(others.filter_map(|(id, remote)| remote.snapshot(peers.entry(*id)?, leader, now)));
         all.sort_by_key(|vehicle| vehicle.id);
     }

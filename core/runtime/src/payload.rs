@@ -32,7 +32,7 @@ pub struct Payload;
 pub struct PayloadArguments {
     pub shared: Arc<SharedState>,
     pub vehicle: Arc<VehicleRecord>,
-    pub cell: Arc<PayloadRecord>,
+    pub record: Arc<PayloadRecord>,
     pub incarnation: Incarnation,
 }
 
@@ -40,7 +40,7 @@ pub struct PayloadArguments {
 pub struct PayloadState {
     shared: Arc<SharedState>,
     vehicle: Arc<VehicleRecord>,
-    cell: Arc<PayloadRecord>,
+    record: Arc<PayloadRecord>,
     life: PluginLife,
     /// The tap, and the link it listens on.
     tap: Option<(Arc<Tap>, Arc<LinkSlot>)>,
@@ -73,25 +73,25 @@ impl Actor for Payload {
         let PayloadArguments {
             shared,
             vehicle,
-            cell,
+            record,
             incarnation,
         } = arguments;
         {
-            let mut published = cell.state.lock();
+            let mut published = record.state.lock();
             published.actor = ActorHealth {
-                name: cell.life.health.lock().name.clone(),
+                name: record.life.health.lock().name.clone(),
                 status: ActorStatus::Running,
                 incarnation,
                 last_error: std::mem::take(&mut published.actor.last_error),
                 since: shared.now(),
             };
         }
-        cell.tick_waiting.store(false, Ordering::Release);
-        cell.actor.store(Some(Arc::new(myself)));
+        record.tick_waiting.store(false, Ordering::Release);
+        record.actor.store(Some(Arc::new(myself)));
         Ok(PayloadState {
-            life: PluginLife::new(shared.clone(), cell.life.clone(), &PAYLOAD_LIMITS),
+            life: PluginLife::new(shared.clone(), record.life.clone(), &PAYLOAD_LIMITS),
             tap: None,
-            transport: cell.transport.clone().map(Transport::open),
+            transport: record.transport.clone().map(Transport::open),
             waiting: Vec::new(),
             seen: BTreeMap::new(),
             seen_frames: BTreeMap::new(),
@@ -101,7 +101,7 @@ impl Actor for Payload {
             tracks: Arc::default(),
             shared,
             vehicle,
-            cell,
+            record,
         })
     }
 
@@ -113,7 +113,7 @@ impl Actor for Payload {
     ) -> Result<(), ActorProcessingErr> {
         match message {
             PayloadMessage::Tick => {
-                state.cell.tick_waiting.store(false, Ordering::Release);
+                state.record.tick_waiting.store(false, Ordering::Release);
                 state.period(true).await;
             }
             PayloadMessage::Command {
@@ -135,7 +135,7 @@ impl Actor for Payload {
             }
             // Without its state if it was given up: it failed with that often enough.
             PayloadMessage::Reset => {
-                let fresh = state.cell.life.health.lock().status == ActorStatus::GivenUp;
+                let fresh = state.record.life.health.lock().status == ActorStatus::GivenUp;
                 state.life.reset(fresh);
                 state.refuse_lost();
             }
@@ -174,14 +174,14 @@ impl PayloadState {
     }
 
     async fn try_command(&mut self, id: CommandId, command_json: String) -> Result<(), Refusal> {
-        let plugin = self.cell.life.plugin.load_full();
+        let plugin = self.record.life.plugin.load_full();
         plugin
             .manifest()
             .check_command(&command_json)
             .map_err(|e| Refusal::InvalidValue { detail: e.to_string() })?;
         if !self.ensure().await {
             return Err(Refusal::NotRunning {
-                what: format!("payload {} of vehicle {}", self.cell.name, self.vehicle.id),
+                what: format!("payload {} of vehicle {}", self.record.name, self.vehicle.id),
             });
         }
         self.waiting.push(Event::PayloadCommand { id, command_json });
@@ -229,7 +229,7 @@ impl PayloadState {
     fn refuse_lost(&mut self) {
         for id in self.life.take_lost() {
             let refusal = Refusal::NotRunning {
-                what: format!("payload {} of vehicle {}", self.cell.name, self.vehicle.id),
+                what: format!("payload {} of vehicle {}", self.record.name, self.vehicle.id),
             };
             self.progress(id, CommandProgress::Refused { refusal });
         }
@@ -237,7 +237,7 @@ impl PayloadState {
 
     /// What was reported is not true any more.
     fn withdraw_report(&self) {
-        let mut published = self.cell.state.lock();
+        let mut published = self.record.state.lock();
         if published.report.take().is_some() {
             published.revision += 1;
         }
@@ -246,14 +246,14 @@ impl PayloadState {
     /// The plugin failed too often.
     fn escalate(&self, why: &str) {
         self.withdraw_report();
-        escalate(&self.shared, &self.vehicle, &self.cell, why);
+        escalate(&self.shared, &self.vehicle, &self.record, why);
     }
 }
 
 /// A payload failed too often, plugin or actor: its vehicle is degraded, and does what the configuration says.
-pub fn escalate(shared: &SharedState, vehicle: &VehicleRecord, cell: &PayloadRecord, why: &str) {
-    let name = &cell.name;
-    let (severity, what, command) = match cell.rule.on_failure {
+pub fn escalate(shared: &SharedState, vehicle: &VehicleRecord, record: &PayloadRecord, why: &str) {
+    let name = &record.name;
+    let (severity, what, command) = match record.rule.on_failure {
         Escalation::Degrade => (Severity::Warning, "flies on without it", None),
         Escalation::Hold => (Severity::Critical, "holds", Some(VehicleCommand::Hold)),
         Escalation::Return => (Severity::Critical, "returns", Some(VehicleCommand::Return)),

@@ -5,13 +5,13 @@
 //! are few and never dropped. Must never do: wait for another actor, or for the vehicle.
 
 mod effects;
+mod failsafe;
 mod itinerary;
 mod model;
 mod parameters;
 mod period;
 mod route;
 mod taking_back;
-mod watch;
 
 pub(crate) use parameters::words as parameter_words;
 
@@ -30,19 +30,19 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 /// The actor; all of its state is in [`VehicleState`].
-pub struct Vehicle;
+pub struct VehicleActor;
 
 /// What an incarnation is started with.
 pub struct VehicleArguments {
     pub shared: Arc<SharedState>,
-    pub cell: Arc<VehicleRecord>,
+    pub record: Arc<VehicleRecord>,
     pub incarnation: Incarnation,
 }
 
 /// State of one incarnation.
 pub struct VehicleState {
     shared: Arc<SharedState>,
-    cell: Arc<VehicleRecord>,
+    record: Arc<VehicleRecord>,
     model: Model,
     /// Events for the next batch that did not come from link or intent.
     waiting: Vec<Event>,
@@ -64,7 +64,7 @@ pub struct VehicleState {
     told_change: Option<((String, bool), NodeTime)>,
 }
 
-impl Actor for Vehicle {
+impl Actor for VehicleActor {
     type Msg = VehicleMessage;
     type State = VehicleState;
     type Arguments = VehicleArguments;
@@ -76,26 +76,26 @@ impl Actor for Vehicle {
     ) -> Result<Self::State, ActorProcessingErr> {
         let VehicleArguments {
             shared,
-            cell,
+            record,
             incarnation,
         } = arguments;
         let now = shared.now();
         {
-            let mut published = cell.state.lock();
+            let mut published = record.state.lock();
             published.actor = ActorHealth {
-                name: format!("vehicle-{}", cell.id),
+                name: format!("vehicle-{}", record.id),
                 status: ActorStatus::Running,
                 incarnation,
                 last_error: std::mem::take(&mut published.actor.last_error),
                 since: now,
             };
         }
-        cell.tick_waiting.store(false, Ordering::Release);
-        cell.actor.store(Some(Arc::new(myself)));
+        record.tick_waiting.store(false, Ordering::Release);
+        record.actor.store(Some(Arc::new(myself)));
         Ok(VehicleState {
-            model: Model::new(PluginLife::new(shared.clone(), cell.model.clone(), &VEHICLE_LIMITS)),
+            model: Model::new(PluginLife::new(shared.clone(), record.model.clone(), &VEHICLE_LIMITS)),
             shared,
-            cell,
+            record,
             waiting: Vec::new(),
             task_version: 0,
             writes: Writes::default(),
@@ -116,7 +116,7 @@ impl Actor for Vehicle {
     ) -> Result<(), ActorProcessingErr> {
         match message {
             VehicleMessage::Tick => {
-                state.cell.tick_waiting.store(false, Ordering::Release);
+                state.record.tick_waiting.store(false, Ordering::Release);
                 state.period().await;
             }
             VehicleMessage::Command {
@@ -127,7 +127,7 @@ impl Actor for Vehicle {
                 reply,
             } => {
                 let by_operator = reply.is_some();
-                if by_operator && state.shared.resume.commanded(state.cell.id) {
+                if by_operator && state.shared.resume.commanded(state.record.id) {
                     state.refused_at = None;
                 }
                 let refusal = match state.permitted(&command, by_operator) {
@@ -140,7 +140,7 @@ impl Actor for Vehicle {
                 // The asker may have given up waiting; the event log has the outcome all the same.
                 let _ = reply.map(|reply| {
                     reply.send(CommandReceipt {
-                        vehicle: state.cell.id,
+                        vehicle: state.record.id,
                         id,
                         refusal,
                     })
@@ -167,7 +167,7 @@ impl Actor for Vehicle {
             }
             // Without its state if it was given up: what it thought then is not what the autopilot has done since.
             VehicleMessage::Reset => {
-                let fresh = state.cell.model.health.lock().status == ActorStatus::GivenUp;
+                let fresh = state.record.model.health.lock().status == ActorStatus::GivenUp;
                 state.model.life.reset(fresh);
                 state.refuse_lost();
                 state.task_version = 0;
@@ -191,7 +191,7 @@ impl VehicleState {
             return Err(self.refuse(id, &command, refusal));
         }
         if matches!(command, VehicleCommand::Arm | VehicleCommand::TakeOff { .. }) {
-            self.cell.set_stopped(false);
+            self.record.set_stopped(false);
         }
         let (flown, flown_id) = match legs.pop_front() {
             Some(leg) => (leg, self.shared.next_command_id()),
@@ -220,7 +220,7 @@ impl VehicleState {
         }
         // Most of the time the model has said of the former leg that it is replaced; between two legs it had nothing to say.
         self.abandon_itinerary();
-        *self.cell.under_way.lock() = Some((id, command));
+        *self.record.under_way.lock() = Some((id, command));
         if flown_id != id {
             let returns = matches!(command, VehicleCommand::Return);
             self.record_progress(id, command.name(), &CommandProgress::Executing);
@@ -232,26 +232,26 @@ impl VehicleState {
     /// Who is flown by hand has left its formation, unless it leads it.
     fn begin_by_hand(&mut self, id: CommandId, asked: Incarnation) -> Result<(), Refusal> {
         let answered = self.model.life.is_running() && self.model.life.incarnation() == asked;
-        if answered && !self.cell.hand.lock().is_by(id) {
+        if answered && !self.record.hand.lock().is_by(id) {
             // A command that it has no word for is nothing to an older library.
             self.commands.remove(&id);
             return Err(Refusal::NotSupported {
-                detail: format!("the model of vehicle {} is not flown by hand", self.cell.id),
+                detail: format!("the model of vehicle {} is not flown by hand", self.record.id),
             });
         }
-        if self.cell.state.lock().flight_state != FlightState::Leading {
-            self.shared.withdraw(&self.cell);
+        if self.record.state.lock().flight_state != FlightState::Leading {
+            self.shared.withdraw(&self.record);
         }
         Ok(())
     }
 
-    /// What the ladder and the preflight report say to a command.
+    /// What the failsafe policy and the preflight report say to a command.
     fn permitted(&self, command: &VehicleCommand, by_operator: bool) -> Result<(), Refusal> {
         if by_operator {
-            self.ladder_permits(command)?;
+            self.failsafe_permits(command)?;
         }
         match command {
-            VehicleCommand::Arm | VehicleCommand::TakeOff { .. } => arming::may_arm(&self.shared, &self.cell),
+            VehicleCommand::Arm | VehicleCommand::TakeOff { .. } => arming::may_arm(&self.shared, &self.record),
             _ => Ok(()),
         }
     }
@@ -268,16 +268,18 @@ impl VehicleState {
     /// What can be said of a command before the model sees it.
     fn admit(&self, command: &VehicleCommand) -> Result<(), Refusal> {
         let peers = self.shared.peers.load();
-        let entry = peers.entry(self.cell.id);
+        let entry = peers.entry(self.record.id);
         if !entry.is_some_and(|e| e.link.connected) {
-            return Err(Refusal::LinkLost { vehicle: self.cell.id });
+            return Err(Refusal::LinkLost {
+                vehicle: self.record.id,
+            });
         }
         self.shared
             .gate()
             .command(command, entry.and_then(|e| e.home.as_ref()))?;
         if !self.model.life.is_running() {
             return Err(Refusal::NotRunning {
-                what: format!("model of vehicle {}", self.cell.id),
+                what: format!("model of vehicle {}", self.record.id),
             });
         }
         Ok(())
@@ -286,21 +288,21 @@ impl VehicleState {
     /// Writes a command's progress to the event log.
     fn record_progress(&self, id: CommandId, name: &str, progress: &CommandProgress) {
         if !matches!(progress, CommandProgress::Executing) {
-            self.cell.under_way.lock().take_if(|(under_way, _)| *under_way == id);
+            self.record.under_way.lock().take_if(|(under_way, _)| *under_way == id);
         }
         let words = name.replace('_', " ");
         let (severity, text) = match progress {
-            CommandProgress::Executing => (Severity::Info, format!("{}: {words} taken up", self.cell.name)),
-            CommandProgress::Done => (Severity::Info, format!("{}: {words} done", self.cell.name)),
+            CommandProgress::Executing => (Severity::Info, format!("{}: {words} taken up", self.record.name)),
+            CommandProgress::Done => (Severity::Info, format!("{}: {words} done", self.record.name)),
             CommandProgress::Refused {
                 refusal: Refusal::Superseded,
             } => (
                 Severity::Info,
-                format!("{}: {words} replaced by a newer command", self.cell.name),
+                format!("{}: {words} replaced by a newer command", self.record.name),
             ),
             CommandProgress::Refused { refusal } => (
                 Severity::Warning,
-                format!("{}: {words} refused: {refusal}", self.cell.name),
+                format!("{}: {words} refused: {refusal}", self.record.name),
             ),
         };
         let kind = EventKind::Command {
@@ -314,6 +316,6 @@ impl VehicleState {
     fn record(&self, severity: Severity, kind: EventKind, text: impl Into<String>) {
         self.shared
             .events
-            .record(self.shared.now(), Some(self.cell.id), severity, kind, text);
+            .record(self.shared.now(), Some(self.record.id), severity, kind, text);
     }
 }

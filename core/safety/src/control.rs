@@ -1,5 +1,5 @@
-//! Who may command which vehicle, where several people sit at several screens: a vehicle is in nobody's hands, and anybody may command it, or in
-//! those of one console. That one hands it over or lets go; one that is not heard any more can be relieved by whoever asks.
+//! Who may command which vehicle, where several people sit at several screens. Control authority over a vehicle is one console's, or nobody's:
+//! then anybody may command it. That console hands it over or releases it; one that is not heard any more can be relieved by whoever asks.
 //!
 //! Every node keeps a table, and tells the others. Each vehicle's entry counts its changes: of two entries the later change stands, and of
 //! two changes made at once that of the higher node, at all nodes alike.
@@ -50,7 +50,7 @@ impl Entry {
     }
 }
 
-/// Who has which vehicles in hand, as one node knows it.
+/// Who has control authority over which vehicles, as one node knows it.
 #[derive(Debug, Clone, Default)]
 pub struct ControlTable {
     node: u64,
@@ -65,7 +65,7 @@ struct Heard {
     here: bool,
 }
 
-/// Whether a command may come from anybody, whoever has the vehicle in hand: it stops, or ends a flight safely.
+/// Whether a command may come from anybody, whoever has control authority over the vehicle: it stops, or ends a flight safely.
 #[must_use]
 pub fn is_for_everybody(command: &VehicleCommand) -> bool {
     matches!(
@@ -75,7 +75,7 @@ pub fn is_for_everybody(command: &VehicleCommand) -> bool {
 }
 
 impl ControlTable {
-    /// Nobody has anything in hand.
+    /// Nobody has control authority.
     #[must_use]
     pub fn new(node: NodeId) -> Self {
         Self {
@@ -121,7 +121,7 @@ impl ControlTable {
         self.heard.insert(console.to_owned(), heard);
     }
 
-    /// Takes a vehicle in hand that nobody has, or whose holder is not heard any more. Who has it already may have another name since.
+    /// Takes control authority over a vehicle over which nobody has it, or whose holder is not heard any more. Who has it already may have another name since.
     ///
     /// # Errors
     /// Somebody has it.
@@ -176,7 +176,7 @@ impl ControlTable {
     /// Gives a vehicle that this console has to one that asks for it.
     ///
     /// # Errors
-    /// It is not in this console's hands, or the other does not ask for it.
+    /// It is not under this console's control, or the other does not ask for it.
     pub fn hand_over(&mut self, vehicle: VehicleId, from: &str, to: &str, now: NodeTime) -> Result<(), Refusal> {
         self.hear(from, now);
         if !self.holds(vehicle, from) {
@@ -195,10 +195,10 @@ impl ControlTable {
         Ok(())
     }
 
-    /// Lets a vehicle go: it is in nobody's hands, or in those of who asked first and is heard.
+    /// Releases a vehicle: nobody has control authority over it, or who asked first and is heard.
     ///
     /// # Errors
-    /// It is not in this console's hands.
+    /// It is not under this console's control.
     pub fn release(&mut self, vehicle: VehicleId, console: &str, now: NodeTime) -> Result<(), Refusal> {
         if !self.holds(vehicle, console) {
             return Err(not_yours(vehicle));
@@ -219,7 +219,7 @@ impl ControlTable {
     /// Whether a console (none: a program that says of itself nothing) may command a vehicle.
     ///
     /// # Errors
-    /// Another one has it in hand.
+    /// Another one has control authority over it.
     pub fn may(&self, vehicle: VehicleId, console: Option<&str>, now: NodeTime) -> Result<(), Refusal> {
         let Some(holder) = self.holder(vehicle) else {
             return Ok(());
@@ -227,7 +227,7 @@ impl ControlTable {
         if console == Some(holder.id.as_str()) || !self.is_present(&holder.id, now) {
             return Ok(());
         }
-        Err(Refusal::InOtherHands {
+        Err(Refusal::NoControlAuthority {
             vehicle,
             holder: holder.name.clone(),
         })
@@ -249,7 +249,7 @@ impl ControlTable {
         &self.entries
     }
 
-    /// Who has what in hand, by ascending vehicle.
+    /// Who has control authority over what, by ascending vehicle.
     #[must_use]
     pub fn picture(&self, now: NodeTime) -> Vec<VehicleControl> {
         let shown = |(vehicle, entry): (&VehicleId, &Entry)| {
@@ -266,7 +266,7 @@ impl ControlTable {
         self.entries.iter().filter_map(shown).collect()
     }
 
-    /// Who has a vehicle in hand, heard or not.
+    /// Who has control authority over a vehicle, heard or not.
     #[must_use]
     pub fn holder(&self, vehicle: VehicleId) -> Option<&Console> {
         self.entries.get(&vehicle)?.holder.as_ref().map(|(holder, _)| holder)
@@ -291,7 +291,7 @@ impl ControlTable {
 
 fn not_yours(vehicle: VehicleId) -> Refusal {
     Refusal::NotPermitted {
-        detail: format!("vehicle {vehicle} is not in this console's hands"),
+        detail: format!("vehicle {vehicle} is not under this console's control"),
     }
 }
 

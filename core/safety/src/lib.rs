@@ -7,19 +7,19 @@
 pub mod avoidance;
 pub mod control;
 pub mod energy;
+pub mod failsafe;
 mod fence;
 mod gate;
 pub mod gnss;
 mod half_space;
-pub mod ladder;
 pub mod parameter;
 mod payload;
 pub mod preflight;
 mod separation;
 pub mod wind;
 
+pub use failsafe::FailsafePolicy;
 pub use fence::{Approach, Breach, Clearance, Excess, Fence, FenceError, FencePlanError, Fences, Wall, Zone};
 pub use gate::{Gate, Limits, LimitsError, Steered, Steering};
 pub use half_space::HalfSpace;
-pub use ladder::Ladder;
 pub use separation::Peer;

@@ -7,7 +7,7 @@ use skein_domain::FlightMode;
 use skein_link_dds::definitions::{Release, Topic};
 use skein_link_dds::messages::incoming::{OffboardControlMode, TrajectorySetpoint, VehicleCommand};
 use skein_sim::topics::{
-    Answer, Asked, AskedCommand, AskedMode, AskedSetpoint, BatteryReport, GlobalReport, GnssReport, HomeReport,
+    Asked, AskedCommand, AskedMode, AskedSetpoint, BatteryReport, CommandAnswer, GlobalReport, GnssReport, HomeReport,
     LocalReport, Published, StatusReport, TimesyncReport,
 };
 
@@ -87,7 +87,7 @@ pub(crate) fn outgoing(published: &Published, release: Release) -> Option<(Topic
         Published::Gnss(report) => (Topic::Gnss, gnss(report)),
         Published::Home(report) => (Topic::Home, home(report)),
         Published::Timesync(report) => (Topic::Timesync, timesync(report)),
-        Published::Answer(answer) => (Topic::CommandAck, ack(answer)),
+        Published::CommandAnswer(answer) => (Topic::CommandAck, ack(answer)),
     })
 }
 
@@ -243,7 +243,7 @@ fn timesync(report: &TimesyncReport) -> Record {
     ])
 }
 
-fn ack(answer: &Answer) -> Record {
+fn ack(answer: &CommandAnswer) -> Record {
     stamped(answer.stamp_us).and([
         ("command", answer.command.into()),
         ("result", answer.result.into()),

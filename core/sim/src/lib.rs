@@ -2,7 +2,7 @@
 //!
 //! * [`Simulation`]: vehicles on their own thread, each with its own UDP ports. What a link meets.
 //! * [`Faces`]: a vehicle is reached over MAVLink, by its autopilot's [`topics`], or both. Who carries topics is given to the simulation.
-//! * [`vehicle::Vehicle`]: one vehicle without sockets or clock: bytes in, time steps in, frames out. Runs faster than real time.
+//! * [`vehicle::SimVehicle`]: one vehicle without sockets or clock: bytes in, time steps in, frames out. Runs faster than real time.
 //! * [`PayloadPlan`]: what each vehicle carries: a gimbal, a camera, a telemetry radio, each spoken to over the vehicle's own links.
 //! * [`scene`]: what a camera would see from anywhere, and where in the picture a place lies.
 //! * [`Fault`]: what can go wrong with a vehicle while it flies. [`Mover`]: others that tell of themselves, or are told of.

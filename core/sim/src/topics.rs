@@ -29,7 +29,7 @@ pub enum Published {
     /// Its clock and that of the world: once a second.
     Timesync(TimesyncReport),
     /// The answer to a command.
-    Answer(Answer),
+    CommandAnswer(CommandAnswer),
 }
 
 /// What the autopilot does.
@@ -183,7 +183,7 @@ pub struct TimesyncReport {
 
 /// The answer to a command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Answer {
+pub struct CommandAnswer {
     /// When.
     pub stamp_us: u64,
     /// Number of the command.

@@ -104,7 +104,7 @@ struct PendingCommand {
 
 /// One vehicle.
 #[derive(Debug, Clone)]
-pub struct Vehicle {
+pub struct SimVehicle {
     identity: VehicleIdentity,
     settings: SimSettings,
     swarm: SwarmFrame,
@@ -143,7 +143,7 @@ pub struct Vehicle {
     rng: ChaCha8Rng,
 }
 
-impl Vehicle {
+impl SimVehicle {
     /// Switches a vehicle on where it stands.
     #[must_use]
     pub fn new(identity: VehicleIdentity, settings: &SimSettings) -> Self {

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use skein_domain::payload::{MavlinkMessage, PayloadKind};
 use skein_domain::{FlightMode, PositionNed, SystemId};
 use skein_safety::{Gate, Limits};
-use skein_sim::vehicle::{LinkKind, Outbox, Vehicle, VehicleIdentity};
+use skein_sim::vehicle::{LinkKind, Outbox, SimVehicle, VehicleIdentity};
 use skein_sim::{NoiseSettings, PayloadPlan, SimSettings, VehicleTruth, WindSettings};
 
 const STEP_S: f64 = 0.008;
@@ -33,7 +33,7 @@ fn command(number: u16, component: u8, param: [f32; 7]) -> Vec<u8> {
 
 /// A vehicle in calm air that has taken off and holds its place.
 struct Flight {
-    vehicle: Vehicle,
+    vehicle: SimVehicle,
     out: Outbox,
 }
 
@@ -57,7 +57,7 @@ impl Flight {
             utc_at_zero_us: 0,
         };
         let mut flight = Self {
-            vehicle: Vehicle::new(identity, &settings),
+            vehicle: SimVehicle::new(identity, &settings),
             out: Outbox::default(),
         };
         flight.run(5.0);

@@ -93,8 +93,8 @@ pub enum Ask {
     Fences(Box<FencePlan>),
     /// The preflight reports of the asked node's vehicles.
     Preflight,
-    /// Take the office of coordinator.
-    TakeOffice,
+    /// Take the leadership.
+    TakeLeadership,
     /// A request to the API about something that the asked node has.
     Api(ApiRequest),
     /// How a vehicle of the asked node that is steered by hand is to move, and when that was told by the asker's clock.

@@ -5,12 +5,12 @@
 
 use skein_config::SafetySettings;
 use skein_domain::{
-    EnergyState, LadderEvent, LadderSettings, LadderState, NodeTime, Order, PositionNed, Reaction, Refusal,
+    EnergyState, FailsafeEvent, FailsafeSettings, FailsafeState, NodeTime, Order, PositionNed, Reaction, Refusal,
     VehicleCommand,
 };
-use skein_safety::Ladder;
+use skein_safety::FailsafePolicy;
 use skein_safety::energy::{EnergyEstimator, EnergySample, WayHome};
-use skein_safety::ladder::{Health, TakenUpBy};
+use skein_safety::failsafe::{Health, TakenUpBy};
 use skein_view::PeerEntry;
 
 /// Time between two looks in seconds.
@@ -25,7 +25,7 @@ const BATTERY_TOLD_S: f64 = 5.0;
 /// The monitor of one vehicle.
 #[derive(Debug, Default)]
 pub struct FailsafeMonitor {
-    ladder: Ladder,
+    policy: FailsafePolicy,
     estimator: EnergyEstimator,
     next: NodeTime,
     /// Where it began to hold, if it holds; a reference that is carried along with a drifting vehicle must not hide the drift.
@@ -55,24 +55,24 @@ impl FailsafeMonitor {
     /// Whether a reaction is in force that the coordinator cannot end.
     #[must_use]
     pub fn is_under_order(&self) -> bool {
-        self.ladder.order().is_some_and(|order| !is_over(order))
+        self.policy.order().is_some_and(|order| !is_over(order))
     }
 
     /// Alarms that stand now and would do more than warn in flight.
     #[must_use]
-    pub fn would_act(&self, settings: &LadderSettings) -> Vec<String> {
-        self.ladder.would_act(settings)
+    pub fn would_act(&self, settings: &FailsafeSettings) -> Vec<String> {
+        self.policy.would_act(settings)
     }
 
     /// The autopilot restarted.
     pub fn autopilot_restarted(&mut self) {
-        self.ladder.autopilot_restarted();
+        self.policy.autopilot_restarted();
     }
 
     /// Whether it may come back into the formation that the monitor took it out of.
     #[must_use]
     pub fn may_rejoin(&self) -> bool {
-        self.withdrew && self.ladder.order().is_some_and(is_over)
+        self.withdrew && self.policy.order().is_some_and(is_over)
     }
 
     /// The charge against the way home, as last assessed.
@@ -139,11 +139,11 @@ impl FailsafeMonitor {
     pub fn judge(
         &mut self,
         health: &Health,
-        settings: &LadderSettings,
+        settings: &FailsafeSettings,
         now: NodeTime,
-    ) -> (Vec<LadderEvent>, LadderState) {
-        let events = self.ladder.step(now, health, settings);
-        (events, self.ladder.state(settings))
+    ) -> (Vec<FailsafeEvent>, FailsafeState) {
+        let events = self.policy.step(now, health, settings);
+        (events, self.policy.state(settings))
     }
 
     /// A reaction is carried out; whether that took the vehicle out of its formation.
@@ -155,9 +155,9 @@ impl FailsafeMonitor {
     ///
     /// # Errors
     /// When a reaction is in force that this one cannot end.
-    pub fn take_up(&mut self, by: TakenUpBy) -> Result<Option<LadderEvent>, Refusal> {
+    pub fn take_up(&mut self, by: TakenUpBy) -> Result<Option<FailsafeEvent>, Refusal> {
         self.withdrew &= by != TakenUpBy::Operator;
-        self.ladder.take_up(by)
+        self.policy.take_up(by)
     }
 
     /// What the policy says to a command of an operator.
@@ -165,6 +165,6 @@ impl FailsafeMonitor {
     /// # Errors
     /// When a reaction that is in force forbids it.
     pub fn permits(&self, command: &VehicleCommand) -> Result<(), Refusal> {
-        self.ladder.permits(command)
+        self.policy.permits(command)
     }
 }

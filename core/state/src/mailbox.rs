@@ -127,8 +127,8 @@ pub enum SwarmMessage {
         /// The answer.
         answer: Box<Answer>,
     },
-    /// Take the office of coordinator, because somebody asks for it.
-    TakeOffice(oneshot::Sender<Result<(), Refusal>>),
+    /// Take the leadership, because somebody asks for it.
+    TakeLeadership(oneshot::Sender<Result<(), Refusal>>),
 }
 
 /// An ask as a message of the actor.

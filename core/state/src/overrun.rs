@@ -27,11 +27,11 @@ pub struct Overrun {
 }
 
 /// What there is to tell of a tick.
-pub type Told = (Severity, EventKind, String);
+pub type OverrunEvent = (Severity, EventKind, String);
 
 impl Overrun {
     /// Takes note of a tick.
-    pub fn tick(&mut self, now: NodeTime, period_s: f64) -> Option<Told> {
+    pub fn tick(&mut self, now: NodeTime, period_s: f64) -> Option<OverrunEvent> {
         let since_s = self.last.replace(now).map_or(0.0, |last| now.seconds_since(last));
         self.period_s = period_s;
         let by_s = since_s - period_s;

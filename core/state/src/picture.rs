@@ -12,26 +12,26 @@ use skein_view::{ActorStatus, PayloadSnapshot, PeerSnapshot, PluginHealth, Vehic
 #[must_use]
 pub fn vehicle(
     shared: &SharedState,
-    cell: &VehicleRecord,
+    record: &VehicleRecord,
     peers: &PeerSnapshot,
     leader: Option<VehicleId>,
     now: NodeTime,
 ) -> Option<VehicleSnapshot> {
-    let entry = peers.entry(cell.id)?;
+    let entry = peers.entry(record.id)?;
     let telemetry = &entry.telemetry;
-    let state = cell.state.lock().clone();
-    let model = cell.model.health.lock().clone();
-    let payloads: Vec<PayloadSnapshot> = cell.payloads().iter().map(|cell| payload(cell)).collect();
+    let state = record.state.lock().clone();
+    let model = record.model.health.lock().clone();
+    let payloads: Vec<PayloadSnapshot> = record.payloads().iter().map(|record| payload(record)).collect();
     let slot: Option<PositionNed> = state
         .setpoint
         .filter(|_| state.flight_state.is_available_in_air())
         .and_then(|s| s.position);
     Some(VehicleSnapshot {
-        id: cell.id,
+        id: record.id,
         node: None,
-        name: cell.name.clone(),
+        name: record.name.clone(),
         simulated: telemetry.simulated || shared.config.node.simulated,
-        system_id: cell.system_id,
+        system_id: record.system_id,
         plugin: model.plugin.clone(),
         plugin_version: model.version.clone(),
         flight_state: state.flight_state,
@@ -48,35 +48,35 @@ pub fn vehicle(
         battery: telemetry.battery,
         gnss: telemetry.gnss,
         link: entry.link,
-        ways: cell.link.load().0.ways(now),
+        ways: record.link.load().0.ways(now),
         age_s: now.seconds_since(entry.link.last_heard).max(0.0),
         tracking_error_m: state.tracking_error_m.filter(|_| slot.is_some()),
         slot,
-        is_leader: leader == Some(cell.id),
+        is_leader: leader == Some(record.id),
         actor: state.actor,
         degraded: degraded(&model, &payloads),
         model,
         model_state: state.model_state,
         avoiding: state.avoiding,
-        ladder: state.ladder,
+        failsafe: state.failsafe,
         energy: entry.energy,
-        stopped: cell.is_stopped(),
+        stopped: record.is_stopped(),
         limits: state.limits,
         capability: state.capability,
         payloads,
     })
 }
 
-fn payload(cell: &PayloadRecord) -> PayloadSnapshot {
-    let published = cell.state.lock().clone();
+fn payload(record: &PayloadRecord) -> PayloadSnapshot {
+    let published = record.state.lock().clone();
     PayloadSnapshot {
-        name: cell.name.clone(),
-        kind: cell.kind,
+        name: record.name.clone(),
+        kind: record.kind,
         actor: published.actor,
-        plugin: cell.life.health.lock().clone(),
+        plugin: record.life.health.lock().clone(),
         state: published.report.map(|report| report.value.as_ref().clone()),
         transport_fault: published.transport_fault,
-        frame: cell.frame.load().as_ref().map(|frame| frame.header.clone()),
+        frame: record.frame.load().as_ref().map(|frame| frame.header.clone()),
     }
 }
 

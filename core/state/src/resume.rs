@@ -10,7 +10,7 @@ mod kept;
 
 pub use kept::{Flown, Kept, node_name};
 
-use judge::{COMES_BACK_S, HEARD_WITHIN_S, Seen, Taking, Why};
+use judge::{COMES_BACK_S, HEARD_WITHIN_S, SeenVehicle, Taking, Why};
 use parking_lot::{Mutex, MutexGuard};
 use skein_config::{NodeConfig, ResumeThen};
 use skein_domain::exchange::Severity;
@@ -98,7 +98,7 @@ impl Resume {
         self.state.lock().before.clone()
     }
 
-    /// Who had which vehicle in hand has it again, and is taken for present as of now.
+    /// Who had control authority over which vehicle has it again, and is taken for present as of now.
     pub fn hand_back(&self, control: &mut ControlTable, now: NodeTime) {
         let Some(before) = self.before() else { return };
         for entry in before.control.values() {
@@ -116,7 +116,7 @@ impl Resume {
     }
 
     /// One look at a vehicle that is awaited or held; nothing of any other.
-    pub fn look(&self, id: VehicleId, seen: &Seen, now: NodeTime) -> Option<Taking> {
+    pub fn look(&self, id: VehicleId, seen: &SeenVehicle, now: NodeTime) -> Option<Taking> {
         let mut state = self.state.lock();
         let taking = state.taking.get_mut(&id).filter(|taking| is_open(taking))?;
         *taking = judge::step(*taking, seen, now);

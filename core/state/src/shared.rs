@@ -58,7 +58,7 @@ pub struct SharedState {
     /// come between and call them back.
     pub withdrawn: Mutex<BTreeSet<VehicleId>>,
     /// Vehicles by id.
-    cells: RwLock<BTreeMap<VehicleId, Arc<VehicleRecord>>>,
+    records: RwLock<BTreeMap<VehicleId, Arc<VehicleRecord>>>,
     /// Vehicles that are flown over two links.
     pub pairs: Mutex<BTreeMap<VehicleId, Arc<PairedLink>>>,
     /// Vehicles heard but not flown.
@@ -75,7 +75,7 @@ pub struct SharedState {
     pub sightings: Sightings,
     /// Things that formations may be anchored to.
     pub references: References,
-    /// Which console has which vehicles in hand.
+    /// Which console has control authority over which vehicles.
     pub control: Mutex<ControlTable>,
     /// Sticks on their way to vehicles of other nodes that are flown by hand.
     pub relays: Relays,
@@ -145,7 +145,7 @@ impl SharedState {
             intent: ArcSwap::default(),
             coordination: Mutex::default(),
             withdrawn: Mutex::default(),
-            cells: RwLock::default(),
+            records: RwLock::default(),
             pairs: Mutex::default(),
             unadopted: Mutex::default(),
             actors: Mutex::default(),
@@ -276,7 +276,7 @@ impl SharedState {
         skein_domain::CommandId(self.next_command.fetch_add(1, Ordering::Relaxed))
     }
 
-    /// Whether this node's coordinator decides: alone, or because it holds the office in its swarm.
+    /// Whether this node's coordinator decides: alone, or because it holds the leadership in its swarm.
     #[must_use]
     pub fn coordinates(&self) -> bool {
         self.swarm
@@ -292,15 +292,15 @@ impl SharedState {
     }
 
     /// Takes one of this node's vehicles out of the formation; tells whether it was in it.
-    pub fn withdraw(&self, cell: &VehicleRecord) -> bool {
-        cell.note_withdrawal();
-        self.withdrawn.lock().insert(cell.id)
+    pub fn withdraw(&self, record: &VehicleRecord) -> bool {
+        record.note_withdrawal();
+        self.withdrawn.lock().insert(record.id)
     }
 
     /// Which other node flies a vehicle; none if this one does, or nobody.
     #[must_use]
     pub fn host(&self, vehicle: VehicleId) -> Option<NodeId> {
-        if self.cells.read().contains_key(&vehicle) {
+        if self.records.read().contains_key(&vehicle) {
             return None;
         }
         self.swarm.as_ref()?.host(vehicle)
@@ -309,7 +309,7 @@ impl SharedState {
     /// All vehicles of the swarm, this node's and others', by ascending id.
     #[must_use]
     pub fn vehicle_ids(&self) -> Vec<VehicleId> {
-        let mut ids: BTreeSet<VehicleId> = self.cells.read().keys().copied().collect();
+        let mut ids: BTreeSet<VehicleId> = self.records.read().keys().copied().collect();
         if let Some(swarm) = &self.swarm {
             ids.extend(swarm.vehicles.read().keys());
         }
@@ -318,18 +318,18 @@ impl SharedState {
 
     /// The vehicle's cell.
     #[must_use]
-    pub fn cell(&self, id: VehicleId) -> Option<Arc<VehicleRecord>> {
-        self.cells.read().get(&id).cloned()
+    pub fn record(&self, id: VehicleId) -> Option<Arc<VehicleRecord>> {
+        self.records.read().get(&id).cloned()
     }
 
     /// All cells by ascending id.
     #[must_use]
-    pub fn cells(&self) -> Vec<Arc<VehicleRecord>> {
-        self.cells.read().values().cloned().collect()
+    pub fn records(&self) -> Vec<Arc<VehicleRecord>> {
+        self.records.read().values().cloned().collect()
     }
 
     /// Adds a vehicle; the one with the same id, if any, is replaced.
-    pub fn insert_cell(&self, cell: Arc<VehicleRecord>) {
-        self.cells.write().insert(cell.id, cell);
+    pub fn insert_cell(&self, record: Arc<VehicleRecord>) {
+        self.records.write().insert(record.id, record);
     }
 }

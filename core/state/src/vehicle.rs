@@ -15,7 +15,7 @@ use skein_domain::link::VehicleLink;
 use skein_domain::payload::CoordinatorCapability;
 use skein_domain::preflight::PreflightItem;
 use skein_domain::{
-    AnchorReference, CommandId, FlightLimits, FlightState, LadderState, NodeTime, Setpoint, SystemId, VehicleCommand,
+    AnchorReference, CommandId, FailsafeState, FlightLimits, FlightState, NodeTime, Setpoint, SystemId, VehicleCommand,
     VehicleId,
 };
 use skein_view::{ActorHealth, Avoidance};
@@ -60,8 +60,8 @@ pub struct VehicleRecord {
     pub tick_waiting: AtomicBool,
     /// What the actor last published.
     pub state: Mutex<PublishedState>,
-    /// Its ladder of reactions and its charge.
-    pub watch: Mutex<FailsafeMonitor>,
+    /// Its failsafe policy and its charge.
+    pub failsafe: Mutex<FailsafeMonitor>,
     /// The command that it carries out, if one.
     pub under_way: Mutex<Option<(CommandId, VehicleCommand)>>,
     /// A command in several legs that is being carried out.
@@ -98,7 +98,7 @@ impl VehicleRecord {
             actor: ArcSwapOption::default(),
             tick_waiting: AtomicBool::new(false),
             state: Mutex::default(),
-            watch: Mutex::default(),
+            failsafe: Mutex::default(),
             under_way: Mutex::default(),
             itinerary: Mutex::default(),
             hand: Mutex::default(),
@@ -178,5 +178,5 @@ pub struct PublishedState {
     /// What is changed of its setpoints at this moment, to keep it off others or inside of a fence.
     pub avoiding: Option<Avoidance>,
     /// What is wrong with it and what is done about it; absent if nothing is.
-    pub ladder: Option<LadderState>,
+    pub failsafe: Option<FailsafeState>,
 }

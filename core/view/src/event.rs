@@ -5,7 +5,7 @@
 use crate::health::ActorStatus;
 use serde::{Deserialize, Serialize};
 use skein_domain::exchange::{CommandProgress, Severity};
-use skein_domain::{CommandId, FlightMode, FlightState, LadderEvent, NodeId, NodeTime, Refusal, VehicleId};
+use skein_domain::{CommandId, FailsafeEvent, FlightMode, FlightState, NodeId, NodeTime, Refusal, VehicleId};
 
 /// One thing that happened.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
@@ -41,7 +41,7 @@ pub enum EventKind {
     LinkRegained,
     /// Its autopilot restarted.
     AutopilotRebooted,
-    /// It was taken out of the swarm's hands.
+    /// It was taken out of the swarm's control.
     TakenOver {
         /// By its autopilot's own failsafe; else by a pilot or another ground station.
         failsafe: bool,
@@ -70,9 +70,9 @@ pub enum EventKind {
         refusal: Refusal,
     },
     /// Something is wrong with a vehicle, or something is done about it.
-    Ladder {
+    Failsafe {
         /// What.
-        event: LadderEvent,
+        event: FailsafeEvent,
     },
     /// A setpoint is changed to keep a vehicle off others or inside of a fence.
     Avoidance,

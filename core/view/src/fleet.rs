@@ -7,7 +7,7 @@ use crate::swarm::SwarmSnapshot;
 use serde::{Deserialize, Serialize};
 use skein_domain::payload::{CoordinatorCapability, FrameHeader, PayloadKind, Track};
 use skein_domain::{
-    Battery, EnergyState, FlightLimits, FlightMode, FlightState, FormationRequest, Geodetic, Gnss, LadderState,
+    Battery, EnergyState, FailsafeState, FlightLimits, FlightMode, FlightState, FormationRequest, Geodetic, Gnss,
     LandedState, LinkHealth, NodeId, NodeTime, PositionNed, Route, SwarmFrame, SystemId, VehicleId, VehicleWay,
     telemetry::VehicleKinematics,
 };
@@ -127,7 +127,7 @@ pub struct VehicleSnapshot {
     /// What is changed of its setpoints at this moment; absent if nothing.
     pub avoiding: Option<Avoidance>,
     /// What is wrong with it in flight and what is done about it; absent if nothing is.
-    pub ladder: Option<LadderState>,
+    pub failsafe: Option<FailsafeState>,
     /// Its charge against its way home; absent as long as one of them is not known.
     pub energy: Option<EnergyState>,
     /// Its motors were stopped in an emergency.

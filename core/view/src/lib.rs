@@ -21,4 +21,4 @@ pub use fleet::{
 pub use health::{ActorHealth, ActorStatus, PluginHealth, RestartRecord, Restored};
 pub use peers::{PeerEntry, PeerSnapshot, airborne, kinematics};
 pub use receipts::{CommandReceipt, ForeseenWay, FormationForecast, FormationReceipt};
-pub use swarm::{AllegianceKind, NodeRole, NodeSnapshot, SwarmSnapshot, TermSnapshot, WaySnapshot};
+pub use swarm::{LeaderStateKind, NodeRole, NodeSnapshot, SwarmSnapshot, TermSnapshot, WaySnapshot};

@@ -43,9 +43,9 @@ pub struct PeerEntry {
     pub home: Option<PositionNed>,
     /// What it can do, if its model says.
     pub limits: Option<FlightLimits>,
-    /// A reaction of its ladder is in force: it takes no slot.
+    /// A reaction of its failsafe policy is in force: it takes no slot.
     pub under_order: bool,
-    /// Its ladder took it out of the formation, and what that was for is over.
+    /// Its failsafe policy took it out of the formation, and what that was for is over.
     pub may_rejoin: bool,
     /// Its charge against its way home.
     pub energy: Option<EnergyState>,

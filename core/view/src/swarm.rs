@@ -55,7 +55,7 @@ impl NodeRole {
     }
 }
 
-/// A term of office.
+/// A term of the leadership.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct TermSnapshot {
     /// Grows with every change of the coordinator.
@@ -77,7 +77,7 @@ pub struct TermSnapshot {
     schemars::JsonSchema
 )]
 #[serde(rename_all = "snake_case")]
-pub enum AllegianceKind {
+pub enum LeaderStateKind {
     /// Nobody yet.
     #[default]
     Nobody,
@@ -101,7 +101,7 @@ pub struct SwarmSnapshot {
     /// What it does.
     pub roles: Vec<NodeRole>,
     /// Whom it obeys.
-    pub allegiance: AllegianceKind,
+    pub leader_state: LeaderStateKind,
     /// The term it obeys.
     pub term: Option<TermSnapshot>,
     /// How long the obeyed coordinator has been silent, in seconds, if it is.

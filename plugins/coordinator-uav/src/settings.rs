@@ -22,7 +22,7 @@ pub struct Settings {
     pub without_battery: bool,
     /// Whether it needs a position estimate.
     pub needs_position: bool,
-    /// Whether it must be in the air and in the swarm's hands.
+    /// Whether it must be in the air and under the swarm's control.
     pub needs_flight: bool,
     /// The conditions must have held for so long before it says that it is capable, in seconds. That it is not any more it says at once.
     #[schemars(range(min = 0.0))]

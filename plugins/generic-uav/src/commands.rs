@@ -201,11 +201,11 @@ impl GenericUav {
         };
         let airborne = is_airborne(&own);
         let phase = &self.flight.phase;
-        let in_nobodys_hands = matches!(phase, Phase::PilotControl | Phase::Faulted);
+        let under_nobodys_control = matches!(phase, Phase::PilotControl | Phase::Faulted);
         let fits = match command {
             VehicleCommand::Arm | VehicleCommand::TakeOff { .. } => {
                 let idle = matches!(phase, Phase::Idle | Phase::Arming(_) | Phase::Disarming(_));
-                (idle || in_nobodys_hands) && !airborne
+                (idle || under_nobodys_control) && !airborne
             }
             VehicleCommand::Disarm => !airborne && !matches!(phase, Phase::Flying(_)),
             VehicleCommand::Land => match phase {
@@ -220,7 +220,7 @@ impl GenericUav {
             | VehicleCommand::LandAt { .. }
             | VehicleCommand::Observe { .. }
             | VehicleCommand::Steer => {
-                airborne && (in_nobodys_hands || matches!(phase, Phase::Flying(_) | Phase::Landing(_)))
+                airborne && (under_nobodys_control || matches!(phase, Phase::Flying(_) | Phase::Landing(_)))
             }
             // Refused for what they are, before.
             VehicleCommand::LookAt { .. } | VehicleCommand::StopObserving => false,

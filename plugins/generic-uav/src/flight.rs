@@ -25,7 +25,7 @@ pub(crate) struct Flight {
     pub detail: String,
     /// The state last told.
     #[n(2)]
-    pub told: Option<Told>,
+    pub told: Option<ToldState>,
     /// The operator's command being carried out.
     #[n(3)]
     pub command: Option<ActiveCommand>,
@@ -86,7 +86,7 @@ pub(crate) struct Flight {
 
 /// The state last told to the host.
 #[derive(Debug, Clone, PartialEq, Encode, Decode)]
-pub(crate) struct Told {
+pub(crate) struct ToldState {
     #[n(0)]
     pub state: FlightState,
     #[n(1)]
@@ -148,7 +148,7 @@ pub(crate) enum Phase {
     /// The autopilot lands, or returns and lands.
     #[n(5)]
     Landing(#[n(0)] Landing),
-    /// Out of our hands.
+    /// Out of our control.
     #[n(6)]
     PilotControl,
     /// Something failed that an operator must look at.

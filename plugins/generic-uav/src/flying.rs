@@ -118,7 +118,7 @@ impl GenericUav {
             self.flight.detail.clear();
             self.command_done(out);
         }
-        flying.purpose.taken_in_hand(self.now);
+        flying.purpose.steered_from_here(self.now);
         self.plan_from_here(flying, out);
     }
 

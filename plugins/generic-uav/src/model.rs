@@ -1,7 +1,7 @@
 //! The model: takes events in order, steps once per tick, tells every change of state.
 
 use crate::blend::{Motion, Stop};
-use crate::flight::{Flight, Flying, Phase, Plan, Purpose, Reference, Told};
+use crate::flight::{Flight, Flying, Phase, Plan, Purpose, Reference, ToldState};
 use crate::plan::Track;
 use crate::settings::Settings;
 use skein_domain::exchange::{Create, Event, OwnState, PeerState};
@@ -288,11 +288,11 @@ impl GenericUav {
     /// Tells the state if it is another than last told.
     fn tell_state(&mut self, out: &mut Effects) {
         let state = self.flight.phase.state();
-        let same = |told: &Told| told.state == state && told.detail == self.flight.detail;
+        let same = |told: &ToldState| told.state == state && told.detail == self.flight.detail;
         if !self.flight.told.as_ref().is_some_and(same) {
             let detail = self.flight.detail.clone();
             out.state(state, detail.clone());
-            self.flight.told = Some(Told { state, detail });
+            self.flight.told = Some(ToldState { state, detail });
         }
     }
 

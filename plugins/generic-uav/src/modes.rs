@@ -1,5 +1,5 @@
 //! Who flies: noticing that a pilot or the autopilot's own failsafe has taken over, that the autopilot restarted, that a vehicle in
-//! nobody's hands is on the ground again.
+//! nobody's control is on the ground again.
 //!
 //! Must never do: take the vehicle back without an operator's command.
 
@@ -15,7 +15,7 @@ pub(crate) const ARMED: &str = "armed";
 impl GenericUav {
     /// Whether the autopilot is in a mode that this phase has not asked for.
     pub(crate) fn watch_modes(&mut self, own: &OwnState, out: &mut Effects) {
-        // Disarmed it is in nobody's hands. After a landing out of OFFBOARD it shows OFFBOARD again, unasked.
+        // Disarmed it is under nobody's control. After a landing out of OFFBOARD it shows OFFBOARD again, unasked.
         if !own.armed {
             return;
         }
@@ -52,7 +52,7 @@ impl GenericUav {
         }
     }
 
-    /// The vehicle is in a pilot's or the autopilot's own hands.
+    /// The vehicle is in a pilot's or the autopilot's own control.
     pub(crate) fn lose_control(&mut self, detail: String, out: &mut Effects) {
         self.stop_stream(out);
         self.command_refused(Refusal::PilotInControl, out);
@@ -64,7 +64,7 @@ impl GenericUav {
         self.enter(Phase::PilotControl, detail);
     }
 
-    /// Out of our hands until an operator says otherwise, or it is on the ground.
+    /// Out of our control until an operator says otherwise, or it is on the ground.
     pub(crate) fn step_pilot_control(&mut self, own: &OwnState) {
         let on_ground = matches!(own.landed, LandedState::OnGround | LandedState::Unknown);
         if !own.armed && on_ground {
@@ -74,7 +74,7 @@ impl GenericUav {
         }
     }
 
-    /// On the ground. Who flies off without being told flies in someone else's hands.
+    /// On the ground. Who flies off without being told flies under someone else's control.
     pub(crate) fn step_idle(&mut self, own: &OwnState, out: &mut Effects) {
         self.flight.phase = Phase::Idle;
         if !own.armed && self.flight.detail == ARMED {

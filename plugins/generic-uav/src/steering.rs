@@ -160,7 +160,7 @@ impl GenericUav {
         ahead.norm() > share * (LEASH_M + LEASH_S * velocity.norm())
     }
 
-    /// Whether nobody has the vehicle in hand any more: then it holds. Who leads a formation stands and leads it.
+    /// Whether nobody steers the vehicle any more: then it holds. Who leads a formation stands and leads it.
     pub(crate) fn see_whether_let_go(&mut self, flying: Flying, out: &mut Effects) {
         let quiet_s = flying.purpose.steered().map(|s| self.now.seconds_since(s.heard));
         if !quiet_s.is_some_and(|quiet_s| quiet_s > HAND_GONE_S) || !self.is_steered_by_command() {
@@ -242,7 +242,7 @@ impl Purpose {
     }
 
     /// The vehicle obeys from now on: whoever steers has all the time from here.
-    pub(crate) fn taken_in_hand(&mut self, now: NodeTime) {
+    pub(crate) fn steered_from_here(&mut self, now: NodeTime) {
         if let Some(steered) = self.steered_mut() {
             steered.heard = now;
         }

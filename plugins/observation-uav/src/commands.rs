@@ -1,6 +1,6 @@
 //! The commands this model adds, and what begins and ends with them.
 //!
-//! Must never do: lose a command. Each one ends in exactly one of done and refused; those that fly end in the flight's hands.
+//! Must never do: lose a command. Each one ends in exactly one of done and refused; those that fly end under the flight's control.
 
 use crate::model::ObservationUav;
 use crate::target::{Aimed, check, missing};

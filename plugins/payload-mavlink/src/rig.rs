@@ -11,7 +11,7 @@ use skein_domain::payload::MavlinkMessage;
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{CommandId, Geodetic, Incarnation, NodeTime, PositionNed, Refusal, SystemId, VehicleId};
 use skein_plugin_sdk::{Effects, Payload};
-use skein_sim::vehicle::{LinkKind, Outbox, Vehicle, VehicleIdentity};
+use skein_sim::vehicle::{LinkKind, Outbox, SimVehicle, VehicleIdentity};
 use skein_sim::{NoiseSettings, PayloadPlan, SimSettings, VehicleTruth, WindSettings};
 
 /// Step of the simulation in seconds.
@@ -27,7 +27,7 @@ pub const OWN: (u8, u8) = (245, 190);
 #[derive(Debug)]
 pub struct Rig<P: Payload> {
     /// The vehicle.
-    pub vehicle: Vehicle,
+    pub vehicle: SimVehicle,
     /// The plugin.
     pub plugin: P,
     /// Every effect there was, with its time in seconds.
@@ -46,13 +46,13 @@ pub struct Rig<P: Payload> {
     next_command: u64,
     waiting: Vec<Event>,
     /// Everything the present instance was told, for a replay.
-    told: Vec<Told>,
+    told: Vec<RigCall>,
     since: usize,
     out: Outbox,
 }
 
 #[derive(Debug, Clone)]
-enum Told {
+enum RigCall {
     Events(NodeTime, Vec<Event>),
     Command(NodeTime, CommandId, String),
 }
@@ -93,7 +93,7 @@ impl<P: Payload> Rig<P> {
             system_id: Some(SystemId(SYSTEM_ID)),
         };
         Self {
-            vehicle: Vehicle::new(identity, settings),
+            vehicle: SimVehicle::new(identity, settings),
             plugin: instance(&create),
             effects: Vec::new(),
             deaf: false,
@@ -186,7 +186,7 @@ impl<P: Payload> Rig<P> {
     pub fn tell(&mut self, events: Vec<Event>) {
         let mut effects = Effects::default();
         self.plugin.handle(self.now(), &events, &mut effects);
-        self.told.push(Told::Events(self.now(), events));
+        self.told.push(RigCall::Events(self.now(), events));
         self.carry_out(effects);
     }
 
@@ -197,7 +197,8 @@ impl<P: Payload> Rig<P> {
         let mut effects = Effects::default();
         let command = serde_json::from_str(command_json).expect("a command of its vocabulary");
         self.plugin.command(self.now(), id, command, &mut effects);
-        self.told.push(Told::Command(self.now(), id, command_json.to_owned()));
+        self.told
+            .push(RigCall::Command(self.now(), id, command_json.to_owned()));
         self.carry_out(effects);
         id
     }
@@ -291,8 +292,8 @@ impl<P: Payload> Rig<P> {
         let mut effects = Effects::default();
         for told in &self.told {
             match told {
-                Told::Events(now, events) => other.handle(*now, events, &mut effects),
-                Told::Command(now, id, json) => {
+                RigCall::Events(now, events) => other.handle(*now, events, &mut effects),
+                RigCall::Command(now, id, json) => {
                     let command = serde_json::from_str(json).expect("a command of its vocabulary");
                     other.command(*now, *id, command, &mut effects);
                 }

@@ -6,7 +6,7 @@ use crate::link::{Figures, Heard};
 use crate::occurrence::RadioEvent;
 use crate::range::{Away, FallOff, Thresholds};
 use crate::settings::{Settings, Source};
-use crate::wifi::{Change, Told, Wifi};
+use crate::wifi::{Change, Wifi, WifiReport};
 use mavlink::MessageData;
 use mavlink::dialects::common::RADIO_STATUS_DATA;
 use minicbor::{Decode, Encode};
@@ -197,12 +197,12 @@ impl Radio {
     fn tick(&mut self, now: NodeTime, effects: &mut Effects) {
         while let Some(told) = self.wifi.as_ref().and_then(Wifi::take) {
             match told {
-                Told::Figures(figures) => {
+                WifiReport::Figures(figures) => {
                     self.fault.clear();
                     self.hear(now, *figures);
                 }
-                Told::Fault(fault) => self.fault = fault,
-                Told::Changed(id, outcome) => {
+                WifiReport::Fault(fault) => self.fault = fault,
+                WifiReport::Changed(id, outcome) => {
                     self.core.pending.retain(|pending| *pending != id);
                     match outcome {
                         Ok(()) => effects.done(id),

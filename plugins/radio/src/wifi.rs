@@ -15,7 +15,7 @@ const END_WAIT: Duration = Duration::from_millis(250);
 
 /// What the thread tells.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Told {
+pub(crate) enum WifiReport {
     /// What was measured.
     Figures(Box<Figures>),
     /// Why nothing was.
@@ -66,7 +66,7 @@ pub(crate) fn channel_of(mhz: u32) -> Option<u32> {
 #[derive(Debug)]
 pub(crate) struct Wifi {
     commands: Option<SyncSender<(CommandId, Change)>>,
-    told: Receiver<Told>,
+    told: Receiver<WifiReport>,
     ended: Receiver<()>,
 }
 
@@ -91,7 +91,7 @@ impl Wifi {
     }
 
     /// What was told since, oldest first.
-    pub(crate) fn take(&self) -> Option<Told> {
+    pub(crate) fn take(&self) -> Option<WifiReport> {
         self.told.try_recv().ok()
     }
 
@@ -112,19 +112,19 @@ impl Drop for Wifi {
 }
 
 /// Measures until nobody wants to know.
-fn watch(interface: &str, pause: Duration, orders: &Receiver<(CommandId, Change)>, tell: &SyncSender<Told>) {
+fn watch(interface: &str, pause: Duration, orders: &Receiver<(CommandId, Change)>, tell: &SyncSender<WifiReport>) {
     let mut station = interface::Station::default();
     loop {
         let news = match station.measure(interface) {
-            Ok(figures) => Told::Figures(Box::new(figures)),
-            Err(error) => Told::Fault(error.to_string()),
+            Ok(figures) => WifiReport::Figures(Box::new(figures)),
+            Err(error) => WifiReport::Fault(error.to_string()),
         };
         // What nobody takes is out of date.
         let _ = tell.try_send(news);
         match orders.recv_timeout(pause) {
             Ok((id, change)) => {
                 let outcome = station.change(interface, change).map_err(|error| error.refusal());
-                if tell.send(Told::Changed(id, outcome)).is_err() {
+                if tell.send(WifiReport::Changed(id, outcome)).is_err() {
                     return;
                 }
             }

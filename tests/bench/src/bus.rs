@@ -8,8 +8,8 @@
 use crate::error::BenchError;
 use node::{Counts, Node};
 use serde::Serialize;
+use skein_bus::envelope::SwarmKey;
 use skein_bus::local::Hub;
-use skein_bus::seal::SwarmKey;
 use skein_bus::transport::Transport;
 use skein_bus_dds::Dds;
 use skein_bus_zenoh::{Zenoh, ZenohSettings};

@@ -10,7 +10,7 @@ mod python;
 mod ros2;
 mod script;
 
-pub use peer::{Peer, Told};
+pub use peer::{Peer, PeerReport};
 pub use python::{CYCLONE, CYCLONE_ON_LOOPBACK, Environment, MAVSDK, python, python_of};
 pub use ros2::Ros2;
 pub use script::{Script, say};

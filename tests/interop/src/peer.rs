@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 /// What it has told.
 #[derive(Debug, Default)]
-pub struct Told {
+pub struct PeerReport {
     /// The latest truth.
     pub truth: Value,
     /// Everything else, in order.
@@ -26,7 +26,7 @@ pub struct Told {
 pub struct Peer {
     child: Child,
     input: ChildStdin,
-    told: Arc<(Mutex<Told>, Condvar)>,
+    told: Arc<(Mutex<PeerReport>, Condvar)>,
 }
 
 impl Peer {
@@ -48,7 +48,7 @@ impl Peer {
             .with_context(|| format!("cannot start {}", path.display()))?;
         let output = child.stdout.take().context("the script has no output")?;
         let input = child.stdin.take().context("the script has no input")?;
-        let told = Arc::<(Mutex<Told>, Condvar)>::default();
+        let told = Arc::<(Mutex<PeerReport>, Condvar)>::default();
         let telling = Arc::clone(&told);
         // Ends by itself when the script does.
         std::thread::spawn(move || {
@@ -76,7 +76,7 @@ impl Peer {
     ///
     /// # Errors
     /// When it does not in time, or the script has ended.
-    pub fn wait<T>(&self, limit: Duration, what: &str, mut probe: impl FnMut(&Told) -> Option<T>) -> Result<T> {
+    pub fn wait<T>(&self, limit: Duration, what: &str, mut probe: impl FnMut(&PeerReport) -> Option<T>) -> Result<T> {
         let end = Instant::now() + limit;
         let mut told = self.told.0.lock();
         loop {
@@ -106,7 +106,7 @@ impl Peer {
     }
 }
 
-fn take(told: &Mutex<Told>, line: &str) {
+fn take(told: &Mutex<PeerReport>, line: &str) {
     let json = line.strip_prefix("REPORT ").map(serde_json::from_str::<Value>);
     let Some(Ok(report)) = json else {
         crate::say(&format!("    {line}"));

@@ -182,7 +182,7 @@ impl Field {
         coordinator.expect("it was waited for")
     }
 
-    /// The same, and has this node coordinate if another one was up earlier: nobody takes the office from a coordinator without being asked.
+    /// The same, and has this node coordinate if another one was up earlier: nobody takes the leadership from a coordinator without being asked.
     ///
     /// # Panics
     /// If it does not come to it.
@@ -193,7 +193,7 @@ impl Field {
             let answer = operator.ask(Method::POST, "/api/v1/swarm/coordinator", ask).await;
             assert!(
                 answer.is_success(),
-                "node {coordinator} does not take the office: {answer:?}"
+                "node {coordinator} does not take the leadership: {answer:?}"
             );
         }
         let what = format!("{of:?} to be led by {coordinator}");
@@ -216,7 +216,7 @@ impl Field {
                 .collect();
             let hears = |other: &u8| other == number || heard.contains(&u64::from(*other));
             let term = &swarm["term"];
-            let led = swarm["acting"] == Value::Bool(true) || swarm["allegiance"] == "led";
+            let led = swarm["acting"] == Value::Bool(true) || swarm["leader_state"] == "led";
             if !of.iter().all(hears) || !led || term.is_null() || obeyed.get_or_insert_with(|| term.clone()) != term {
                 return None;
             }

@@ -52,7 +52,7 @@ pub enum Transport {
 /// What a host is.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// Its node's priority for the coordinator's office.
+    /// Its node's priority for the leadership.
     pub priority: Option<u8>,
     /// Where its vehicle stands, north and east in metres; a ground station has none.
     pub vehicle: Option<(f64, f64)>,

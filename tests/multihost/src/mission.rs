@@ -250,7 +250,7 @@ async fn formation_at(field: &Field, gateway: u8) -> Value {
     operator.get("/api/v1/formation").await["formation"].clone()
 }
 
-/// Whether these vehicles' own nodes say that they hold: a vehicle that has just come up is not yet in the swarm's hands.
+/// Whether these vehicles' own nodes say that they hold: a vehicle that has just come up is not yet under the swarm's control.
 async fn holding(field: &Field, vehicles: &[u8]) -> bool {
     for number in vehicles {
         let vehicle = field.host(*number).operator().vehicle(*number).await;

@@ -38,7 +38,7 @@ pub enum When {
 
 /// One step of a flight.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Step {
+pub struct FlightStep {
     /// When.
     pub when: When,
     /// What.
@@ -166,7 +166,7 @@ pub struct Case {
     /// What formations may follow.
     pub moving: Moving,
     /// What is asked for, one after the other.
-    pub steps: Vec<Step>,
+    pub steps: Vec<FlightStep>,
     /// What kind of vehicles they are.
     pub airframe: Airframe,
 }

@@ -63,7 +63,7 @@ impl Lost {
 
 /// What a vehicle tells of itself.
 #[derive(Debug, Clone, Copy)]
-struct Told {
+struct ToldKinematics {
     kinematics: VehicleKinematics,
     roll_pitch_rad: (f64, f64),
 }
@@ -88,7 +88,7 @@ pub struct Craft {
     /// Still climbing, as far as the node is told.
     pub climbing: bool,
     model: GenericUav,
-    down: AirLink<Told>,
+    down: AirLink<ToldKinematics>,
     up: AirLink<Setpoint>,
     rng: ChaCha8Rng,
     waiting: Vec<Event>,
@@ -215,7 +215,7 @@ impl Craft {
         if let Some(setpoint) = self.up.receive(now_s).pop() {
             self.plant.obey(&setpoint);
         }
-        let state = Told {
+        let state = ToldKinematics {
             kinematics: self.believed(now),
             roll_pitch_rad: self.plant.roll_pitch_rad(),
         };
@@ -391,7 +391,7 @@ fn only(velocity: VelocityNed) -> Setpoint {
     }
 }
 
-/// Armed, in the air and in the swarm's hands.
+/// Armed, in the air and under the swarm's control.
 fn first_entry(id: VehicleId, now: NodeTime) -> PeerEntry {
     PeerEntry {
         id,

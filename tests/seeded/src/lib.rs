@@ -14,7 +14,7 @@ mod judge;
 mod outcome;
 mod world;
 
-pub use case::{Ability, Ask, Case, Closed, Fate, Foreign, Leave, Moving, Step, When};
+pub use case::{Ability, Ask, Case, Closed, Fate, FlightStep, Foreign, Leave, Moving, When};
 pub use outcome::{Arrival, Closest, Crossing, Failure, FilterFigures, Lowest, OnRoute, Outcome};
 pub use world::fly;
 

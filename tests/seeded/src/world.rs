@@ -3,7 +3,7 @@
 //! One control period: the air moves, states are sent and heard, all vehicles are put into one picture, the coordinator watches (and
 //! reviews, every fifth period), each vehicle's model is asked and its setpoint steered.
 
-use crate::case::{Ask, Case, Foreign, Leave, Step, When};
+use crate::case::{Ask, Case, FlightStep, Foreign, Leave, When};
 use crate::craft::Craft;
 use crate::ground::Ground;
 use crate::judge::Judge;
@@ -281,7 +281,7 @@ impl<'a> World<'a> {
         }
     }
 
-    fn is_due(&self, step: &Step) -> bool {
+    fn is_due(&self, step: &FlightStep) -> bool {
         let formation = self.ground.coordination.formation.as_ref();
         let (from_s, to_s) = formation.map_or((self.asked_s, self.asked_s), |f| {
             (f.decided.as_seconds() - BEGINS_S, f.settled_at.as_seconds() - BEGINS_S)

@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 use skein_domain::{FormationRequest, Shape};
-use skein_seeded::{Ask, Case, Outcome, Step, When, fly};
+use skein_seeded::{Ask, Case, FlightStep, Outcome, When, fly};
 use skein_sim::{Airframe, NoiseSettings, WindSettings};
 
 /// Length of the route's legs in metres, and distance between neighbours.
@@ -20,7 +20,7 @@ fn route_of_six(airframe: Airframe) -> Outcome {
         corner_radius_m: 8.0,
     };
     let start = |i: usize| Vector3::new((i / 3) as f64, (i % 3) as f64, 0.0) * 8.0 - Vector3::z() * 10.0;
-    let step = |ask: Ask| Step {
+    let step = |ask: Ask| FlightStep {
         when: When::Settled(3.0),
         ask,
     };

@@ -4,7 +4,7 @@ import { AGAIN_MS, SoundPlan } from './alarmSound.svelte';
 import type { LogEntry } from './eventLog';
 
 const entry = (key: string, severity: Severity, count = 1): LogEntry => ({
-  key, signature: key, vehicles: [1], severity, kind: 'ladder', text: key, cause: null, numbers: [], count, firstAt: 0, lastAt: 0, endsAt: null, acknowledged: false, former: false,
+  key, signature: key, vehicles: [1], severity, kind: 'failsafe', text: key, cause: null, numbers: [], count, firstAt: 0, lastAt: 0, endsAt: null, acknowledged: false, former: false,
 });
 
 describe('what is heard', () => {

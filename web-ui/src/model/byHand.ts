@@ -151,7 +151,7 @@ export function axesOfKeys(codes: Iterable<string>): Axes {
   return axes;
 }
 
-/** Two hands at once: of each axis what is farther from the middle. */
+/** Two authority at once: of each axis what is farther from the middle. */
 export function merged(a: Axes, b: Axes): Axes {
   const farther = (x: number, y: number): number => (Math.abs(y) > Math.abs(x) ? y : x);
   return { forward: farther(a.forward, b.forward), right: farther(a.right, b.right), up: farther(a.up, b.up), turn: farther(a.turn, b.turn) };

@@ -1,4 +1,4 @@
-// Who has which vehicle in hand, for the screen, and what this console does about it: take, ask for, let go, hand over. What came of it is
+// Who has control authority over which vehicle, for the screen, and what this console does about it: take, ask for, let go, hand over. What came of it is
 // told in the journal; so is who asks, and who has taken what was ours.
 // Must never do any of it by itself, nor keep a command from being sent.
 
@@ -6,8 +6,8 @@ import { SvelteSet } from 'svelte/reactivity';
 import { ApiError, changeControl } from '../protocol/rest';
 import type { ControlAction } from '../protocol/types';
 import { t } from '../language/language.svelte';
-import { askingFor, divide, handsOf, refusalsText } from './hands';
-import type { Asking, Division, Hands } from './hands';
+import { askingFor, divide, authorityOf, refusalsText } from './authority';
+import type { Asking, Division, Authority } from './authority';
 import { idRanges } from './idRanges';
 import type { Journal } from './journal.svelte';
 import type { Operator } from './operator.svelte';
@@ -22,7 +22,7 @@ export type ControlOutcome = { text: string; at: number };
 type Words = { done: (who: string) => string; not: string };
 
 export class Control {
-  /** Anybody has anything in hand: where nobody has, nothing is said of hands. */
+  /** Anybody has control authority: where nobody has, nothing is said of authority. */
   inUse = $derived.by(() => this.#source.control.size > 0);
   /** Who asks for what is ours, without those who were told "not now". */
   asking = $derived.by(() => askingFor(this.#source.control.values(), this.operator.wire(), this.#declined));
@@ -57,8 +57,8 @@ export class Control {
     });
   }
 
-  of(id: number): Hands {
-    return handsOf(this.#source.control.get(id), this.operator.wire());
+  of(id: number): Authority {
+    return authorityOf(this.#source.control.get(id), this.operator.wire());
   }
 
   divide(ids: readonly number[]): Division {
@@ -67,12 +67,12 @@ export class Control {
 
   /** The name of who will keep this vehicle from our commands; empty if nobody will. */
   heldBy(id: number): string {
-    const hands = this.of(id);
-    return hands.whose === 'others' && hands.heard ? hands.name : '';
+    const authority = this.of(id);
+    return authority.whose === 'others' && authority.heard ? authority.name : '';
   }
 
   async take(ids: readonly number[]): Promise<void> {
-    await this.#change(ids, { action: 'take' }, { done: (who) => t('Taken in hand: {who}', { who }), not: t('Not taken in hand') });
+    await this.#change(ids, { action: 'take' }, { done: (who) => t('Control taken: {who}', { who }), not: t('Control not taken') });
   }
 
   async request(ids: readonly number[]): Promise<void> {
@@ -101,7 +101,7 @@ export class Control {
     this.#tellRequests();
   }
 
-  /** The operator is called otherwise from now on, also where vehicles are in these hands already. */
+  /** The operator is called otherwise from now on, also where vehicles are under its control already. */
   async rename(name: string): Promise<void> {
     const before = this.operator.name;
     this.operator.rename(name);
@@ -156,7 +156,7 @@ export class Control {
       this.#journal.notice('warning', 'control', t('{name} has taken over: {who}', { name, who }));
     }
     const got = [...this.#wanted].filter((id) => mine.has(id));
-    if (got.length > 0) this.#journal.notice('info', 'control', t('In your hands now: {who}', { who: idRanges(got.sort((a, b) => a - b)) }));
+    if (got.length > 0) this.#journal.notice('info', 'control', t('Under your control now: {who}', { who: idRanges(got.sort((a, b) => a - b)) }));
     for (const id of got) this.#wanted.delete(id);
     for (const id of this.#given) if (!mine.has(id)) this.#given.delete(id);
     this.#wasMine = mine;

@@ -1,4 +1,4 @@
-// What one console does about hands and what it tells of it, with a node that is stood in for at the network and at the stream.
+// What one console does about authority and what it tells of it, with a node that is stood in for at the network and at the stream.
 
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { callAs } from '../protocol/rest';
@@ -61,11 +61,11 @@ afterEach(() => vi.unstubAllGlobals());
 describe('what this console does', () => {
   it('says who it is and what it wants, and tells what came of it', async () => {
     const { control, texts } = made();
-    answer = () => Response.json({ receipts: [{ vehicle: 1, refusal: null }, { vehicle: 2, refusal: { reason: 'in_other_hands', vehicle: 2, holder: 'Ben' } }] });
+    answer = () => Response.json({ receipts: [{ vehicle: 1, refusal: null }, { vehicle: 2, refusal: { reason: 'no_control_authority', vehicle: 2, holder: 'Ben' } }] });
     await control.take([1, 2]);
     expect(sent).toEqual([{ path: '/api/v1/control', console: ME, body: { targets: { vehicles: [1, 2] }, console: { id: ME, name: 'Anna' }, action: { action: 'take' } } }]);
-    expect(texts()).toEqual(['Not taken in hand: 2: vehicle 2 is in the hands of Ben', 'Taken in hand: 1']);
-    expect(control.outcome?.text).toBe('Not taken in hand: 2: vehicle 2 is in the hands of Ben');
+    expect(texts()).toEqual(['Control not taken: 2: vehicle 2 is under the control of Ben', 'Control taken: 1']);
+    expect(control.outcome?.text).toBe('Control not taken: 2: vehicle 2 is under the control of Ben');
     answer = () => Response.json({ receipts: [{ vehicle: 1, refusal: null }] });
     await control.release([1]);
     expect([control.outcome, texts()[0]]).toEqual([null, 'Let go: 1']);
@@ -84,7 +84,7 @@ describe('what this console does', () => {
     expect(sent).toHaveLength(1);
   });
 
-  it('gives its new name to whom has it in hand already', async () => {
+  it('gives its new name to whom has control authority over it already', async () => {
     const { control, say } = made();
     await control.rename('Annabel');
     expect(sent).toEqual([]);
@@ -95,7 +95,7 @@ describe('what this console does', () => {
   });
 });
 
-describe('what is known of hands', () => {
+describe('what is known of authority', () => {
   it('is nothing while nobody has anything', () => {
     const { control, say, texts } = made();
     expect([control.inUse, control.of(1).whose, control.heldBy(1)]).toEqual([false, 'nobody', '']);
@@ -113,7 +113,7 @@ describe('what is known of hands', () => {
     await control.request([1]);
     say(mine(1), bens(2));
     say(mine(1), mine(2));
-    expect(texts()).toEqual(['In your hands now: 1', 'Asked for: 1']);
+    expect(texts()).toEqual(['Under your control now: 1', 'Asked for: 1']);
   });
 
   it('wants to be seen when another one has what was ours, unless it was given', async () => {

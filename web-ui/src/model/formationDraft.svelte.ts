@@ -73,7 +73,7 @@ export class FormationDraft {
     return this.#session.rows.filter((row) => wanted.has(row.id));
   });
 
-  /** Who would take part as far as this page can tell: the targets that are in the air and in the swarm's hands. */
+  /** Who would take part as far as this page can tell: the targets that are in the air and under the swarm's control. */
   members = $derived.by<VehicleRow[]>(() => this.#selected.filter((row) => AVAILABLE.has(row.flightState) && row.staleness !== 'lost'));
 
   /** Why nobody would; empty where somebody does. */

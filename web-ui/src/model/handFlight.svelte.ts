@@ -21,10 +21,10 @@ const TROUBLE_SHOWN_MS = 1500;
 const PASSING: readonly Refusal['reason'][] = ['timed_out', 'not_running', 'clock'];
 const KEY = 'skein-hand-speed';
 
-/** What is used of the session, of commands and of hands. */
+/** What is used of the session, of commands and of authority. */
 export type Source = Pick<Session, 'rows' | 'canCommand' | 'fleet' | 'stick' | 'onStickRefused'>;
 export type Orders = Pick<Commander, 'run' | 'ledger'>;
-export type Hands = Pick<Control, 'heldBy'>;
+export type Authority = Pick<Control, 'heldBy'>;
 
 export class HandFlight {
   speed = $state<Speed>(remembered(KEY, SPEEDS) ?? 'medium');
@@ -50,17 +50,17 @@ export class HandFlight {
 
   readonly #source: Source;
   readonly #orders: Orders;
-  readonly #hands: Hands;
+  readonly #authority: Authority;
   #grip = new Grip();
   #batch = -1;
   #troubleAt = -Infinity;
   #focused = true;
   #timer: ReturnType<typeof setInterval> | undefined;
 
-  constructor(source: Source, orders: Orders, hands: Hands) {
+  constructor(source: Source, orders: Orders, authority: Authority) {
     this.#source = source;
     this.#orders = orders;
-    this.#hands = hands;
+    this.#authority = authority;
     source.onStickRefused((vehicle, refusal) => this.#refused(vehicle, refusal));
   }
 
@@ -139,9 +139,9 @@ export class HandFlight {
   /** How the command stands; ends the flight when that is over. */
   #order(): Order {
     if (this.vehicle === null) return 'none';
-    const holder = this.#hands.heldBy(this.vehicle);
+    const holder = this.#authority.heldBy(this.vehicle);
     const entry = this.#orders.ledger.batches.find(({ key }) => key === this.#batch)?.entries[0];
-    if (holder !== '') this.#over(t('in the hands of {name}', { name: holder }));
+    if (holder !== '') this.#over(t('under the control of {name}', { name: holder }));
     else if (entry?.phase === 'sending') return 'asked';
     else if (entry?.phase === 'sent' || entry?.phase === 'executing') return 'flown';
     else this.#over(entry?.phase === 'done' ? t('nobody has held the sticks for ten seconds') : (entry?.detail ?? ''));

@@ -6,7 +6,7 @@ import { LIMITS } from './byHand';
 import type { PadState, Shown, Stick } from './byHand';
 import type { Phase } from './commandLedger';
 import { HandFlight } from './handFlight.svelte';
-import type { Hands, Orders, Source } from './handFlight.svelte';
+import type { Authority, Orders, Source } from './handFlight.svelte';
 
 const ID = 3;
 const FORWARD = [0, 0, 0, -1];
@@ -56,7 +56,7 @@ function made() {
       return { batches: [{ key: batch, entries: [{ phase: node.phase, detail: node.detail }] }], early: [] };
     },
   };
-  const hand = new HandFlight(source as unknown as Source, orders as unknown as Orders, { heldBy: () => node.holder } satisfies Hands);
+  const hand = new HandFlight(source as unknown as Source, orders as unknown as Orders, { heldBy: () => node.holder } satisfies Authority);
   const close = hand.open();
   return {
     hand, row, node, sticks, commands, close,
@@ -181,7 +181,7 @@ describe('a flight by hand', () => {
   it('ends when somebody else has the vehicle, and says who', () => {
     const { hand, node, pass } = steering();
     node.holder = 'Ben';
-    expect([pass(), hand.is, hand.vehicle, hand.ended]).toEqual([[], 'off', null, 'in the hands of Ben']);
+    expect([pass(), hand.is, hand.vehicle, hand.ended]).toEqual([[], 'off', null, 'under the control of Ben']);
   });
 
   it('ends with the command, and with a stick that is refused for good', () => {

@@ -37,7 +37,7 @@ export class Session {
   info = $state.raw<FleetInfo>(NO_INFO);
   /** The nodes of the swarm; null where the node flies its vehicles alone. */
   swarm = $state.raw<SwarmSnapshot | null>(null);
-  /** Who has which vehicle in hand, by its id; the others are in nobody's. */
+  /** Who has control authority over which vehicle, by its id; the others are under nobody's. */
   control = $state.raw<ReadonlyMap<number, VehicleControl>>(new Map());
   rows = $state.raw<readonly VehicleRow[]>([]);
   /** Counts ticks; reading it in an effect makes the effect run with the list. */
@@ -130,7 +130,7 @@ export class Session {
     this.#restartListeners.push(listener);
   }
 
-  /** Calls `listener` when the server has said anew who has which vehicle in hand. */
+  /** Calls `listener` when the server has said anew who has control authority over which vehicle. */
   onControl(listener: () => void): void {
     this.#controlListeners.push(listener);
   }

@@ -71,5 +71,5 @@ export class Shortcuts {
 
 /** Which button a key brings into focus, by its `data-verb`. */
 export const FOCUSES: Readonly<Record<string, string>> = {
-  t: 'take_off', h: 'hold', l: 'land', r: 'return', o: 'hands', a: 'answer', 'Shift+H': 'hold_all', 'Shift+R': 'return_all', 'Shift+E': 'emergency',
+  t: 'take_off', h: 'hold', l: 'land', r: 'return', o: 'authority', a: 'answer', 'Shift+H': 'hold_all', 'Shift+R': 'return_all', 'Shift+E': 'emergency',
 };

@@ -1,5 +1,5 @@
 // The id of this tab, which is a console to the node. Kept in the tab; of no framework, since it is wanted before the page is there.
-// Must never let two tabs be one console: each would command what the other has in hand.
+// Must never let two tabs be one console: each would command what the other has control authority over.
 
 const ID_KEY = 'skein-console';
 const ID_BYTES = 16;

@@ -34,7 +34,7 @@ export class VehicleRow {
   readyToArm = $state(false);
   level = $state<Level>(LEVEL.normal);
   problems = $state('');
-  /** What the ladder, the energy and the avoidance say of it; null until they are known. */
+  /** What the failsafe policy, the energy and the avoidance say of it; null until they are known. */
   safety = $state.raw<VehicleSafety | null>(null);
   /** Its motors were stopped in an emergency. */
   stopped = $state(false);
@@ -65,11 +65,11 @@ export class VehicleRow {
   pluginsLevel = $state<Level>(LEVEL.normal);
   /** The node that flies it; null without a swarm. */
   node = $state<number | null>(null);
-  /** Its clock does not fit: an alarm of the ladder says so. */
+  /** Its clock does not fit: an alarm of the failsafe policy says so. */
   clockTrouble = $state(false);
 
-  /** The name of who has it in hand, empty if nobody has; and whether that is this page. */
-  hands = $state('');
+  /** The name of who has control authority over it, empty if nobody has; and whether that is this page. */
+  holder = $state('');
   mine = $state(false);
 
   constructor(
@@ -121,14 +121,14 @@ export class VehicleRow {
   }
 
   refreshControl(control: VehicleControl | undefined, console: string): void {
-    this.hands = control?.console.name ?? '';
+    this.holder = control?.console.name ?? '';
     this.mine = control?.console.id === console;
   }
 
   #refreshSafety(safety: VehicleSafety | null): void {
     this.safety = safety;
     this.stopped = safety?.stopped ?? false;
-    this.clockTrouble = safety?.ladder?.alarms.some((alarm) => alarm.trigger === 'clock_fault') ?? false;
+    this.clockTrouble = safety?.failsafe?.alarms.some((alarm) => alarm.trigger === 'clock_fault') ?? false;
     const energy = safety?.energy ?? null;
     this.returnS = energy?.return_in_s ?? NaN;
     if (!energy) this.neededHome = this.returnIn = UNKNOWN;

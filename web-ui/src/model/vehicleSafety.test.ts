@@ -4,7 +4,7 @@ import { LEVEL, worst } from './severity';
 import { alarmText, avoidanceText, durationText, orderText, quantity, returnText, safetyProblems } from './vehicleSafety';
 import type { VehicleSafety } from '../protocol/types';
 
-const WELL: VehicleSafety = { id: 1, ladder: null, energy: null, avoiding: null, stopped: false };
+const WELL: VehicleSafety = { id: 1, failsafe: null, energy: null, avoiding: null, stopped: false };
 const ALARM: Alarm = { trigger: 'link_loss', value: 4.25, limit: 3, unit: 's', since: 10_000_000, reaction: 'return', report_only: null };
 const ORDER: Order = { reaction: 'return', trigger: 'link_loss', ordered_at: 12_000_000, effective_at: 13_000_000, recovered: false };
 const ENERGY: EnergyState = {
@@ -61,11 +61,11 @@ describe('safetyProblems', () => {
 
   it('the alarm behind the order is not said twice, another is', () => {
     const other: Alarm = { ...ALARM, trigger: 'gnss_loss' };
-    expect(texts({ ladder: { alarms: [ALARM, other], order: ORDER } })).toEqual(['link loss: return ordered', 'GNSS loss']);
+    expect(texts({ failsafe: { alarms: [ALARM, other], order: ORDER } })).toEqual(['link loss: return ordered', 'GNSS loss']);
   });
 
   it('landing and release are critical, holding and returning are warnings', () => {
-    const level = (reaction: Order['reaction']) => worst(safetyProblems({ ...WELL, ladder: { alarms: [], order: { ...ORDER, reaction } } }, true));
+    const level = (reaction: Order['reaction']) => worst(safetyProblems({ ...WELL, failsafe: { alarms: [], order: { ...ORDER, reaction } } }, true));
     expect((['hold', 'return', 'land', 'release'] as const).map(level)).toEqual([2, 2, 3, 3]);
   });
 

@@ -1,7 +1,7 @@
-// What the safety functions of the node say of one vehicle, in the words an operator reads: the ladder's alarms and its order, the
+// What the safety functions of the node say of one vehicle, in the words an operator reads: the failsafe's alarms and its order, the
 // charge against the way home, whom it gives way to. Must never decide anything: limits and reactions are the server's. Pure.
 
-import type { Alarm, Avoidance, EnergyState, LadderState, Order, Reaction, VehicleSafety } from '../protocol/types';
+import type { Alarm, Avoidance, EnergyState, FailsafeState, Order, Reaction, VehicleSafety } from '../protocol/types';
 import { label, spoken } from '../protocol/words';
 import { LEVEL } from './severity';
 import type { Level, Problem } from './severity';
@@ -79,7 +79,7 @@ export function safetyProblems(safety: VehicleSafety | null, airborne: boolean):
   if (!safety) return [];
   const problems: Problem[] = [];
   if (safety.stopped) problems.push({ level: LEVEL.critical, text: t('motors stopped') });
-  problems.push(...ladderProblems(safety.ladder));
+  problems.push(...failsafeProblems(safety.failsafe));
   const energy = safety.energy && airborne ? ENERGY[safety.energy.level] : null;
   if (energy) problems.push({ level: energy.level, text: t(energy.text) });
   if (safety.avoiding) {
@@ -92,15 +92,15 @@ export function safetyProblems(safety: VehicleSafety | null, airborne: boolean):
   return problems;
 }
 
-function ladderProblems(ladder: LadderState | null): Problem[] {
-  if (!ladder) return [];
+function failsafeProblems(failsafe: FailsafeState | null): Problem[] {
+  if (!failsafe) return [];
   const problems: Problem[] = [];
-  const order = ladder.order;
+  const order = failsafe.order;
   if (order) {
     const grave = order.reaction === 'land' || order.reaction === 'release';
     problems.push({ level: grave ? LEVEL.critical : LEVEL.warning, text: t('{trigger}: {reaction} ordered', { trigger: spoken(order.trigger), reaction: t(REACTIONS[order.reaction]) }) });
   }
-  for (const alarm of ladder.alarms) {
+  for (const alarm of failsafe.alarms) {
     if (alarm.trigger === order?.trigger) continue;
     const level = alarm.report_only === 'on_ground' ? LEVEL.advisory : LEVEL.warning;
     problems.push({ level, text: spoken(alarm.trigger) });

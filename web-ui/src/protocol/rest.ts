@@ -67,7 +67,7 @@ export async function sendCommand(targets: Targets, command: VehicleCommand): Pr
   return ((await (await call('POST', 'commands', body)).json()) as CommandReceipts).receipts;
 }
 
-/** Takes vehicles in hand, asks for them, lets them go, hands them over. */
+/** Takes control authority over vehicles, asks for it, releases it, hands it over. */
 export async function changeControl(vehicles: readonly number[], console: Console, action: ControlAction): Promise<ControlReceipt[]> {
   const body: ControlBody = { targets: { vehicles: [...vehicles] }, console, action };
   return ((await (await call('POST', 'control', body)).json()) as ControlReceipts).receipts;
@@ -142,7 +142,7 @@ export async function operatorAlive(): Promise<void> {
   await call('POST', 'operator/alive');
 }
 
-/** Has a node take the office of coordinator. */
+/** Has a node take the leadership. */
 export async function makeCoordinator(node: number): Promise<void> {
   await call('POST', 'swarm/coordinator', { node });
 }

@@ -121,9 +121,9 @@ describe('Stream', () => {
   it('tells of a stick that was refused', () => {
     const { heard } = started();
     newest().say(HELLO);
-    const refusal = { reason: 'in_other_hands', vehicle: 3, holder: 'Ben' };
-    newest().say({ type: 'error', error: { code: 'in_other_hands', message: '', detail: { stick: 3, refusal } } });
-    expect([heard.refused, heard.unreadable]).toEqual([[[3, 'in_other_hands']], []]);
+    const refusal = { reason: 'no_control_authority', vehicle: 3, holder: 'Ben' };
+    newest().say({ type: 'error', error: { code: 'no_control_authority', message: '', detail: { stick: 3, refusal } } });
+    expect([heard.refused, heard.unreadable]).toEqual([[[3, 'no_control_authority']], []]);
   });
 
   it('does not go on with a server of another version, nor try again', () => {

@@ -36,7 +36,7 @@ export type StreamListener = {
   fleet(info: FleetInfo): void;
   /** Of all vehicles first, then of those of which it has changed. */
   safety(vehicles: readonly VehicleSafety[]): void;
-  /** Who has which vehicles in hand, whole. On a new connection nobody has any until this says so. */
+  /** Who has control authority over which vehicles, whole. On a new connection nobody has any until this says so. */
   control(vehicles: readonly VehicleControl[]): void;
   swarm(swarm: SwarmSnapshot): void;
   event(event: EventRecord): void;

@@ -86,8 +86,8 @@ export function refusalText(refusal: Refusal): string {
       return t('there is no track {track}', { track: refusal.track });
     case 'preflight':
       return t('preflight not met: {items}', { items: refusal.items.map(spoken).join(', ') });
-    case 'in_other_hands':
-      return t('vehicle {vehicle} is in the hands of {holder}', { vehicle: refusal.vehicle, holder: refusal.holder });
+    case 'no_control_authority':
+      return t('vehicle {vehicle} is under the control of {holder}', { vehicle: refusal.vehicle, holder: refusal.holder });
     case 'clock':
       return `${t('clock')}: ${refusal.detail}`;
     case 'unknown_reference':

@@ -29,8 +29,8 @@ pub(super) fn parameters() -> Vec<Endpoint> {
         Endpoint::put("/api/v1/vehicles/{id}/parameters/{name}", "writeParameter", parameters::write)
             .about(
                 "parameters",
-                "Writes a parameter and waits until the autopilot says that it keeps it. Refused while the vehicle is armed, or in another \
-                 operator's hands. It is read first if its type is not known; no type is guessed.",
+                "Writes a parameter and waits until the autopilot says that it keeps it. Refused while the vehicle is armed, or another \
+                 operator has control authority over it. It is read first if its type is not known; no type is guessed.",
             )
             .with::<VehicleId>("id")
             .with::<ParameterName>("name")

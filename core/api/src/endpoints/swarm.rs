@@ -19,7 +19,7 @@ pub(super) fn swarm() -> Vec<Endpoint> {
         Endpoint::post("/api/v1/swarm/coordinator", "makeCoordinator", swarm::make_coordinator)
             .about(
                 "swarm",
-                "Has a node take the office of coordinator, although another one may hold it.",
+                "Has a node take the leadership, although another one may hold it.",
             )
             .takes::<CoordinatorBody>()
             .answer(StatusCode::NO_CONTENT, "It coordinates.", None)

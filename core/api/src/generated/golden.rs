@@ -92,7 +92,7 @@ pub(crate) fn unknown_vehicle(id: u16) -> VehicleSnapshot {
         model: PluginHealth::default(),
         model_state: None,
         avoiding: None,
-        ladder: None,
+        failsafe: None,
         energy: None,
         stopped: false,
         limits: None,

@@ -85,9 +85,9 @@ async fn dead_man(client: &mut Client, state: &str) -> Value {
 #[tokio::test(flavor = "multi_thread")]
 async fn it_tells_whether_an_operator_is_heard() {
     let served = Served::start_with(|config| {
-        let rule = &mut config.safety.ladder.operator_dead_man;
-        rule.mode = skein_domain::ladder::TriggerMode::React;
-        rule.steps = vec![skein_domain::ladder::Step {
+        let rule = &mut config.safety.failsafe.operator_dead_man;
+        rule.mode = skein_domain::failsafe::TriggerMode::React;
+        rule.steps = vec![skein_domain::failsafe::FailsafeStep {
             after_s: 1.5,
             reaction: skein_domain::Reaction::Warn,
         }];

@@ -3,7 +3,7 @@
 //! Must never do: keep room for something because a chunk says that it is large; hand out one thing twice.
 
 use super::{BulkSettings, Chunk, Have, WINDOW};
-use crate::seal::Boot;
+use crate::envelope::Boot;
 use skein_domain::{NodeId, NodeTime};
 use std::collections::BTreeMap;
 

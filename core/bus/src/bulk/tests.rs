@@ -1,7 +1,7 @@
 //! Something large over a network that loses, doubles and turns around.
 
 use super::*;
-use crate::seal::Boot;
+use crate::envelope::Boot;
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -4,9 +4,9 @@
 
 use super::{Bus, Event, RESTING_SHARE, Ticket, push_bounded};
 use crate::courier::Inbox;
+use crate::envelope::{Boot, Opened};
 use crate::latest::{Learned, News};
 use crate::links::Report;
-use crate::seal::{Boot, Opened};
 use crate::transport::To;
 use crate::wire::Frame;
 use skein_domain::{NodeId, NodeTime};
@@ -123,7 +123,7 @@ impl Bus {
                 let body = question.body;
                 vec![Event::Asked { ticket, body }]
             }
-            Frame::Answer(answer) => {
+            Frame::QueryAnswer(answer) => {
                 let answered = self.asking.answered(now, from, answer).into_iter();
                 answered.map(|(id, body)| Event::Answered { id, from, body }).collect()
             }

@@ -4,8 +4,8 @@
 
 use super::{Bus, Outgoing};
 use crate::courier::Outbox;
+use crate::envelope::ENVELOPE_BYTES;
 use crate::links::Link;
-use crate::seal::SEAL_BYTES;
 use crate::transport::{CLASSES, Class, To};
 use crate::wire::Frame;
 use skein_domain::NodeTime;
@@ -87,7 +87,7 @@ impl Bus {
         let (to, frame) = match class {
             Class::Command => self.command(now)?,
             Class::State => {
-                let room_bytes = self.settings.datagram_bytes.saturating_sub(SEAL_BYTES + 8);
+                let room_bytes = self.settings.datagram_bytes.saturating_sub(ENVELOPE_BYTES + 8);
                 let report = self.links.report(now, room_bytes, self.seal.sent_to_all());
                 let frame = report.map(Frame::Report).or_else(|| {
                     let most = self.settings.datagram_bytes;
@@ -117,7 +117,7 @@ impl Bus {
 
     /// Small values that have changed, if some are due.
     fn small(&mut self, now: NodeTime) -> Option<Outgoing> {
-        let room_bytes = self.settings.datagram_bytes.saturating_sub(SEAL_BYTES + 8);
+        let room_bytes = self.settings.datagram_bytes.saturating_sub(ENVELOPE_BYTES + 8);
         let news = self.telling.next_small(now, room_bytes);
         if news.wholes.is_empty() {
             return None;
@@ -138,7 +138,7 @@ impl Bus {
 
     fn query(&mut self, now: NodeTime) -> Option<(To, Frame)> {
         if let Some((to, answer)) = self.answers.pop_front() {
-            return Some((To::One(to), Frame::Answer(answer)));
+            return Some((To::One(to), Frame::QueryAnswer(answer)));
         }
         if let Some((to, have)) = self.haves.pop_front() {
             return Some((To::One(to), Frame::Have(have)));

@@ -1,8 +1,8 @@
 //! Differences and their bases: any bytes, any losses, doubles, late arrivals and new beginnings.
 
 use super::*;
+use crate::envelope::Boot;
 use crate::latest::{Heard, News, StateSettings, Telling};
-use crate::seal::Boot;
 use proptest::prelude::*;
 use skein_domain::NodeId;
 use std::collections::VecDeque;

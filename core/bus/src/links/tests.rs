@@ -3,10 +3,10 @@
 use super::*;
 use crate::budget::BudgetSettings;
 use crate::bus::{Bus, BusSettings, Event, pump};
+use crate::envelope::SwarmKey;
 use crate::latest::Key;
 use crate::local::{Hub, Local};
 use crate::radio::{Air, AirSettings, Radio};
-use crate::seal::SwarmKey;
 
 const A: (NodeId, Boot) = (NodeId(1), Boot(1));
 const B: (NodeId, Boot) = (NodeId(2), Boot(2));

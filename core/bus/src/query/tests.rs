@@ -6,8 +6,8 @@ fn at(seconds: f64) -> NodeTime {
     NodeTime::from_seconds(seconds)
 }
 
-fn answer(id: u64) -> Answer {
-    Answer { id, body: vec![1] }
+fn answer(id: u64) -> QueryAnswer {
+    QueryAnswer { id, body: vec![1] }
 }
 
 #[test]

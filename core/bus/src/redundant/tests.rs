@@ -3,10 +3,10 @@
 use super::*;
 use crate::bus::{Bus, BusSettings, Event, pump};
 use crate::conformance::{self, Rig};
+use crate::envelope::{Boot, SwarmKey};
 use crate::latest::Key;
 use crate::local::{Hub, Local};
 use crate::radio::{Air, AirSettings, Link, Radio};
-use crate::seal::{Boot, SwarmKey};
 use std::collections::BTreeSet;
 
 const A: NodeId = NodeId(1);

@@ -3,9 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
 use skein_bus::bus::Bus;
+use skein_bus::envelope::{Boot, SwarmKey};
 use skein_bus::latest::Key;
 use skein_bus::radio::{Air, AirSettings};
-use skein_bus::seal::{Boot, SwarmKey};
 use skein_bus::transport::Class;
 use skein_bus::{BusSettings, local::Hub, pump};
 use skein_domain::{NodeId, NodeTime};

@@ -3,10 +3,10 @@
 
 use skein_bus::budget::BudgetSettings;
 use skein_bus::bus::Bus;
+use skein_bus::envelope::{Boot, SwarmKey};
 use skein_bus::latest::Key;
 use skein_bus::local::{Hub, Local};
 use skein_bus::radio::{Air, AirSettings, Radio};
-use skein_bus::seal::{Boot, SwarmKey};
 use skein_bus::{BusSettings, Event, pump};
 use skein_domain::{NodeId, NodeTime};
 use std::collections::{BTreeMap, BTreeSet};

@@ -121,8 +121,8 @@ impl SwarmState {
             Kind::Beacon => {
                 if let Ok(beacon) = minicbor::decode::<Beacon>(value) {
                     known.obeys = beacon.obeys;
-                    self.office.hear(&beacon);
-                    self.watch.hear(now, &self.office, &beacon);
+                    self.leadership.hear(&beacon);
+                    self.monitor.hear(now, &self.leadership, &beacon);
                 }
             }
             Kind::Card => {
@@ -213,7 +213,7 @@ impl SwarmState {
             .zip(self.shared.frame())
             .filter(|(theirs, ours)| theirs != ours);
         let Some(swarm) = &self.shared.swarm else { return };
-        let acts = self.office.acting().is_some();
+        let acts = self.leadership.acting().is_some();
         let mut vehicles = swarm.vehicles.write();
         for mut report in batch.reports {
             if let Some((theirs, ours)) = frames {
@@ -264,8 +264,8 @@ impl SwarmState {
 
     /// Orders of a coordinator: taken up if it is obeyed, and if their moments can be reckoned by this node's clock.
     fn obey(&mut self, from: NodeId, mut orders: Orders, now: NodeTime) {
-        let before = self.office.obeyed();
-        if orders.term.holder.node != from || self.office.order(orders.term).is_err() {
+        let before = self.leadership.obeyed();
+        if orders.term.holder.node != from || self.leadership.order(orders.term).is_err() {
             return;
         }
         if let (Some(theirs), Some(ours)) = (orders.frame, self.shared.frame())
@@ -321,11 +321,11 @@ impl SwarmState {
                 }
             }
             Ok(NodeMessage::Handover(offer)) => {
-                if self.office.take_over(&offer).is_some() {
-                    self.bereaved = None;
+                if self.leadership.take_over(&offer).is_some() {
+                    self.lost_leader = None;
                     self.record(
                         Severity::Info,
-                        format!("node {from} has handed the office over to this node"),
+                        format!("node {from} has handed the leadership over to this node"),
                     );
                 }
             }

@@ -1,4 +1,4 @@
-//! The office of coordinator on this node: when to take it, hand it over, and what everybody here is told of it.
+//! The leadership on this node: when to take it, hand it over, and what everybody here is told of it.
 //!
 //! Must never do: take it from a holder that is heard, unless somebody asks.
 
@@ -8,47 +8,47 @@ use super::messages::NodeMessage;
 use super::outbound::roles;
 use skein_domain::exchange::Severity;
 use skein_domain::{NodeId, NodeTime, Refusal, Task, VehicleTask};
-use skein_failover::{Allegiance, ClaimError, Term, Turn};
+use skein_failover::{ClaimError, LeaderState, Term, Turn};
 use skein_state::SharedState;
 use skein_state::cluster::report::{WITHDRAWN, origin_of};
 use skein_state::cluster::share::Role;
-use skein_view::{AllegianceKind, NodeRole, NodeSnapshot, SwarmSnapshot, TermSnapshot, WaySnapshot};
+use skein_view::{LeaderStateKind, NodeRole, NodeSnapshot, SwarmSnapshot, TermSnapshot, WaySnapshot};
 use std::sync::Arc;
 
 /// A node not heard for so long is told of as gone, in seconds.
 const GONE_S: f64 = 3.0;
-/// Time between two offers of the office, in seconds.
+/// Time between two offers of the leadership, in seconds.
 const OFFER_S: f64 = 0.5;
 
 impl SwarmState {
     /// Whether it is this node's turn, and what follows.
     pub(super) fn decide(&mut self, now: NodeTime) {
-        self.office.set_priority(self.priority());
-        match self.watch.turn(now, &self.office) {
+        self.leadership.set_priority(self.priority());
+        match self.monitor.turn(now, &self.leadership) {
             Turn::Claim => {
-                let missed = self.office.obeyed().map(|term| term.holder.node);
-                if self.office.claim().is_ok() {
-                    self.bereaved = missed.filter(|node| *node != self.office.node());
+                let missed = self.leadership.obeyed().map(|term| term.holder.node);
+                if self.leadership.claim().is_ok() {
+                    self.lost_leader = missed.filter(|node| *node != self.leadership.node());
                 }
             }
             // Without a number left everything stays as it is, fenced apart.
-            Turn::Renew => drop(self.office.renew()),
+            Turn::Renew => drop(self.leadership.renew()),
             Turn::HandOver(to) => self.offer(now, to),
             Turn::Held | Turn::Wait | Turn::Alone | Turn::Minority => {}
         }
-        // In whatever way it changed hands: what was heard since the last look may have done it too.
-        let before = std::mem::replace(&mut self.noted, self.office.acting());
+        // In whatever way it changed: what was heard since the last look may have done it too.
+        let before = std::mem::replace(&mut self.noted, self.leadership.acting());
         if self.noted != before {
-            self.office_changed(before);
+            self.leadership_changed(before);
         }
     }
 
     /// How suited this node is: as configured, unless all of its vehicles say that they cannot host a coordinator.
     fn priority(&self) -> Option<u8> {
-        let cells = self.shared.cells();
-        let told: Vec<bool> = cells
+        let records = self.shared.records();
+        let told: Vec<bool> = records
             .iter()
-            .filter_map(|cell| cell.state.lock().capability.map(|c| c.capable))
+            .filter_map(|record| record.state.lock().capability.map(|c| c.capable))
             .collect();
         let able = told.is_empty() || told.contains(&true);
         self.shared.config.swarm.coordinator_priority.filter(|_| able)
@@ -59,19 +59,19 @@ impl SwarmState {
             return;
         }
         self.told.next_offer = now.plus_seconds(OFFER_S);
-        if let Some(offer) = self.office.hand_over(to) {
+        if let Some(offer) = self.leadership.hand_over(to) {
             self.post(now, to, &NodeMessage::Handover(offer));
         }
     }
 
-    /// Takes the office, because somebody asks for it.
+    /// Takes the leadership, because somebody asks for it.
     ///
     /// # Errors
     /// When this node cannot coordinate.
-    pub(super) fn take_office(&mut self) -> Result<(), Refusal> {
-        match self.office.claim() {
+    pub(super) fn take_leadership(&mut self) -> Result<(), Refusal> {
+        match self.leadership.claim() {
             Ok(_) => {
-                self.bereaved = None;
+                self.lost_leader = None;
                 Ok(())
             }
             Err(ClaimError::HoldsAlready { .. }) => Ok(()),
@@ -81,15 +81,15 @@ impl SwarmState {
         }
     }
 
-    /// This node has taken the office, or lost it.
-    fn office_changed(&mut self, before: Option<Term>) {
+    /// This node has taken the leadership, or lost it.
+    fn leadership_changed(&mut self, before: Option<Term>) {
         let Some(swarm) = &self.shared.swarm else { return };
         let remote: Vec<_> = {
             let vehicles = swarm.vehicles.read();
             let withdrawn = |v: &skein_state::cluster::share::RemoteVehicle| v.report.has(WITHDRAWN);
             vehicles.values().map(|v| (v.report.id, withdrawn(v))).collect()
         };
-        let acting = self.office.acting();
+        let acting = self.leadership.acting();
         {
             // Of others' vehicles only the coordinator keeps count here.
             let mut withdrawn = self.shared.withdrawn.lock();
@@ -110,7 +110,7 @@ impl SwarmState {
                 );
             }
             (Some(_), None) => {
-                let by = self.office.obeyed().map_or(0, |term| term.holder.node.0);
+                let by = self.leadership.obeyed().map_or(0, |term| term.holder.node.0);
                 self.record(Severity::Advisory, format!("node {by} coordinates from now on"));
             }
             _ => {}
@@ -120,20 +120,20 @@ impl SwarmState {
     /// Puts in the shared state what everybody here has to know of the swarm.
     pub(super) fn publish(&mut self, now: NodeTime) {
         self.notice_gone(now);
-        let present = self.watch.present(now).count();
+        let present = self.monitor.present(now).count();
         self.had_company |= present > 0;
-        let allegiance = self.watch.allegiance(now, &self.office, &self.unled);
-        let silent_s = self.watch.silent_s(now);
+        let leader_state = self.monitor.leader_state(now, &self.leadership, &self.unled);
+        let silent_s = self.monitor.silent_s(now);
         let Some(swarm) = &self.shared.swarm else { return };
         let before = **swarm.role.load();
-        let acting = self.office.acting();
+        let acting = self.leadership.acting();
         let role = Role {
-            node: self.office.node(),
+            node: self.leadership.node(),
             acting,
             acting_since: acting.and(before.acting_since.or(Some(now))),
-            bereaved: self.bereaved,
-            allegiance,
-            coordinator_seen: match self.office.acting() {
+            lost_leader: self.lost_leader,
+            leader_state,
+            coordinator_seen: match self.leadership.acting() {
                 Some(_) => None,
                 None => silent_s.map(|s| now.plus_seconds(-s)),
             },
@@ -194,11 +194,11 @@ impl SwarmState {
     }
 
     fn picture(&self, role: &Role, now: NodeTime) -> SwarmSnapshot {
-        let (allegiance, silent_s) = match role.allegiance {
-            Allegiance::Nobody => (AllegianceKind::Nobody, None),
-            Allegiance::Led { .. } => (AllegianceKind::Led, None),
-            Allegiance::Awaiting { silent_s, .. } => (AllegianceKind::Awaiting, Some(silent_s)),
-            Allegiance::Unled { silent_s, .. } => (AllegianceKind::Unled, Some(silent_s)),
+        let (leader_state, silent_s) = match role.leader_state {
+            LeaderState::Nobody => (LeaderStateKind::Nobody, None),
+            LeaderState::Led { .. } => (LeaderStateKind::Led, None),
+            LeaderState::Awaiting { silent_s, .. } => (LeaderStateKind::Awaiting, Some(silent_s)),
+            LeaderState::Unled { silent_s, .. } => (LeaderStateKind::Unled, Some(silent_s)),
         };
         let refused = self.bus.refused();
         let config = &self.shared.config;
@@ -207,8 +207,8 @@ impl SwarmState {
             node: role.node,
             name: config.node.name.clone(),
             roles: roles(&self.shared),
-            allegiance,
-            term: self.office.obeyed().map(told),
+            leader_state,
+            term: self.leadership.obeyed().map(told),
             silent_s,
             acting: role.acting.is_some(),
             cut_off: role.cut_off,
@@ -272,8 +272,8 @@ fn hold_here(shared: &SharedState) {
     let mut intent = shared.intent.load().as_ref().clone();
     // Coordinators publish even versions: the next one outranks this.
     let version = intent.version | 1;
-    for cell in shared.cells() {
-        if let Some(task) = intent.tasks.get_mut(&cell.id)
+    for record in shared.records() {
+        if let Some(task) = intent.tasks.get_mut(&record.id)
             && matches!(task.task, Task::Lead { .. } | Task::Follow { .. } | Task::Keep(_))
         {
             *task = VehicleTask {

@@ -1,4 +1,4 @@
-//! What goes to one other node: asks and their answers, events, the office.
+//! What goes to one other node: asks and their answers, events, the leadership.
 //!
 //! Must never do: wait for an answer.
 
@@ -21,7 +21,7 @@ pub enum NodeMessage {
     /// Events, packed.
     #[n(1)]
     Events(#[cbor(n(0), with = "minicbor::bytes")] Vec<u8>),
-    /// The office is offered.
+    /// The leadership is offered.
     #[n(2)]
     Handover(#[n(0)] Handover),
 }

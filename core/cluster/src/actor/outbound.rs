@@ -36,7 +36,7 @@ const EVENTS_MOST: usize = 16;
 
 /// What was told, and when it is time again.
 #[derive(Debug, Default)]
-pub struct Told {
+pub struct OutboundState {
     next_beacon: NodeTime,
     next_vehicles: NodeTime,
     next_sheets: NodeTime,
@@ -56,13 +56,13 @@ pub struct Told {
     beaconed: Option<Term>,
     /// The last term whose orders were taken up.
     taken_up: Option<Term>,
-    /// When the office may be offered again, and the picture is due.
+    /// When the leadership may be offered again, and the picture is due.
     pub(super) next_offer: NodeTime,
     pub(super) next_picture: NodeTime,
     other_frames: BTreeSet<NodeId>,
 }
 
-impl Told {
+impl OutboundState {
     /// A node has joined: what it needs first is told again.
     pub fn tell_anew(&mut self) {
         self.card = None;
@@ -83,10 +83,10 @@ impl Told {
 impl SwarmState {
     /// Tells what is due.
     pub(super) fn tell(&mut self, now: NodeTime) {
-        if now >= self.told.next_beacon || self.told.beaconed != self.office.obeyed() {
-            self.told.beaconed = self.office.obeyed();
+        if now >= self.told.next_beacon || self.told.beaconed != self.leadership.obeyed() {
+            self.told.beaconed = self.leadership.obeyed();
             self.told.next_beacon = now.plus_seconds(BEACON_S);
-            let beacon = self.watch.beacon(now, self.office.node(), &self.office);
+            let beacon = self.monitor.beacon(now, self.leadership.node(), &self.leadership);
             self.value(now, Kind::Beacon, 0, minicbor::to_vec(beacon));
             self.tell_card(now);
         }
@@ -142,7 +142,7 @@ impl SwarmState {
             name: self.shared.config.node.name.clone(),
             roles: NodeRole::to_bits(&roles(&self.shared)),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            vehicles: self.shared.cells().iter().map(|cell| cell.id).take(256).collect(),
+            vehicles: self.shared.records().iter().map(|record| record.id).take(256).collect(),
             origin: origin_of(self.shared.frame()),
         };
         if self.told.card.as_ref() != Some(&card) {
@@ -155,11 +155,11 @@ impl SwarmState {
     fn tell_vehicles(&mut self, now: NodeTime) -> bool {
         let peers = self.shared.peers.load_full();
         let withdrawn = self.shared.withdrawn.lock().clone();
-        let report = |cell: &Arc<VehicleRecord>| {
-            let entry = peers.entry(cell.id)?;
-            Some(VehicleReport::of(cell, entry, withdrawn.contains(&cell.id), now))
+        let report = |record: &Arc<VehicleRecord>| {
+            let entry = peers.entry(record.id)?;
+            Some(VehicleReport::of(record, entry, withdrawn.contains(&record.id), now))
         };
-        let reports: Vec<VehicleReport> = self.shared.cells().iter().filter_map(report).collect();
+        let reports: Vec<VehicleReport> = self.shared.records().iter().filter_map(report).collect();
         let flies = reports.iter().any(|r| r.has(skein_state::cluster::report::ARMED));
         let mut count = 0;
         for chunk in reports.chunks(PER_BATCH) {
@@ -180,23 +180,24 @@ impl SwarmState {
     /// Tells what screens show of its vehicles, where that has changed.
     fn tell_sheets(&mut self, now: NodeTime) {
         let peers = self.shared.peers.load_full();
-        for cell in self.shared.cells() {
-            let Some(sheet) = picture::vehicle(&self.shared, &cell, &peers, None, now) else {
+        for record in self.shared.records() {
+            let Some(sheet) = picture::vehicle(&self.shared, &record, &peers, None, now) else {
                 continue;
             };
             let Ok(packed) = pack(&without_motion(sheet)) else {
                 continue;
             };
-            if self.told.sheets.get(&cell.id) != Some(&packed) && self.tell_parts(now, Kind::Sheet, cell.id.0, &packed)
+            if self.told.sheets.get(&record.id) != Some(&packed)
+                && self.tell_parts(now, Kind::Sheet, record.id.0, &packed)
             {
-                self.told.sheets.insert(cell.id, packed);
+                self.told.sheets.insert(record.id, packed);
             }
         }
     }
 
     /// While it coordinates: its orders, at once when the intent has changed.
     fn tell_orders(&mut self, now: NodeTime) {
-        let Some(term) = self.office.acting() else {
+        let Some(term) = self.leadership.acting() else {
             if self.told.orders.take().is_some() {
                 self.told.intent = None;
                 let count = self.told.parts.remove(&(Kind::Orders, 0)).unwrap_or(MOST_PARTS as u8);
@@ -206,7 +207,7 @@ impl SwarmState {
             }
             return;
         };
-        // The coordinator of this node takes up its office first: what is in the shared state is of a former term until then.
+        // The coordinator of this node takes its leadership up first: what is in the shared state is of a former term until then.
         let intent = self.shared.intent.load_full();
         if intent.version < skein_state::cluster::share::first_version(term) {
             return;
@@ -271,7 +272,7 @@ impl SwarmState {
     fn tell_events(&mut self, now: NodeTime) {
         let gateway = NodeRole::to_bits(&[NodeRole::Gateway]);
         let to: Vec<NodeId> = self
-            .watch
+            .monitor
             .present(now)
             .filter(|node| {
                 self.nodes

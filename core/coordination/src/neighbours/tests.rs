@@ -11,7 +11,7 @@ fn at_s(time_s: f64) -> NodeTime {
     NodeTime(0).plus_seconds(time_s)
 }
 
-/// In the air, in our hands, last heard at [`HEARD_S`].
+/// In the air, under our control, last heard at [`HEARD_S`].
 fn entry(velocity: VelocityNed) -> PeerEntry {
     PeerEntry {
         id: VehicleId(1),

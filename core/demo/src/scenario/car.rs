@@ -27,11 +27,11 @@ const SETTLING_S: f64 = 8.0;
 /// A drive under way.
 pub struct Car {
     task: JoinHandle<()>,
-    seen: Arc<Mutex<Seen>>,
+    seen: Arc<Mutex<CarSeen>>,
 }
 
 #[derive(Default)]
-struct Seen {
+struct CarSeen {
     arrived: bool,
     off: Errors,
 }
@@ -39,7 +39,7 @@ struct Seen {
 impl Car {
     /// Drives off westwards.
     pub fn drive(node: NodeHandle, name: &'static str, start: PositionNed, speed_m_s: f64) -> Self {
-        let seen = Arc::new(Mutex::new(Seen::default()));
+        let seen = Arc::new(Mutex::new(CarSeen::default()));
         let task = tokio::spawn(drive(node, name, start, speed_m_s, seen.clone()));
         Self { task, seen }
     }
@@ -56,7 +56,7 @@ impl Car {
     }
 }
 
-async fn drive(node: NodeHandle, name: &'static str, start: PositionNed, speed_m_s: f64, seen: Arc<Mutex<Seen>>) {
+async fn drive(node: NodeHandle, name: &'static str, start: PositionNed, speed_m_s: f64, seen: Arc<Mutex<CarSeen>>) {
     let began = Instant::now();
     let mut clock = tokio::time::interval(REPORT_PERIOD);
     loop {

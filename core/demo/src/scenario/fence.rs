@@ -6,7 +6,7 @@ use super::{Flight, Setup, swarm_origin};
 use crate::layout::{HEIGHT_M, SPACING_M};
 use crate::referee::Referee;
 use crate::report::{Criterion, at_least, at_most};
-use crate::stage::Stage;
+use crate::scenario_runner::ScenarioRunner;
 use anyhow::{Context, bail};
 use nalgebra::Vector3;
 use parking_lot::Mutex;
@@ -31,7 +31,7 @@ const SPEED_M_S: f64 = 4.0;
 
 /// What the truth showed.
 #[derive(Default)]
-struct Seen {
+struct FenceSeen {
     watching: bool,
     /// Deepest beyond the boundary of the field, or inside of a zone to keep out of, in metres; negative: never.
     deepest_m: Option<f64>,
@@ -44,7 +44,7 @@ struct Seen {
 /// The flight and what it showed.
 #[derive(Default)]
 pub struct Fence {
-    seen: Arc<Mutex<Seen>>,
+    seen: Arc<Mutex<FenceSeen>>,
     refused: usize,
     named: usize,
     around_off_m: Option<f64>,
@@ -101,7 +101,7 @@ fn breach_m(place: &PositionNed) -> f64 {
 }
 
 /// One look at the truth.
-fn look(seen: &mut Seen, truth: &TruthFrame) {
+fn look(seen: &mut FenceSeen, truth: &TruthFrame) {
     if !seen.watching {
         return;
     }
@@ -117,8 +117,8 @@ fn look(seen: &mut Seen, truth: &TruthFrame) {
 
 impl Fence {
     /// Goals where nobody may be.
-    async fn refusals(&mut self, stage: &Stage<'_>, id: VehicleId) -> anyhow::Result<()> {
-        let here = stage.position(id)?;
+    async fn refusals(&mut self, runner: &ScenarioRunner<'_>, id: VehicleId) -> anyhow::Result<()> {
+        let here = runner.position(id)?;
         let goals = [
             ("mast", MAST_M.0),
             ("yard", [45.0, 42.0]),
@@ -131,14 +131,14 @@ impl Fence {
                 yaw_rad: None,
                 speed_m_s: None,
             };
-            match stage.refusal(id, command).await {
+            match runner.refusal(id, command).await {
                 Some(refusal @ Refusal::OutsideFence { .. }) => {
                     self.refused += 1;
                     let text = refusal.to_string();
                     self.named += usize::from(text.contains(name));
-                    stage.say(&format!("a goal in or beyond the {name} is refused: {text}"));
+                    runner.say(&format!("a goal in or beyond the {name} is refused: {text}"));
                 }
-                other => stage.say(&format!("a goal in or beyond the {name} is answered with {other:?}")),
+                other => runner.say(&format!("a goal in or beyond the {name} is answered with {other:?}")),
             }
         }
         Ok(())
@@ -147,7 +147,7 @@ impl Fence {
     /// A flight to a place; gives how far from it the vehicle ends, by the truth.
     async fn go_to(
         &self,
-        stage: &Stage<'_>,
+        runner: &ScenarioRunner<'_>,
         id: VehicleId,
         position: PositionNed,
         speed_m_s: f64,
@@ -157,18 +157,18 @@ impl Fence {
             yaw_rad: None,
             speed_m_s: Some(speed_m_s),
         };
-        stage.carry_out(id, command, 60.0).await?;
-        stage.pause(2.0).await;
-        let truth = stage.referee.truth();
+        runner.carry_out(id, command, 60.0).await?;
+        runner.pause(2.0).await;
+        let truth = runner.referee.truth();
         let vehicle = crate::referee::vehicle(&truth, id).context("the vehicle is not in the truth")?;
         Ok(vehicle.position.distance_m(&position))
     }
 
     /// A wedge whose right arm would reach over the eastern boundary, on its way when that is drawn in.
-    async fn slide(&mut self, stage: &Stage<'_>) -> anyhow::Result<()> {
+    async fn slide(&mut self, runner: &ScenarioRunner<'_>) -> anyhow::Result<()> {
         let wedge = FormationRequest::new(Shape::Wedge, SPACING_M);
-        stage.form("Wedge", wedge).await?;
-        let here = stage.leader_position()?;
+        runner.form("Wedge", wedge).await?;
+        let here = runner.leader_position()?;
         let along = |east_m: f64| {
             let at = |north: f64, east: f64| PositionNed::new(north, east, here.down_m);
             Route {
@@ -182,31 +182,31 @@ impl Fence {
             }
         };
         let near_m = FIELD_M[3] - ALONG_M;
-        if let Err(refusal @ Refusal::OutsideFence { .. }) = stage.node.set_route(along(near_m + DRAWN_IN_M)).await {
+        if let Err(refusal @ Refusal::OutsideFence { .. }) = runner.node.set_route(along(near_m + DRAWN_IN_M)).await {
             self.route_refused = refusal.to_string().contains("the place of vehicle");
-            stage.say(&format!("a route too near the eastern boundary is refused: {refusal}"));
+            runner.say(&format!("a route too near the eastern boundary is refused: {refusal}"));
         }
         let where_it_will_be = "along where the eastern boundary will be";
-        stage.begin_route(where_it_will_be, &along(near_m)).await?;
+        runner.begin_route(where_it_will_be, &along(near_m)).await?;
         let drawn_in = FencePlan {
             zones: zones(FIELD_M),
             ..FencePlan::default()
         };
-        stage.node.set_fences(drawn_in).await?;
-        stage.say(&format!("the eastern boundary is drawn in by {DRAWN_IN_M} m"));
+        runner.node.set_fences(drawn_in).await?;
+        runner.say(&format!("the eastern boundary is drawn in by {DRAWN_IN_M} m"));
         let mut reached_over_m = f64::NEG_INFINITY;
-        let deadline_s = stage.elapsed_s() + 60.0;
-        while !stage
+        let deadline_s = runner.elapsed_s() + 60.0;
+        while !runner
             .node
             .snapshot()
             .formation
             .as_ref()
             .is_some_and(|f| f.route_finished)
         {
-            if stage.elapsed_s() > deadline_s {
+            if runner.elapsed_s() > deadline_s {
                 bail!("waited 60 s for the leader at the end of its route along the boundary");
             }
-            if let Some(slots) = stage.node.slots() {
+            if let Some(slots) = runner.node.slots() {
                 let heading_rad = slots.anchor.heading_rad;
                 let places = slots
                     .slots
@@ -216,26 +216,26 @@ impl Fence {
                     .map(|place| outside_m(FIELD_M, &place))
                     .fold(reached_over_m, f64::max);
             }
-            stage.pause(0.1).await;
+            runner.pause(0.1).await;
         }
         self.slid = true;
         self.reached_over_m = Some(reached_over_m);
-        stage.say(&format!(
+        runner.say(&format!(
             "the formation's slots reached {reached_over_m:.1} m over the boundary; who had them flew along on the inside"
         ));
         Ok(())
     }
 
     /// Back to the middle of the field, to land.
-    async fn home(&self, stage: &Stage<'_>) -> anyhow::Result<()> {
-        let here = stage.leader_position()?;
+    async fn home(&self, runner: &ScenarioRunner<'_>) -> anyhow::Result<()> {
+        let here = runner.leader_position()?;
         let route = Route {
             waypoints: vec![here.moved(Vector3::new(0.0, -15.0, 0.0))],
             speed_m_s: SPEED_M_S,
             corner_radius_m: 10.0,
         };
-        stage.begin_route("away from the boundary", &route).await?;
-        stage.route_end(30.0).await
+        runner.begin_route("away from the boundary", &route).await?;
+        runner.route_end(30.0).await
     }
 }
 
@@ -246,51 +246,51 @@ impl Flight for Fence {
         setup.node.safety.zones = zones([south, west, north, east + DRAWN_IN_M]);
     }
 
-    async fn fly(&mut self, stage: &Stage<'_>) -> anyhow::Result<()> {
-        stage.referee.cruise(SPEED_M_S);
-        stage.take_off_all(HEIGHT_M).await?;
+    async fn fly(&mut self, runner: &ScenarioRunner<'_>) -> anyhow::Result<()> {
+        runner.referee.cruise(SPEED_M_S);
+        runner.take_off_all(HEIGHT_M).await?;
         let seen = self.seen.clone();
         seen.lock().watching = true;
-        stage
+        runner
             .simulation()?
             .observe(Box::new(move |truth| look(&mut seen.lock(), truth)))?;
-        let id = *stage.ids().last().context("there is no vehicle")?;
-        self.refusals(stage, id).await?;
-        let here = stage.position(id)?;
+        let id = *runner.ids().last().context("there is no vehicle")?;
+        self.refusals(runner, id).await?;
+        let here = runner.position(id)?;
         let behind = PositionNed::new(70.0, MAST_M.0[1] + 1.0, here.down_m);
-        stage.say(&format!("vehicle {id} flies to the other side of the mast"));
-        match self.go_to(stage, id, behind, 6.0).await {
+        runner.say(&format!("vehicle {id} flies to the other side of the mast"));
+        match self.go_to(runner, id, behind, 6.0).await {
             Ok(off_m) => {
                 self.around_off_m = Some(off_m);
-                stage.say(&format!(
+                runner.say(&format!(
                     "it is there, {off_m:.2} m off its goal, without having crossed the mast's zone"
                 ));
             }
-            Err(error) => stage.say(&format!("not flown: {error:#}")),
+            Err(error) => runner.say(&format!("not flown: {error:#}")),
         }
         let edge = PositionNed::new(FIELD_M[2] - 1.0, 60.0, here.down_m);
         let far = PositionNed::new(5.0, 60.0, here.down_m);
-        self.go_to(stage, id, far, FULL_M_S).await?;
-        stage.say(&format!(
+        self.go_to(runner, id, far, FULL_M_S).await?;
+        runner.say(&format!(
             "vehicle {id} flies at the northern boundary at {FULL_M_S} m/s"
         ));
         self.seen.lock().fastest_m_s = 0.0;
-        self.go_to(stage, id, edge, FULL_M_S).await?;
-        let truth = stage.referee.truth();
+        self.go_to(runner, id, edge, FULL_M_S).await?;
+        let truth = runner.referee.truth();
         let vehicle = crate::referee::vehicle(&truth, id).context("the vehicle is not in the truth")?;
         self.stopped_short_m = Some(FIELD_M[2] - vehicle.position.north_m);
-        stage.say(&format!(
+        runner.say(&format!(
             "it was at {:.1} m/s on the way and stands {:.2} m in front of the boundary",
             self.seen.lock().fastest_m_s,
             self.stopped_short_m.unwrap_or_default()
         ));
-        self.go_to(stage, id, here, 6.0).await?;
-        self.slide(stage).await?;
-        self.home(stage).await?;
-        stage.land_in_grid().await?;
+        self.go_to(runner, id, here, 6.0).await?;
+        self.slide(runner).await?;
+        self.home(runner).await?;
+        runner.land_in_grid().await?;
         let seen = self.seen.lock();
         if let (Some(deepest_m), Some((id, place))) = (seen.deepest_m, seen.deepest_of) {
-            stage.say(&format!(
+            runner.say(&format!(
                 "nearest to where nobody may be was vehicle {id} at {:.1} m north, {:.1} m east: {:.2} m {}",
                 place.north_m,
                 place.east_m,

@@ -6,7 +6,7 @@ use super::{Flight, Setup, swarm_origin};
 use crate::layout::SPACING_M;
 use crate::referee::{Errors, Referee};
 use crate::report::{Criterion, at_least, at_most};
-use crate::stage::Stage;
+use crate::scenario_runner::ScenarioRunner;
 use skein_domain::{FormationAnchor, FormationRequest, HeadingRequest, OffsetFrd, PositionNed, Route, Shape};
 use std::collections::HashSet;
 
@@ -62,36 +62,41 @@ pub struct Formations {
 }
 
 impl Formations {
-    async fn shapes(&mut self, stage: &Stage<'_>, shapes: &[Shape], anchor: &FormationAnchor) -> anyhow::Result<()> {
+    async fn shapes(
+        &mut self,
+        runner: &ScenarioRunner<'_>,
+        shapes: &[Shape],
+        anchor: &FormationAnchor,
+    ) -> anyhow::Result<()> {
         for shape in shapes {
             let request = FormationRequest {
                 heading: self.heading,
-                ..request(*shape, stage.vehicles, anchor.clone())
+                ..request(*shape, runner.vehicles, anchor.clone())
             };
-            stage.form(&format!("{shape:?}"), request).await?;
+            runner.form(&format!("{shape:?}"), request).await?;
             self.shapes.insert(*shape);
         }
         Ok(())
     }
 
     /// Some straight flight in which nothing changes, so that it can be judged.
-    async fn straight_on(stage: &Stage<'_>) {
-        let enough = STRAIGHT_LOOKS * (stage.vehicles as u64 - 1);
-        let until_s = stage.elapsed_s() + STRAIGHT_S;
-        while stage.referee.figures().straight.samples < enough && stage.elapsed_s() < until_s {
-            stage.pause(0.1).await;
+    async fn straight_on(runner: &ScenarioRunner<'_>) {
+        let enough = STRAIGHT_LOOKS * (runner.vehicles as u64 - 1);
+        let until_s = runner.elapsed_s() + STRAIGHT_S;
+        while runner.referee.figures().straight.samples < enough && runner.elapsed_s() < until_s {
+            runner.pause(0.1).await;
         }
     }
 
     /// What a part of the flight came to.
-    fn end_part(&self, stage: &Stage<'_>, what: &str) -> (Errors, Errors) {
-        let (straight, turning) = stage.referee.next_part();
+    fn end_part(&self, runner: &ScenarioRunner<'_>, what: &str) -> (Errors, Errors) {
+        let (straight, turning) = runner.referee.next_part();
         let rms_m = |errors: &Errors| {
             errors
                 .rms()
                 .map_or_else(|| "not seen".to_owned(), |m| format!("{m:.2} m"))
         };
-        stage.say(&format!(
+        runner.say(&format!(
             "{what}: off their slots {} straight, {} in turns (root mean square)",
             rms_m(&straight),
             rms_m(&turning)
@@ -100,65 +105,65 @@ impl Formations {
     }
 
     /// The leader flies three legs; the shapes change meanwhile.
-    async fn behind_leader(&mut self, stage: &Stage<'_>) -> anyhow::Result<()> {
+    async fn behind_leader(&mut self, runner: &ScenarioRunner<'_>) -> anyhow::Result<()> {
         // The long shapes would swing their ends out in a turn with all the speed there is: they keep facing north.
         self.heading = HeadingRequest::Fixed { heading_deg: 0.0 };
-        self.shapes(stage, &BEHIND_LEADER[..1], &FormationAnchor::Leader)
+        self.shapes(runner, &BEHIND_LEADER[..1], &FormationAnchor::Leader)
             .await?;
-        let start = stage.leader_position()?;
+        let start = runner.leader_position()?;
         let route = route(&start, &[(80.0, 0.0), (80.0, 45.0), (35.0, 45.0)]);
-        stage
+        runner
             .begin_route("north, east and south, changing its formation", &route)
             .await?;
-        self.shapes(stage, &BEHIND_LEADER[1..2], &FormationAnchor::Leader)
+        self.shapes(runner, &BEHIND_LEADER[1..2], &FormationAnchor::Leader)
             .await?;
-        Self::straight_on(stage).await;
-        self.shapes(stage, &BEHIND_LEADER[2..], &FormationAnchor::Leader)
+        Self::straight_on(runner).await;
+        self.shapes(runner, &BEHIND_LEADER[2..], &FormationAnchor::Leader)
             .await?;
-        stage.route_end(60.0).await?;
+        runner.route_end(60.0).await?;
         self.heading = HeadingRequest::Auto;
-        self.behind_leader = Some(self.end_part(stage, "behind the leader"));
+        self.behind_leader = Some(self.end_part(runner, "behind the leader"));
         Ok(())
     }
 
     /// A virtual leader flies three legs from where the formation is, the first the way it faces; the square's parameters change one after the other.
-    async fn on_path(&mut self, stage: &Stage<'_>) -> anyhow::Result<()> {
-        let start = stage.leader_position()?;
+    async fn on_path(&mut self, runner: &ScenarioRunner<'_>) -> anyhow::Result<()> {
+        let start = runner.leader_position()?;
         let route = route(&start, &[(50.0, 0.0), (50.0, 50.0), (20.0, 50.0)]);
         let length_m = 50.0 + 50.0 + 30.0;
         let anchor = FormationAnchor::Path { route };
-        let began_s = stage.elapsed_s();
-        self.shapes(stage, &ON_PATH[..1], &anchor).await?;
-        Self::straight_on(stage).await;
-        self.shapes(stage, &ON_PATH[1..], &anchor).await?;
-        let mut square = request(Shape::Square, stage.vehicles, anchor);
+        let began_s = runner.elapsed_s();
+        self.shapes(runner, &ON_PATH[..1], &anchor).await?;
+        Self::straight_on(runner).await;
+        self.shapes(runner, &ON_PATH[1..], &anchor).await?;
+        let mut square = request(Shape::Square, runner.vehicles, anchor);
         for (label, morph) in MORPHS {
             morph(&mut square);
-            stage.form(&format!("Square, {label}"), square.clone()).await?;
+            runner.form(&format!("Square, {label}"), square.clone()).await?;
             self.morphs += 1;
         }
         // It set off once the circle was formed.
-        let left_s = length_m / SPEED_M_S + 6.0 - (stage.elapsed_s() - began_s);
-        stage.pause(left_s).await;
-        self.on_path = Some(self.end_part(stage, "about the virtual leader"));
+        let left_s = length_m / SPEED_M_S + 6.0 - (runner.elapsed_s() - began_s);
+        runner.pause(left_s).await;
+        self.on_path = Some(self.end_part(runner, "about the virtual leader"));
         Ok(())
     }
 
     /// Something drives along, told five times a second without its velocity.
-    async fn about_car(&mut self, stage: &Stage<'_>) -> anyhow::Result<()> {
-        let anchor = stage.node.slots().map(|slots| slots.anchor.position);
+    async fn about_car(&mut self, runner: &ScenarioRunner<'_>) -> anyhow::Result<()> {
+        let anchor = runner.node.slots().map(|slots| slots.anchor.position);
         let start = anchor.unwrap_or_default();
-        let car = Car::drive(stage.node.clone(), CAR, start, SPEED_M_S);
-        stage.pause(1.0).await;
+        let car = Car::drive(runner.node.clone(), CAR, start, SPEED_M_S);
+        runner.pause(1.0).await;
         let anchor = FormationAnchor::Reference { name: CAR.into() };
-        self.shapes(stage, &ABOUT_CAR[..1], &anchor).await?;
-        Self::straight_on(stage).await;
-        self.shapes(stage, &ABOUT_CAR[1..], &anchor).await?;
-        stage
+        self.shapes(runner, &ABOUT_CAR[..1], &anchor).await?;
+        Self::straight_on(runner).await;
+        self.shapes(runner, &ABOUT_CAR[1..], &anchor).await?;
+        runner
             .until(40.0, "the car at the end of its way", |_| car.arrived())
             .await?;
         self.off_car = car.stop();
-        self.about_car = Some(self.end_part(stage, "about the moving reference"));
+        self.about_car = Some(self.end_part(runner, "about the moving reference"));
         Ok(())
     }
 }
@@ -199,21 +204,21 @@ impl Flight for Formations {
         setup.node.swarm.origin = Some(swarm_origin());
     }
 
-    async fn fly(&mut self, stage: &Stage<'_>) -> anyhow::Result<()> {
-        stage.referee.cruise(SPEED_M_S);
-        stage.take_off_all(HEIGHT_M).await?;
-        self.behind_leader(stage).await?;
-        self.on_path(stage).await?;
-        self.about_car(stage).await?;
+    async fn fly(&mut self, runner: &ScenarioRunner<'_>) -> anyhow::Result<()> {
+        runner.referee.cruise(SPEED_M_S);
+        runner.take_off_all(HEIGHT_M).await?;
+        self.behind_leader(runner).await?;
+        self.on_path(runner).await?;
+        self.about_car(runner).await?;
         let place = FormationAnchor::Place {
-            position: PositionNed::new(20.0, 20.0, stage.ground_down_m() - HEIGHT_M),
+            position: PositionNed::new(20.0, 20.0, runner.ground_down_m() - HEIGHT_M),
             // A quarter turn to the left from the way the reference went.
             heading_deg: Some(90.0),
         };
-        self.shapes(stage, &AT_PLACE, &place).await?;
-        self.filtered = stage.referee.figures().filtered_percent();
+        self.shapes(runner, &AT_PLACE, &place).await?;
+        self.filtered = runner.referee.figures().filtered_percent();
         // Out of the offsets they were given, which leave room on the ground.
-        stage.land().await
+        runner.land().await
     }
 
     fn criteria(&self, _referee: &Referee) -> Vec<Criterion> {

@@ -5,8 +5,8 @@ use super::{Flight, Setup, swarm_origin};
 use crate::layout::{HEIGHT_M, SPACING_M};
 use crate::referee::{Errors, Referee, vehicle};
 use crate::report::{Criterion, at_least, at_most};
-use crate::stage::Stage;
-use crate::steps::{Step, StepWatch};
+use crate::scenario_runner::ScenarioRunner;
+use crate::steps::{SetpointStep, StepWatch};
 use anyhow::{Context, bail};
 use skein_domain::exchange::Severity;
 use skein_domain::{FlightState, FormationRequest, NodeTime, Route, Shape, VehicleId};
@@ -37,8 +37,8 @@ pub struct LeaderLoss {
     /// From the declared loss to the new intent, and from the intent to the successor's own word, in milliseconds.
     intent_ms: Option<f64>,
     leads_ms: Option<f64>,
-    at_loss: Option<Step>,
-    at_replacement: Option<Step>,
+    at_loss: Option<SetpointStep>,
+    at_replacement: Option<SetpointStep>,
     whole_again_s: Option<f64>,
     end_off_m: Option<f64>,
     after_loss: Option<(Errors, Errors)>,
@@ -48,51 +48,51 @@ pub struct LeaderLoss {
 
 impl LeaderLoss {
     /// The leader falls silent; gives it and its successor.
-    async fn lose_leader(&mut self, stage: &Stage<'_>) -> anyhow::Result<(VehicleId, VehicleId)> {
-        let lost = stage.leader()?;
+    async fn lose_leader(&mut self, runner: &ScenarioRunner<'_>) -> anyhow::Result<(VehicleId, VehicleId)> {
+        let lost = runner.leader()?;
         let system_id = lost.system_id.0;
-        stage.referee.excuse(system_id);
-        let before = stage.node.events_after(0).last().map_or(0, |e| e.seq);
-        let watch = StepWatch::begin(&stage.node, Some(lost.id), SPEED_M_S);
-        stage.say(&format!("the leader, vehicle {}, falls silent", lost.id));
-        stage.simulation()?.inflict(system_id, Fault::Silent(true))?;
+        runner.referee.excuse(system_id);
+        let before = runner.node.events_after(0).last().map_or(0, |e| e.seq);
+        let watch = StepWatch::begin(&runner.node, Some(lost.id), SPEED_M_S);
+        runner.say(&format!("the leader, vehicle {}, falls silent", lost.id));
+        runner.simulation()?.inflict(system_id, Fault::Silent(true))?;
         let lost = lost.id;
-        stage
+        runner
             .until(10.0, "another leader", |fleet| {
                 let leader = fleet.vehicles.iter().find(|v| v.is_leader);
                 leader.is_some_and(|v| v.id != lost && v.flight_state == FlightState::Leading)
             })
             .await?;
-        let fleet = stage.node.snapshot();
+        let fleet = runner.node.snapshot();
         let heard = fleet.vehicles.iter().find(|v| v.id == lost).map(|v| v.link.last_heard);
         let due = heard
             .context("the lost leader is not in the picture")?
-            .plus_seconds(stage.node.config().coordinator.leader_lost_after_s);
-        let events = stage.node.events_after(before);
-        let successor = stage.leader()?.id;
-        self.measure(stage, &events, (lost, due), successor)?;
-        stage.pause(LOOKED_AT_S).await;
-        self.at_loss = watch.end(stage);
+            .plus_seconds(runner.node.config().coordinator.leader_lost_after_s);
+        let events = runner.node.events_after(before);
+        let successor = runner.leader()?.id;
+        self.measure(runner, &events, (lost, due), successor)?;
+        runner.pause(LOOKED_AT_S).await;
+        self.at_loss = watch.end(runner);
         Ok((lost, successor))
     }
 
     /// The silent one stops in their way: they go around it, and are in their places again before the first corner.
-    async fn whole_again(&mut self, stage: &Stage<'_>) -> anyhow::Result<()> {
-        let since_s = stage.elapsed_s();
-        stage
+    async fn whole_again(&mut self, runner: &ScenarioRunner<'_>) -> anyhow::Result<()> {
+        let since_s = runner.elapsed_s();
+        runner
             .until(2.0 * WHOLE_AGAIN_S, "everyone in its slot again", |_| {
-                stage.referee.farthest_from_slot_m() < IN_SLOT_M
+                runner.referee.farthest_from_slot_m() < IN_SLOT_M
             })
             .await?;
-        let after_s = stage.elapsed_s() - since_s + LOOKED_AT_S;
-        stage.say(&format!("all are in their slots, {after_s:.1} s after the loss"));
+        let after_s = runner.elapsed_s() - since_s + LOOKED_AT_S;
+        runner.say(&format!("all are in their slots, {after_s:.1} s after the loss"));
         self.whole_again_s = Some(after_s);
         Ok(())
     }
 
     fn measure(
         &mut self,
-        stage: &Stage<'_>,
+        runner: &ScenarioRunner<'_>,
         events: &[Arc<EventRecord>],
         (lost, due): (VehicleId, NodeTime),
         successor: VehicleId,
@@ -115,7 +115,7 @@ impl LeaderLoss {
         let leads = leads.context("no event tells of the new leader")?;
         let intent_ms = intent.time.seconds_since(declared) * 1e3;
         let leads_ms = leads.time.seconds_since(intent.time) * 1e3;
-        stage.say(&format!(
+        runner.say(&format!(
             "vehicle {successor} leads: intent {intent_ms:.0} ms after the loss was declared, taken up {leads_ms:.0} ms later"
         ));
         (self.intent_ms, self.leads_ms) = (Some(intent_ms), Some(leads_ms));
@@ -123,9 +123,9 @@ impl LeaderLoss {
     }
 
     /// Another leader by order, while the formation is at speed.
-    async fn replace_leader(&mut self, stage: &Stage<'_>) -> anyhow::Result<()> {
-        let present = stage.leader()?.id;
-        let formation = stage
+    async fn replace_leader(&mut self, runner: &ScenarioRunner<'_>) -> anyhow::Result<()> {
+        let present = runner.leader()?.id;
+        let formation = runner
             .node
             .snapshot()
             .formation
@@ -137,10 +137,10 @@ impl LeaderLoss {
             leader: Some(next),
             ..FormationRequest::new(Shape::Wedge, SPACING_M)
         };
-        let watch = StepWatch::begin(&stage.node, None, SPEED_M_S);
-        stage.form("Wedge behind another leader", request).await?;
-        self.at_replacement = watch.end(stage);
-        self.replaced = stage.leader()?.id == next;
+        let watch = StepWatch::begin(&runner.node, None, SPEED_M_S);
+        runner.form("Wedge behind another leader", request).await?;
+        self.at_replacement = watch.end(runner);
+        self.replaced = runner.leader()?.id == next;
         Ok(())
     }
 }
@@ -152,31 +152,31 @@ impl Flight for LeaderLoss {
         setup.node.coordinator.leader_lost_after_s = LOST_AFTER_S;
     }
 
-    async fn fly(&mut self, stage: &Stage<'_>) -> anyhow::Result<()> {
-        stage.take_off_all(HEIGHT_M).await?;
+    async fn fly(&mut self, runner: &ScenarioRunner<'_>) -> anyhow::Result<()> {
+        runner.take_off_all(HEIGHT_M).await?;
         let wedge = FormationRequest::new(Shape::Wedge, SPACING_M);
-        stage.form("Wedge", wedge).await?;
-        let start = stage.leader_position()?;
+        runner.form("Wedge", wedge).await?;
+        let start = runner.leader_position()?;
         let at = |north: f64, east: f64| start.moved(nalgebra::Vector3::new(north, east, 0.0));
         let out = Route {
             waypoints: vec![at(130.0, 0.0), at(130.0, 60.0), at(100.0, 60.0)],
             speed_m_s: SPEED_M_S,
             corner_radius_m: CORNER_RADIUS_M,
         };
-        stage.begin_route("north, east and south", &out).await?;
-        stage.pause(6.0).await;
-        let (lost, successor) = self.lose_leader(stage).await?;
-        self.whole_again(stage).await?;
-        stage.referee.next_part();
-        stage.route_end(90.0).await?;
-        self.after_loss = Some(stage.referee.next_part());
-        if stage.leader()?.id != successor {
+        runner.begin_route("north, east and south", &out).await?;
+        runner.pause(6.0).await;
+        let (lost, successor) = self.lose_leader(runner).await?;
+        self.whole_again(runner).await?;
+        runner.referee.next_part();
+        runner.route_end(90.0).await?;
+        self.after_loss = Some(runner.referee.next_part());
+        if runner.leader()?.id != successor {
             bail!("the successor did not fly the route to its end");
         }
-        let truth = stage.referee.truth();
+        let truth = runner.referee.truth();
         let end = out.waypoints.last().copied().unwrap_or(start);
         self.end_off_m = vehicle(&truth, successor).map(|v| v.position.distance_m(&end));
-        stage.say(&format!(
+        runner.say(&format!(
             "vehicle {successor} is at the end of its predecessor's route, {:.2} m off",
             self.end_off_m.unwrap_or(f64::INFINITY)
         ));
@@ -184,17 +184,17 @@ impl Flight for LeaderLoss {
             waypoints: vec![at(50.0, 60.0), at(50.0, 0.0)],
             ..out
         };
-        stage.begin_route("south and west", &back).await?;
-        stage.pause(3.0).await;
-        self.replace_leader(stage).await?;
-        stage.route_end(60.0).await?;
-        self.after_replacement = Some(stage.referee.next_part());
-        stage.bring_back(lost).await?;
-        stage.land().await
+        runner.begin_route("south and west", &back).await?;
+        runner.pause(3.0).await;
+        self.replace_leader(runner).await?;
+        runner.route_end(60.0).await?;
+        self.after_replacement = Some(runner.referee.next_part());
+        runner.bring_back(lost).await?;
+        runner.land().await
     }
 
     fn criteria(&self, _referee: &Referee) -> Vec<Criterion> {
-        let step = |step: &Option<Step>| step.map(|s| s.beyond_m);
+        let step = |step: &Option<SetpointStep>| step.map(|s| s.beyond_m);
         let part = |part: &Option<(Errors, Errors)>| {
             let (straight, turning) = part.unzip();
             (straight.and_then(|e| e.rms()), turning.and_then(|e| e.rms()))

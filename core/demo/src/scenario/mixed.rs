@@ -5,7 +5,7 @@ use super::{Flight, Setup, swarm_origin};
 use crate::layout::{HEIGHT_M, SPACING_M};
 use crate::referee::{Errors, Referee, vehicle};
 use crate::report::{Criterion, at_least, at_most};
-use crate::stage::Stage;
+use crate::scenario_runner::ScenarioRunner;
 use anyhow::Context;
 use nalgebra::Vector3;
 use parking_lot::Mutex;
@@ -31,7 +31,7 @@ fn is_carrier(system_id: u8) -> bool {
 }
 
 #[derive(Default)]
-struct Seen {
+struct MixedSeen {
     /// Smallest angle between a carrier's nose and another vehicle, in radians.
     nearest_rad: Option<f64>,
     /// Largest speed of the leader in metres per second.
@@ -41,14 +41,14 @@ struct Seen {
 /// The flight and what it showed.
 #[derive(Default)]
 pub struct Mixed {
-    seen: Arc<Mutex<Seen>>,
+    seen: Arc<Mutex<MixedSeen>>,
     flown_m_s: Option<f64>,
     errors: Option<(Errors, Errors)>,
     carriers: usize,
 }
 
 /// One look at the truth.
-fn look(seen: &mut Seen, truth: &TruthFrame, node: &NodeHandle) {
+fn look(seen: &mut MixedSeen, truth: &TruthFrame, node: &NodeHandle) {
     let now = node.now();
     let Some(slots) = node.slots().filter(|s| now.seconds_since(s.settled_at) > SETTLED_S) else {
         return;
@@ -107,38 +107,38 @@ impl Flight for Mixed {
             .collect();
     }
 
-    async fn fly(&mut self, stage: &Stage<'_>) -> anyhow::Result<()> {
-        stage.take_off_all(HEIGHT_M).await?;
-        self.carriers = stage.ids().iter().filter(|id| id.0 % 3 == 2).count();
-        let (seen, node) = (self.seen.clone(), stage.node.clone());
-        let wedge = stage
+    async fn fly(&mut self, runner: &ScenarioRunner<'_>) -> anyhow::Result<()> {
+        runner.take_off_all(HEIGHT_M).await?;
+        self.carriers = runner.ids().iter().filter(|id| id.0 % 3 == 2).count();
+        let (seen, node) = (self.seen.clone(), runner.node.clone());
+        let wedge = runner
             .form("Wedge", FormationRequest::new(Shape::Wedge, SPACING_M))
             .await?;
-        stage.say(&format!(
+        runner.say(&format!(
             "{} camera carriers: the formation can go at {:.1} m/s",
             self.carriers, wedge.max_speed_m_s
         ));
-        stage
+        runner
             .simulation()?
             .observe(Box::new(move |truth| look(&mut seen.lock(), truth, &node)))?;
-        let start = stage.leader_position()?;
+        let start = runner.leader_position()?;
         let at = |north: f64, east: f64| start.moved(Vector3::new(north, east, 0.0));
         let route = Route {
             waypoints: vec![at(80.0, 0.0), at(80.0, 60.0), at(30.0, 60.0)],
             speed_m_s: ASKED_M_S,
             corner_radius_m: CORNER_RADIUS_M,
         };
-        let flown = stage.begin_route("north, east and south", &route).await?;
+        let flown = runner.begin_route("north, east and south", &route).await?;
         self.flown_m_s = Some(flown.speed_m_s);
-        stage.referee.cruise(flown.speed_m_s);
-        stage.pause(8.0).await;
-        stage
+        runner.referee.cruise(flown.speed_m_s);
+        runner.pause(8.0).await;
+        runner
             .form("Line", FormationRequest::new(Shape::Line, SPACING_M))
             .await
             .context("on the route")?;
-        stage.route_end(90.0).await?;
-        self.errors = Some(stage.referee.next_part());
-        stage.land_in_grid().await
+        runner.route_end(90.0).await?;
+        self.errors = Some(runner.referee.next_part());
+        runner.land_in_grid().await
     }
 
     fn criteria(&self, _referee: &Referee) -> Vec<Criterion> {

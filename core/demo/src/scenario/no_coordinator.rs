@@ -5,11 +5,11 @@ use super::{Flight, Setup, swarm_origin};
 use crate::layout::{HEIGHT_M, SPACING_M};
 use crate::referee::{Errors, Referee, vehicle};
 use crate::report::{Criterion, at_least, at_most};
-use crate::stage::Stage;
-use crate::steps::{Step, StepWatch};
+use crate::scenario_runner::ScenarioRunner;
+use crate::steps::{SetpointStep, StepWatch};
 use anyhow::{Context, bail};
 use parking_lot::Mutex;
-use skein_domain::ladder::TriggerMode;
+use skein_domain::failsafe::TriggerMode;
 use skein_domain::{FormationControl, FormationRequest, Refusal, Route, Shape, VehicleId};
 use skein_runtime::{Fault, FormationSlots};
 use skein_sim::TruthFrame;
@@ -41,7 +41,7 @@ pub struct NoCoordinator {
     whole: Option<Errors>,
     without_one: Option<Errors>,
     away_s: Option<f64>,
-    at_return: Option<Step>,
+    at_return: Option<SetpointStep>,
     route_flown: bool,
 }
 
@@ -63,10 +63,10 @@ impl NoCoordinator {
     }
 
     /// Begins to measure, or to measure anew; gives what was measured until now.
-    fn next_part(&self, stage: &Stage<'_>) -> Errors {
+    fn next_part(&self, runner: &ScenarioRunner<'_>) -> Errors {
         let mut shape = self.shape.lock();
         if let Some((a, b, off_m)) = shape.worst.take() {
-            stage.say(&format!("the distance of {a} and {b} was off the most: {off_m:.1} m"));
+            runner.say(&format!("the distance of {a} and {b} was off the most: {off_m:.1} m"));
         }
         std::mem::take(&mut shape.errors)
     }
@@ -75,53 +75,55 @@ impl NoCoordinator {
         self.shape.lock().pairs.retain(|(a, b, _)| *a != id && *b != id);
     }
 
-    async fn without_coordinator(&mut self, stage: &Stage<'_>) -> anyhow::Result<VehicleId> {
-        let leader = stage.leader()?.id;
-        stage.node.inject_fault(Fault::CoordinatorAway { away: true }).await?;
-        let away_since_s = stage.elapsed_s();
-        stage.say("the coordinator is taken away");
-        self.next_part(stage);
-        let before = stage.node.events_after(0).last().map_or(0, |e| e.seq);
-        stage.pause(12.0).await;
-        let probe = stage.node.dissolve_formation().await;
+    async fn without_coordinator(&mut self, runner: &ScenarioRunner<'_>) -> anyhow::Result<VehicleId> {
+        let leader = runner.leader()?.id;
+        runner.node.inject_fault(Fault::CoordinatorAway { away: true }).await?;
+        let away_since_s = runner.elapsed_s();
+        runner.say("the coordinator is taken away");
+        self.next_part(runner);
+        let before = runner.node.events_after(0).last().map_or(0, |e| e.seq);
+        runner.pause(12.0).await;
+        let probe = runner.node.dissolve_formation().await;
         if !matches!(probe, Err(Refusal::NotRunning { .. } | Refusal::TimedOut { .. })) {
             bail!("the coordinator answers although it was taken away: {probe:?}");
         }
-        self.whole = Some(self.next_part(stage));
-        let dropped = self.drop_one(stage, leader)?;
-        stage.pause(3.0).await;
-        self.next_part(stage);
+        self.whole = Some(self.next_part(runner));
+        let dropped = self.drop_one(runner, leader)?;
+        runner.pause(3.0).await;
+        self.next_part(runner);
         let ended = || {
-            let events = stage.node.events_after(before);
+            let events = runner.node.events_after(before);
             let end = |e: &&Arc<skein_view::EventRecord>| {
                 e.vehicle == Some(leader) && e.kind == EventKind::Formation && e.text.contains("end of the route")
             };
             events.iter().any(|e| end(&e))
         };
-        stage
+        runner
             .until(60.0, "the leader at the end of its route", |_| ended())
             .await?;
         self.route_flown = true;
-        stage.pause(2.0).await;
-        self.without_one = Some(self.next_part(stage));
-        self.away_s = Some(stage.elapsed_s() - away_since_s);
+        runner.pause(2.0).await;
+        self.without_one = Some(self.next_part(runner));
+        self.away_s = Some(runner.elapsed_s() - away_since_s);
         Ok(dropped)
     }
 
     /// The last of the formation falls silent.
-    fn drop_one(&self, stage: &Stage<'_>, leader: VehicleId) -> anyhow::Result<VehicleId> {
-        let slots = stage.node.slots().context("no formation is flown")?;
+    fn drop_one(&self, runner: &ScenarioRunner<'_>, leader: VehicleId) -> anyhow::Result<VehicleId> {
+        let slots = runner.node.slots().context("no formation is flown")?;
         let behind = |(_, slot): &&(VehicleId, skein_domain::SlotMove)| -slot.to.forward_m;
         let last = slots.slots.iter().max_by(|a, b| behind(a).total_cmp(&behind(b)));
         let dropped = last.map(|(id, _)| *id).filter(|id| *id != leader);
         let dropped = dropped.context("there is no follower")?;
-        let fleet = stage.node.snapshot();
+        let fleet = runner.node.snapshot();
         let system_id = fleet.vehicles.iter().find(|v| v.id == dropped).map(|v| v.system_id.0);
         let system_id = system_id.context("the follower is not in the picture")?;
-        stage.say(&format!("vehicle {dropped} falls silent"));
-        stage.referee.excuse(system_id);
+        runner.say(&format!("vehicle {dropped} falls silent"));
+        runner.referee.excuse(system_id);
         self.leave_out(dropped);
-        stage.simulation()?.inflict(system_id, skein_sim::Fault::Silent(true))?;
+        runner
+            .simulation()?
+            .inflict(system_id, skein_sim::Fault::Silent(true))?;
         Ok(dropped)
     }
 }
@@ -142,45 +144,45 @@ fn look(shape: &mut Shapes, truth: &TruthFrame) {
 impl Flight for NoCoordinator {
     fn prepare(&self, setup: &mut Setup) {
         setup.node.swarm.origin = Some(swarm_origin());
-        // What is shown is that the formation goes on: the ladder would have it hold after a while.
-        setup.node.safety.ladder.coordinator_loss.mode = TriggerMode::WarnOnly;
+        // What is shown is that the formation goes on: the failsafe policy would have it hold after a while.
+        setup.node.safety.failsafe.coordinator_loss.mode = TriggerMode::WarnOnly;
     }
 
-    async fn fly(&mut self, stage: &Stage<'_>) -> anyhow::Result<()> {
-        stage.take_off_all(HEIGHT_M).await?;
+    async fn fly(&mut self, runner: &ScenarioRunner<'_>) -> anyhow::Result<()> {
+        runner.take_off_all(HEIGHT_M).await?;
         let request = FormationRequest {
             control: FormationControl::Distances,
             ..FormationRequest::new(Shape::Wedge, SPACING_M)
         };
-        stage.form("Wedge, kept by distances", request).await?;
-        stage
+        runner.form("Wedge, kept by distances", request).await?;
+        runner
             .until(5.0, "members that keep their places by their neighbours", |fleet| {
                 fleet.formation.as_ref().is_some_and(|f| f.keeps_itself)
             })
             .await?;
-        self.keep_in_mind(&stage.node.slots().context("no formation is flown")?);
+        self.keep_in_mind(&runner.node.slots().context("no formation is flown")?);
         let shape = self.shape.clone();
-        stage
+        runner
             .simulation()?
             .observe(Box::new(move |truth| look(&mut shape.lock(), truth)))?;
-        let start = stage.leader_position()?;
+        let start = runner.leader_position()?;
         let at = |north: f64, east: f64| start.moved(nalgebra::Vector3::new(north, east, 0.0));
         let route = Route {
             waypoints: vec![at(50.0, 0.0), at(50.0, 50.0), at(0.0, 50.0), at(0.0, 20.0)],
             speed_m_s: SPEED_M_S,
             corner_radius_m: CORNER_RADIUS_M,
         };
-        stage.begin_route("round the field", &route).await?;
-        stage.pause(4.0).await;
-        let dropped = self.without_coordinator(stage).await?;
-        let watch = StepWatch::begin(&stage.node, Some(dropped), SPEED_M_S);
-        stage.node.inject_fault(Fault::CoordinatorAway { away: false }).await?;
-        stage.say("the coordinator comes back");
-        stage.pause(4.0).await;
-        self.at_return = watch.end(stage);
+        runner.begin_route("round the field", &route).await?;
+        runner.pause(4.0).await;
+        let dropped = self.without_coordinator(runner).await?;
+        let watch = StepWatch::begin(&runner.node, Some(dropped), SPEED_M_S);
+        runner.node.inject_fault(Fault::CoordinatorAway { away: false }).await?;
+        runner.say("the coordinator comes back");
+        runner.pause(4.0).await;
+        self.at_return = watch.end(runner);
         tokio::time::sleep(Duration::from_millis(100)).await;
-        stage.bring_back(dropped).await?;
-        stage.land_in_grid().await
+        runner.bring_back(dropped).await?;
+        runner.land_in_grid().await
     }
 
     fn criteria(&self, _referee: &Referee) -> Vec<Criterion> {

@@ -4,7 +4,7 @@ use super::Flight;
 use crate::layout::{self, Layout};
 use crate::referee::Referee;
 use crate::report::{Criterion, at_most};
-use crate::stage::Stage;
+use crate::scenario_runner::ScenarioRunner;
 use anyhow::bail;
 use skein_domain::payload::{PayloadKind, Target};
 use skein_domain::{FormationRequest, PositionNed, Route, Shape, VehicleCommand, VehicleId};
@@ -23,9 +23,9 @@ impl Tour {
     }
 
     /// Vehicles with a gimbal keep it on the leader from here on.
-    async fn look_at_leader(&self, stage: &Stage<'_>) -> anyhow::Result<()> {
-        let fleet = stage.node.snapshot();
-        let leader = stage.leader()?.id;
+    async fn look_at_leader(&self, runner: &ScenarioRunner<'_>) -> anyhow::Result<()> {
+        let fleet = runner.node.snapshot();
+        let leader = runner.leader()?.id;
         let carries_gimbal =
             |v: &&VehicleSnapshot| !v.is_leader && v.payloads.iter().any(|p| p.kind == PayloadKind::Gimbal);
         let observers: Vec<VehicleId> = fleet.vehicles.iter().filter(carries_gimbal).map(|v| v.id).collect();
@@ -35,53 +35,57 @@ impl Tour {
         let command = VehicleCommand::LookAt {
             target: Target::Vehicle { vehicle: leader },
         };
-        for receipt in stage.node.command(&Targets::Vehicles(observers.clone()), command).await {
+        for receipt in runner
+            .node
+            .command(&Targets::Vehicles(observers.clone()), command)
+            .await
+        {
             if let Some(refusal) = receipt.refusal {
                 bail!("vehicle {} refuses to look at the leader: {refusal}", receipt.vehicle);
             }
         }
-        stage.say(&format!("{} gimbals turn to the leader", observers.len()));
-        stage.referee.expect_gimbals(leader, observers);
+        runner.say(&format!("{} gimbals turn to the leader", observers.len()));
+        runner.referee.expect_gimbals(leader, observers);
         Ok(())
     }
 
-    async fn form(&self, stage: &Stage<'_>, shape: Shape) -> anyhow::Result<()> {
+    async fn form(&self, runner: &ScenarioRunner<'_>, shape: Shape) -> anyhow::Result<()> {
         let request = FormationRequest::new(shape, layout::SPACING_M);
-        stage.form(&format!("{shape:?}"), request).await.map(drop)
+        runner.form(&format!("{shape:?}"), request).await.map(drop)
     }
 
     async fn route(
         &self,
-        stage: &Stage<'_>,
+        runner: &ScenarioRunner<'_>,
         what: &str,
         plan: impl Fn(&Layout, PositionNed) -> Route,
     ) -> anyhow::Result<()> {
-        let route = plan(&self.layout, stage.leader_position()?);
-        stage.begin_route(what, &route).await?;
+        let route = plan(&self.layout, runner.leader_position()?);
+        runner.begin_route(what, &route).await?;
         let length_m = self.layout.leg_m * 3.0;
-        stage.route_end(length_m / layout::SPEED_M_S + 40.0).await
+        runner.route_end(length_m / layout::SPEED_M_S + 40.0).await
     }
 }
 
 impl Flight for Tour {
-    async fn fly(&mut self, stage: &Stage<'_>) -> anyhow::Result<()> {
-        stage.take_off_all(layout::HEIGHT_M).await?;
-        self.form(stage, Shape::Wedge).await?;
-        self.look_at_leader(stage).await?;
-        let home = stage.leader_position()?;
-        self.route(stage, "north, east and half-way south", |layout, start| {
+    async fn fly(&mut self, runner: &ScenarioRunner<'_>) -> anyhow::Result<()> {
+        runner.take_off_all(layout::HEIGHT_M).await?;
+        self.form(runner, Shape::Wedge).await?;
+        self.look_at_leader(runner).await?;
+        let home = runner.leader_position()?;
+        self.route(runner, "north, east and half-way south", |layout, start| {
             layout.way_out(start)
         })
         .await?;
-        self.form(stage, Shape::Line).await?;
-        self.form(stage, Shape::Circle).await?;
-        self.form(stage, Shape::Wedge).await?;
-        self.route(stage, "back over the field", |layout, start| {
+        self.form(runner, Shape::Line).await?;
+        self.form(runner, Shape::Circle).await?;
+        self.form(runner, Shape::Wedge).await?;
+        self.route(runner, "back over the field", |layout, start| {
             layout.way_back(start, home)
         })
         .await?;
-        self.form(stage, Shape::Grid).await?;
-        stage.land().await
+        self.form(runner, Shape::Grid).await?;
+        runner.land().await
     }
 
     fn criteria(&self, referee: &Referee) -> Vec<Criterion> {

@@ -1,7 +1,7 @@
 //! Items, overrides and refusals cross the plugin boundary as they are.
 
 use super::*;
-use crate::{LadderEvent, LadderEventKind, Reaction, ReportOnly, Trigger};
+use crate::{FailsafeEvent, FailsafeEventKind, Reaction, ReportOnly, Trigger};
 use proptest::prelude::*;
 
 fn crosses<T>(value: &T) -> T
@@ -49,8 +49,8 @@ fn overrides_refusals_and_events_cross_the_boundary() {
         (refusal.code(), refusal.to_string().as_str()),
         ("preflight", "preflight: position, home")
     );
-    let event = LadderEvent {
-        kind: LadderEventKind::Ordered,
+    let event = FailsafeEvent {
+        kind: FailsafeEventKind::Ordered,
         trigger: Trigger::StaleEstimate,
         value: 0.52,
         limit: 0.5,

@@ -1,10 +1,10 @@
 //! Every order of messages, losses, repetitions, crashes, false alarms and operators' wishes in a small swarm, explored.
 //!
 //! Messages once sent may arrive at any later time, any number of times, or never: so the network is the set of all that was ever sent.
-//! A holder may be taken for lost at any moment, so that no timing is assumed. What the model steps is the shipped [`Office`].
+//! A holder may be taken for lost at any moment, so that no timing is assumed. What the model steps is the shipped [`Leadership`].
 
 use skein_domain::NodeId;
-use skein_failover::{Beacon, Handover, Office, Term};
+use skein_failover::{Beacon, Handover, Leadership, Term};
 use stateright::{Checker, Model, Property};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -20,7 +20,7 @@ enum Broken {
     ObeysOldOrders,
     /// Two who hold the same number leave it at that.
     LeavesRivalsAlone,
-    /// Who takes the office does so under the number that is obeyed already.
+    /// Who takes the leadership does so under the number that is obeyed already.
     TakesTheSameNumber,
 }
 
@@ -54,7 +54,7 @@ enum Sent {
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct State {
-    offices: Vec<Office>,
+    leaderships: Vec<Leadership>,
     up: Vec<bool>,
     sent: BTreeSet<Sent>,
     crashes: u8,
@@ -66,7 +66,7 @@ struct State {
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 enum Action {
     Deliver(usize, Sent),
-    /// It misses the holder, or an operator asks it to take the office.
+    /// It misses the holder, or an operator asks it to take the leadership.
     Claim(usize),
     HandOver(usize, u64),
     Order(usize),
@@ -96,25 +96,25 @@ fn parts(term: Term) -> (u64, u8, u64) {
 }
 
 impl Swarm {
-    fn office(&self, node: usize, obeyed: Option<Term>) -> Office {
-        let mut office = Office::new(NodeId(node as u64), obeyed);
-        office.set_priority(self.nodes[node]);
-        office
+    fn leadership(&self, node: usize, obeyed: Option<Term>) -> Leadership {
+        let mut leadership = Leadership::new(NodeId(node as u64), obeyed);
+        leadership.set_priority(self.nodes[node]);
+        leadership
     }
 
     fn deliver(&self, state: &mut State, node: usize, message: &Sent) {
-        let office = &mut state.offices[node];
+        let leadership = &mut state.leaderships[node];
         match message {
             Sent::Beacon { from, obeys } => {
                 let told = term(obeys.0, obeys.1, obeys.2);
-                let better = office
+                let better = leadership
                     .obeyed()
                     .is_some_and(|mine| mine.number == told.number && told.holder > mine.holder);
                 if self.broken == Broken::ObeysTheBetter && better {
-                    *office = self.office(node, Some(told));
+                    *leadership = self.leadership(node, Some(told));
                 }
                 let beacon = beacon(*from, Some(told));
-                self.hear(office, &beacon);
+                self.hear(leadership, &beacon);
             }
             Sent::Offer {
                 number,
@@ -122,7 +122,7 @@ impl Swarm {
                 holder,
                 to,
             } => {
-                office.take_over(&Handover {
+                leadership.take_over(&Handover {
                     term: term(*number, *priority, *holder),
                     to: NodeId(*to),
                 });
@@ -132,7 +132,7 @@ impl Swarm {
                 priority,
                 holder,
             } => {
-                let carried_out = office.order(term(*number, *priority, *holder)).is_ok();
+                let carried_out = leadership.order(term(*number, *priority, *holder)).is_ok();
                 let greatest = state.obeyed[node].keys().next_back().copied().unwrap_or(0);
                 if (carried_out || self.broken == Broken::ObeysOldOrders) && *number < greatest {
                     state.faults.insert("an order of an old term was carried out");
@@ -144,18 +144,18 @@ impl Swarm {
         }
     }
 
-    fn hear(&self, office: &mut Office, beacon: &Beacon) {
+    fn hear(&self, leadership: &mut Leadership, beacon: &Beacon) {
         match (self.broken, beacon.obeys) {
             (Broken::LeavesRivalsAlone, Some(told)) => {
-                let _obeyed_or_not = office.order(told);
+                let _obeyed_or_not = leadership.order(told);
             }
-            _ => office.hear(beacon),
+            _ => leadership.hear(beacon),
         }
     }
 
     /// Looks at the node as it is now, and sends what it tells the others.
     fn settle(&self, state: &mut State, node: usize) {
-        let Some(obeyed) = state.offices[node].obeyed().filter(|_| state.up[node]) else {
+        let Some(obeyed) = state.leaderships[node].obeyed().filter(|_| state.up[node]) else {
             return;
         };
         let (number, _, holder) = parts(obeyed);
@@ -179,7 +179,7 @@ impl Model for Swarm {
 
     fn init_states(&self) -> Vec<State> {
         vec![State {
-            offices: (0..self.nodes.len()).map(|node| self.office(node, None)).collect(),
+            leaderships: (0..self.nodes.len()).map(|node| self.leadership(node, None)).collect(),
             up: vec![true; self.nodes.len()],
             sent: BTreeSet::new(),
             crashes: 0,
@@ -196,7 +196,7 @@ impl Model for Swarm {
             }
             actions.extend(state.sent.iter().map(|message| Action::Deliver(node, message.clone())));
             actions.push(Action::Claim(node));
-            if state.offices[node].acting().is_some() {
+            if state.leaderships[node].acting().is_some() {
                 actions.push(Action::Order(node));
                 actions.extend((0..self.nodes.len() as u64).map(|to| Action::HandOver(node, to)));
             }
@@ -214,16 +214,16 @@ impl Model for Swarm {
                 node
             }
             Action::Claim(node) => {
-                let before = state.offices[node].obeyed();
-                let mut claimed = state.offices[node].claim().ok()?;
+                let before = state.leaderships[node].obeyed();
+                let mut claimed = state.leaderships[node].claim().ok()?;
                 if let Some(before) = before.filter(|_| self.broken == Broken::TakesTheSameNumber) {
                     claimed.number = before.number;
-                    state.offices[node] = self.office(node, Some(claimed));
+                    state.leaderships[node] = self.leadership(node, Some(claimed));
                 }
                 node
             }
             Action::HandOver(node, to) => {
-                let offer = state.offices[node].hand_over(NodeId(to))?;
+                let offer = state.leaderships[node].hand_over(NodeId(to))?;
                 let (number, priority, holder) = parts(offer.term);
                 state.sent.insert(Sent::Offer {
                     number,
@@ -234,7 +234,7 @@ impl Model for Swarm {
                 node
             }
             Action::Order(node) => {
-                let (number, priority, holder) = parts(state.offices[node].acting()?);
+                let (number, priority, holder) = parts(state.leaderships[node].acting()?);
                 state.sent.insert(Sent::Order {
                     number,
                     priority,
@@ -248,10 +248,10 @@ impl Model for Swarm {
                 node
             }
             Action::Restart(node) => {
-                let stored = state.offices[node]
+                let stored = state.leaderships[node]
                     .obeyed()
                     .filter(|_| self.broken != Broken::ForgetsOverARestart);
-                state.offices[node] = self.office(node, stored);
+                state.leaderships[node] = self.leadership(node, stored);
                 state.up[node] = true;
                 node
             }
@@ -261,11 +261,11 @@ impl Model for Swarm {
     }
 
     fn within_boundary(&self, state: &State) -> bool {
-        let number = |office: &Office| office.obeyed().map_or(0, |term| term.number);
+        let number = |leadership: &Leadership| leadership.obeyed().map_or(0, |term| term.number);
         state
-            .offices
+            .leaderships
             .iter()
-            .all(|office| number(office) <= self.greatest_number)
+            .all(|leadership| number(leadership) <= self.greatest_number)
     }
 
     fn properties(&self) -> Vec<Property<Self>> {
@@ -280,14 +280,14 @@ impl Model for Swarm {
             }),
             Property::<Self>::always("those who hear each other end with one coordinator", settles),
             Property::<Self>::sometimes("two coordinators of one number meet", |_, state| {
-                let acting: Vec<Term> = state.offices.iter().filter_map(Office::acting).collect();
+                let acting: Vec<Term> = state.leaderships.iter().filter_map(Leadership::acting).collect();
                 acting
                     .iter()
                     .any(|a| acting.iter().any(|b| a.number == b.number && a.holder != b.holder))
             }),
-            Property::<Self>::sometimes("the office is handed over", |_, state| {
+            Property::<Self>::sometimes("the leadership is handed over", |_, state| {
                 let offered = |s: &Sent| matches!(s, Sent::Offer { .. });
-                state.sent.iter().any(offered) && state.offices.iter().filter(|o| o.acting().is_some()).count() == 2
+                state.sent.iter().any(offered) && state.leaderships.iter().filter(|o| o.acting().is_some()).count() == 2
             }),
         ]
     }
@@ -295,36 +295,39 @@ impl Model for Swarm {
 
 /// From here on everyone is up, hears everyone, and the best suited claims when nobody acts: do they agree within a few rounds?
 fn settles(swarm: &Swarm, state: &State) -> bool {
-    let mut offices: Vec<Office> = state.offices.clone();
-    for (node, office) in offices.iter_mut().enumerate().filter(|(node, _)| !state.up[*node]) {
-        *office = swarm.office(node, office.obeyed());
+    let mut leaderships: Vec<Leadership> = state.leaderships.clone();
+    for (node, leadership) in leaderships.iter_mut().enumerate().filter(|(node, _)| !state.up[*node]) {
+        *leadership = swarm.leadership(node, leadership.obeyed());
     }
     for round in 0..6 {
-        for from in 0..offices.len() {
-            let beacon = beacon(from as u64, offices[from].obeyed());
-            for office in &mut offices {
-                swarm.hear(office, &beacon);
+        for from in 0..leaderships.len() {
+            let beacon = beacon(from as u64, leaderships[from].obeyed());
+            for leadership in &mut leaderships {
+                swarm.hear(leadership, &beacon);
             }
         }
-        // A holder that has met another holder of its number for some rounds takes the next number, as the watch would have it.
-        let told: Vec<Term> = offices.iter().filter_map(Office::obeyed).collect();
+        // A holder that has met another holder of its number for some rounds takes the next number, as the monitor would have it.
+        let told: Vec<Term> = leaderships.iter().filter_map(Leadership::obeyed).collect();
         let renews = round == 2 && swarm.broken != Broken::LeavesRivalsAlone;
-        for office in offices.iter_mut().filter(|_| renews) {
+        for leadership in leaderships.iter_mut().filter(|_| renews) {
             let divided = |mine: Term| {
                 told.iter()
                     .any(|term| term.number == mine.number && term.holder != mine.holder)
             };
-            if office.acting().is_some_and(divided) {
-                let _term = office.renew();
+            if leadership.acting().is_some_and(divided) {
+                let _term = leadership.renew();
             }
         }
-        if !offices.iter().any(|office| office.acting().is_some()) {
-            let best = (0..offices.len()).max_by_key(|node| offices[*node].standing());
-            let _term = best.and_then(|best| offices[best].claim().ok());
+        if !leaderships.iter().any(|leadership| leadership.acting().is_some()) {
+            let best = (0..leaderships.len()).max_by_key(|node| leaderships[*node].standing());
+            let _term = best.and_then(|best| leaderships[best].claim().ok());
         }
     }
-    let acting: Vec<Term> = offices.iter().filter_map(Office::acting).collect();
-    acting.len() == 1 && offices.iter().all(|office| office.obeyed() == acting.first().copied())
+    let acting: Vec<Term> = leaderships.iter().filter_map(Leadership::acting).collect();
+    acting.len() == 1
+        && leaderships
+            .iter()
+            .all(|leadership| leadership.obeyed() == acting.first().copied())
 }
 
 fn explored(swarm: Swarm) -> impl Checker<Swarm> {

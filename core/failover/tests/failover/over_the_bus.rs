@@ -1,4 +1,4 @@
-//! The office over the shipped bus and a simulated radio: six nodes whose beacons and intent are state on the bus. Time is simulated.
+//! The leadership over the shipped bus and a simulated radio: six nodes whose beacons and intent are state on the bus. Time is simulated.
 //!
 //! What is measured is what an operator would see: from a coordinator's end to the first intent of its successor that a vehicle carries out.
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
@@ -10,7 +10,7 @@ use skein_bus::radio::{Air, AirSettings, Radio};
 use skein_bus::seal::{Boot, SwarmKey};
 use skein_bus::{BusSettings, Event, pump};
 use skein_domain::{NodeId, NodeTime};
-use skein_failover::{Beacon, Office, Term, Turn, Watch, WatchSettings};
+use skein_failover::{Beacon, LeaderMonitor, LeaderMonitorSettings, Leadership, Term, Turn};
 
 const STEP_S: f64 = 0.01;
 const BEACON_S: f64 = 0.1;
@@ -21,8 +21,8 @@ struct Node {
     id: NodeId,
     bus: Bus,
     radio: Radio<Local>,
-    office: Office,
-    watch: Watch,
+    leadership: Leadership,
+    monitor: LeaderMonitor,
     next_beacon: NodeTime,
     up: bool,
     /// The term of the intent that it tells.
@@ -63,14 +63,14 @@ impl Swarm {
     fn node(&mut self, id: NodeId, stored: Option<Term>, priority: Option<u8>) -> Node {
         self.boots += 1;
         let key = SwarmKey::derive("geese", b"sixteen bytes or more").unwrap();
-        let mut office = Office::new(id, stored);
-        office.set_priority(priority);
+        let mut leadership = Leadership::new(id, stored);
+        leadership.set_priority(priority);
         Node {
             id,
             bus: Bus::new(BusSettings::default(), key, id, Boot(self.boots), self.now),
             radio: self.air.radio(self.hub.join(id)),
-            office,
-            watch: Watch::new(WatchSettings::default(), self.now),
+            leadership,
+            monitor: LeaderMonitor::new(LeaderMonitorSettings::default(), self.now),
             next_beacon: self.now,
             up: true,
             tells: None,
@@ -81,8 +81,8 @@ impl Swarm {
 
     fn restart(&mut self, index: usize) {
         let node = &self.nodes[index];
-        let (id, stored) = (node.id, node.office.obeyed());
-        let priority = node.office.standing().map(|standing| standing.priority);
+        let (id, stored) = (node.id, node.leadership.obeyed());
+        let priority = node.leadership.standing().map(|standing| standing.priority);
         self.nodes[index] = self.node(id, stored, priority);
     }
 
@@ -113,14 +113,14 @@ impl Swarm {
     /// The term that all who are up obey, if its holder is up and acts.
     fn agreed(&self) -> Option<Term> {
         let mut up = self.nodes.iter().filter(|node| node.up);
-        let term = up.next()?.office.obeyed()?;
-        let acts = |node: &Node| node.up && node.office.acting() == Some(term);
-        let same = up.all(|node| node.office.obeyed() == Some(term));
+        let term = up.next()?.leadership.obeyed()?;
+        let acts = |node: &Node| node.up && node.leadership.acting() == Some(term);
+        let same = up.all(|node| node.leadership.obeyed() == Some(term));
         (same && self.nodes.iter().any(acts)).then_some(term)
     }
 
     fn holder(&self) -> usize {
-        let acts = |node: &Node| node.up && node.office.acting().is_some();
+        let acts = |node: &Node| node.up && node.leadership.acting().is_some();
         self.nodes.iter().position(acts).unwrap()
     }
 }
@@ -137,20 +137,20 @@ impl Node {
                 _ => panic!("{from} tells {key:?}"),
             }
         }
-        let claimed = match self.watch.turn(now, &self.office) {
-            Turn::Claim => self.office.claim().is_ok(),
-            Turn::Renew => self.office.renew().is_ok(),
+        let claimed = match self.monitor.turn(now, &self.leadership) {
+            Turn::Claim => self.leadership.claim().is_ok(),
+            Turn::Renew => self.leadership.renew().is_ok(),
             _ => false,
         };
         if claimed || now >= self.next_beacon {
             self.next_beacon = now.plus_seconds(BEACON_S);
-            let beacon = self.watch.beacon(now, self.id, &self.office);
+            let beacon = self.monitor.beacon(now, self.id, &self.leadership);
             let told = self.bus.tell(now, BEACON, minicbor::to_vec(beacon).unwrap());
             told.unwrap();
         }
-        // The office may have changed hands in whatever way: also a beacon can make a holder take the next number.
-        if self.tells != self.office.acting() {
-            self.tells = self.office.acting();
+        // The leadership may have changed in whatever way: also a beacon can make a holder take the next number.
+        if self.tells != self.leadership.acting() {
+            self.tells = self.leadership.acting();
             match self.tells {
                 Some(term) => self.bus.tell(now, INTENT, minicbor::to_vec(term).unwrap()).unwrap(),
                 None => self.bus.tell_no_more(INTENT),
@@ -159,13 +159,13 @@ impl Node {
     }
 
     fn hear(&mut self, now: NodeTime, beacon: Beacon) {
-        self.office.hear(&beacon);
-        self.watch.hear(now, &self.office, &beacon);
+        self.leadership.hear(&beacon);
+        self.monitor.hear(now, &self.leadership, &beacon);
     }
 
     /// An intent is known by its term here: that is what decides whether it is carried out.
     fn carry_out(&mut self, now: NodeTime, of: Term) {
-        if self.office.order(of).is_err() {
+        if self.leadership.order(of).is_err() {
             self.refused += 1;
             return;
         }
@@ -201,7 +201,7 @@ fn failovers_s(air: AirSettings, kills: u64) -> (Vec<f64>, Vec<f64>) {
             let followers = swarm
                 .nodes
                 .iter()
-                .filter(|node| node.up && node.office.acting().is_none());
+                .filter(|node| node.up && node.leadership.acting().is_none());
             swarm.agreed().is_some() && followers.into_iter().all(later)
         });
         first.push(one_s);
@@ -256,7 +256,7 @@ fn a_successors_first_intent_is_carried_out_within_a_second() {
 }
 
 #[test]
-fn at_256_kbit_s_the_office_is_held_and_passed_on() {
+fn at_256_kbit_s_the_leadership_is_held_and_passed_on() {
     let slow = AirSettings {
         bits_per_s: 256_000.0,
         ..GOOD
@@ -278,7 +278,7 @@ fn parts_have_a_holder_each_and_the_whole_the_later_one_whose_orders_alone_are_c
         let obeyed: Vec<u64> = swarm
             .nodes
             .iter()
-            .map(|node| node.office.obeyed().unwrap().holder.node.0)
+            .map(|node| node.leadership.obeyed().unwrap().holder.node.0)
             .collect();
         assert_eq!(obeyed, [1, 1, 1, 4, 4, 4], "seed {seed}");
         swarm.air.mend();
@@ -303,7 +303,7 @@ fn parts_have_a_holder_each_and_the_whole_the_later_one_whose_orders_alone_are_c
 }
 
 impl Node {
-    /// Sends what has been told before its office takes it back.
+    /// Sends what has been told before its leadership takes it back.
     fn radio_on(&mut self, now: NodeTime) {
         pump(&mut self.bus, &mut self.radio, now).unwrap();
     }
@@ -327,14 +327,14 @@ fn a_node_started_again_with_its_old_state_takes_nothing_back() {
 }
 
 #[test]
-fn in_bad_air_the_office_seldom_changes_hands() {
+fn in_bad_air_the_leader_seldom_changes() {
     let mut changes = 0;
     for seed in 1..=10 {
         let mut swarm = Swarm::new(&[Some(9), Some(5), Some(4), Some(3), Some(2), Some(1)], BAD, seed);
         let took_s = swarm.until("a first coordinator", |swarm| swarm.agreed().is_some());
         let first = swarm.agreed().unwrap();
         swarm.run(60.0);
-        let obeyed = swarm.nodes.iter().filter_map(|node| node.office.obeyed());
+        let obeyed = swarm.nodes.iter().filter_map(|node| node.leadership.obeyed());
         let last = obeyed.map(|term| term.number).max().unwrap();
         changes += last - first.number;
         println!(

@@ -35,7 +35,7 @@ pub(super) struct Planned {
 }
 
 /// One vehicle while it is planned for.
-struct Vehicle {
+struct TimedVehicle {
     limits: FlightLimits,
     begin: Begin,
     places: Vec<Vector3<f64>>,
@@ -55,7 +55,7 @@ pub(super) fn together(journeys: &[Journey], smoothness: Smoothness) -> Result<P
     let mut vehicles = journeys
         .iter()
         .enumerate()
-        .map(|(index, journey)| Vehicle::new(index, journey))
+        .map(|(index, journey)| TimedVehicle::new(index, journey))
         .collect::<Result<Vec<_>, _>>()?;
     let unsolvable = TrajectoryError::TooLong { limit_s: LONGEST_S };
     let basis = Basis::new(smoothness).ok_or(unsolvable)?;
@@ -67,7 +67,7 @@ pub(super) fn together(journeys: &[Journey], smoothness: Smoothness) -> Result<P
             break;
         }
     }
-    let passes_somewhere = |v: &Vehicle| v.stops.iter().rev().skip(1).any(|stop| !stop);
+    let passes_somewhere = |v: &TimedVehicle| v.stops.iter().rev().skip(1).any(|stop| !stop);
     if passing.is_none() || vehicles.iter().any(passes_somewhere) {
         for vehicle in &mut vehicles {
             vehicle.stops.fill(true);
@@ -92,7 +92,7 @@ pub(super) fn together(journeys: &[Journey], smoothness: Smoothness) -> Result<P
 }
 
 /// Lets vehicles brake or stop where their way is not good yet; whether anything changed.
-fn mend(vehicles: &mut [Vehicle], settled: &Settled, smoothness: Smoothness) -> Result<bool, TrajectoryError> {
+fn mend(vehicles: &mut [TimedVehicle], settled: &Settled, smoothness: Smoothness) -> Result<bool, TrajectoryError> {
     let mut mended = false;
     for (index, vehicle) in vehicles.iter_mut().enumerate() {
         let swinging = settled
@@ -118,7 +118,7 @@ fn mend(vehicles: &mut [Vehicle], settled: &Settled, smoothness: Smoothness) -> 
     Ok(mended)
 }
 
-impl Vehicle {
+impl TimedVehicle {
     fn new(index: usize, journey: &Journey) -> Result<Self, TrajectoryError> {
         let Journey {
             start,
@@ -361,7 +361,7 @@ impl Look {
     }
 }
 
-fn look(vehicles: &[Vehicle], basis: &Basis, durations_s: &[f64]) -> Result<Look, TrajectoryError> {
+fn look(vehicles: &[TimedVehicle], basis: &Basis, durations_s: &[f64]) -> Result<Look, TrajectoryError> {
     let mut look = Look {
         pieces: Vec::with_capacity(vehicles.len()),
         legs: vec![0.0; durations_s.len()],
@@ -384,13 +384,13 @@ fn look(vehicles: &[Vehicle], basis: &Basis, durations_s: &[f64]) -> Result<Look
 }
 
 /// The shortest a leg may be: nobody sets out before everybody has braked who has to.
-fn least_s(vehicles: &[Vehicle], leg: usize) -> f64 {
-    let braking_s = vehicles.iter().map(Vehicle::braking_s).fold(0.0, f64::max);
+fn least_s(vehicles: &[TimedVehicle], leg: usize) -> f64 {
+    let braking_s = vehicles.iter().map(TimedVehicle::braking_s).fold(0.0, f64::max);
     SHORTEST_LEG_S + if leg == 0 { braking_s } else { 0.0 }
 }
 
 /// Durations from the limits alone.
-fn guess(vehicles: &[Vehicle]) -> Vec<f64> {
+fn guess(vehicles: &[TimedVehicle]) -> Vec<f64> {
     let legs = vehicles.iter().map(|v| v.places.len()).max().unwrap_or(0);
     let mut durations_s: Vec<f64> = (0..legs).map(|leg| least_s(vehicles, leg)).collect();
     for vehicle in vehicles {
@@ -403,7 +403,7 @@ fn guess(vehicles: &[Vehicle]) -> Vec<f64> {
 }
 
 /// Durations adapted leg by leg to what the trajectories turn out to need: the ones with the least total, were they scaled.
-fn adapt(vehicles: &[Vehicle], basis: &Basis, mut durations_s: Vec<f64>) -> Result<Vec<f64>, TrajectoryError> {
+fn adapt(vehicles: &[TimedVehicle], basis: &Basis, mut durations_s: Vec<f64>) -> Result<Vec<f64>, TrajectoryError> {
     let mut best = (f64::INFINITY, durations_s.clone());
     let mut since_better = 0;
     for _ in 0..ROUNDS {
@@ -428,7 +428,7 @@ fn adapt(vehicles: &[Vehicle], basis: &Basis, mut durations_s: Vec<f64>) -> Resu
 }
 
 /// Durations that suit all.
-fn settle(vehicles: &[Vehicle], basis: &Basis) -> Result<Settled, TrajectoryError> {
+fn settle(vehicles: &[TimedVehicle], basis: &Basis) -> Result<Settled, TrajectoryError> {
     let mut durations_s = adapt(vehicles, basis, guess(vehicles))?;
     for _ in 0..SLOWER_ROUNDS {
         let seen = look(vehicles, basis, &durations_s)?;

@@ -70,7 +70,7 @@ struct Listening {
     looked: NodeTime,
 }
 
-pub struct Vehicle {
+pub struct DdsVehicle {
     namespace: Namespace,
     since: NodeTime,
     admission: Admission,
@@ -88,7 +88,7 @@ pub struct Vehicle {
     strangers: BTreeMap<Participant, NodeTime>,
 }
 
-impl Vehicle {
+impl DdsVehicle {
     pub fn new(namespace: Namespace, now: NodeTime) -> Self {
         Self {
             namespace,

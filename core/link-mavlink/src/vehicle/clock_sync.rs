@@ -35,7 +35,7 @@ const ROUND_TRIP_ALPHA: f64 = 0.2;
 const ANSWER_MAX_S: f64 = 2.0;
 
 /// Whether a measurement of the offset tells of a step of the clock.
-enum Step {
+enum ClockStep {
     /// No.
     None,
     /// It may; it must not be used until the next one is there.
@@ -115,16 +115,16 @@ impl ClockSync {
         let middle_ns = answer.ts1 + (nanoseconds(now) - answer.ts1) / 2;
         let measured_s = (answer.tc1 - middle_ns) as f64 * 1e-9;
         match self.look_for_step(now, measured_s, 0.5 * round_trip_s) {
-            Step::None => self.update(now, measured_s),
-            Step::Suspected => {}
-            Step::Made { by_s } => return Some(by_s),
+            ClockStep::None => self.update(now, measured_s),
+            ClockStep::Suspected => {}
+            ClockStep::Made { by_s } => return Some(by_s),
         }
         None
     }
 
-    fn look_for_step(&mut self, now: NodeTime, measured_s: f64, doubt_s: f64) -> Step {
+    fn look_for_step(&mut self, now: NodeTime, measured_s: f64, doubt_s: f64) -> ClockStep {
         if self.samples < SETTLING_SAMPLES {
-            return Step::None;
+            return ClockStep::None;
         }
         let by_s = measured_s - (self.offset_s + self.drift * now.seconds_since(self.at));
         let is_far = by_s.abs() > JUMP_S + doubt_s;
@@ -134,16 +134,16 @@ impl ClockSync {
             (measured_s - expected_s).abs() <= AGREE_S + doubt_s
         };
         match self.suspected.take() {
-            _ if !is_far => Step::None,
+            _ if !is_far => ClockStep::None,
             Some(suspected) if agrees(suspected) => {
                 // What stood still for a moment goes on at its old pace.
                 (self.offset_s, self.at, self.samples) = (measured_s, now, 1);
-                Step::Made { by_s }
+                ClockStep::Made { by_s }
             }
             _ => {
                 self.suspected = Some((measured_s, now));
                 self.next_request = self.next_request.min(now.plus_seconds(CONFIRM_S));
-                Step::Suspected
+                ClockStep::Suspected
             }
         }
     }

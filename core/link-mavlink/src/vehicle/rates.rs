@@ -6,7 +6,7 @@
 use mavlink::dialects::common::MavCmd;
 use skein_domain::NodeTime;
 use skein_px4::MessageRates;
-use skein_px4::plan::{Class, Command, Condition, Goal, Plan, Step};
+use skein_px4::plan::{Class, Command, Condition, Goal, Plan, PlanStep};
 
 /// Length of the window over which rates are measured, in seconds.
 const WINDOW_S: f64 = 4.0;
@@ -317,7 +317,7 @@ impl Copy {
 }
 
 fn service(name: &'static str, command: Command) -> Plan {
-    let steps = vec![Step {
+    let steps = vec![PlanStep {
         command,
         goal: Goal::Acknowledged,
     }];

@@ -8,7 +8,7 @@ use skein_domain::link::LinkEvent;
 use skein_domain::payload::MavlinkMessage;
 use skein_domain::{CommandId, NodeTime, ParameterError, ParameterValue, ReadingAction, Refusal, RequestId};
 use skein_px4::commands::Origin;
-use skein_px4::plan::{self, Class, Command, Condition, Goal, Plan, Step};
+use skein_px4::plan::{self, Class, Command, Condition, Goal, Plan, PlanStep};
 
 impl VehicleCore {
     /// Its parameters.
@@ -25,7 +25,7 @@ impl VehicleCore {
             });
             return;
         }
-        let steps = vec![Step {
+        let steps = vec![PlanStep {
             command,
             goal: Goal::Acknowledged,
         }];

@@ -204,7 +204,7 @@ fn refusals_carry_the_autopilots_words() {
         (39.7, Hold, TakeOff, false),
         (44.8, TakeOff, Hold, false),
         (49.9, Hold, Offboard, true),
-        // DO_REPOSITION by another: out of our hands.
+        // DO_REPOSITION by another: out of our control.
         (61.1, Offboard, Hold, false),
         (63.2, Hold, Offboard, true),
         (64.2, Offboard, Land, true),

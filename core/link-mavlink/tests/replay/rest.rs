@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 use skein_domain::{EstimatorHealth, PositionNed};
 use skein_link_mavlink::EndpointCounters;
 use skein_link_mavlink::frame::each_in_datagram;
-use skein_sim::vehicle::{LinkKind, Outbox, Vehicle, VehicleIdentity};
+use skein_sim::vehicle::{LinkKind, Outbox, SimVehicle, VehicleIdentity};
 use skein_sim::{Airframe, SimSettings};
 
 /// Both are at rest for this long, in seconds.
@@ -75,7 +75,7 @@ impl Told {
             battery: None,
             utc_at_zero_us: 0,
         };
-        let mut vehicle = Vehicle::new(identity, &SimSettings::default().as_software_in_the_loop());
+        let mut vehicle = SimVehicle::new(identity, &SimSettings::default().as_software_in_the_loop());
         let (mut told, mut out) = (Self::default(), Outbox::default());
         for step in 0..(REST_S / STEP_S) as u32 {
             if step == 2_500 {

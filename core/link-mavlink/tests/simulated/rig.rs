@@ -12,7 +12,7 @@ use skein_link_mavlink::decode::{decode, heartbeat};
 use skein_link_mavlink::frame::each_in_datagram;
 use skein_link_mavlink::vehicle::{AUTOPILOT_COMPONENT, VehicleCore};
 use skein_px4::LinkSettings;
-use skein_sim::vehicle::{LinkKind, Outbox, Vehicle, VehicleIdentity};
+use skein_sim::vehicle::{LinkKind, Outbox, SimVehicle, VehicleIdentity};
 use skein_sim::{NoiseSettings, SimSettings, VehicleTruth, WindSettings};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -29,7 +29,7 @@ pub type Filter = Box<dyn FnMut(u32, &[u8]) -> bool>;
 
 pub struct Rig {
     pub core: Option<VehicleCore>,
-    pub vehicle: Vehicle,
+    pub vehicle: SimVehicle,
     pub now_s: f64,
     /// Node time runs from here, the vehicle's from its boot: the clocks differ.
     pub events: Vec<(f64, LinkEvent)>,
@@ -79,7 +79,7 @@ impl Rig {
         };
         Self {
             core: None,
-            vehicle: Vehicle::new(identity, &sim),
+            vehicle: SimVehicle::new(identity, &sim),
             now_s: 50.0,
             events: Vec::new(),
             received: BTreeMap::new(),

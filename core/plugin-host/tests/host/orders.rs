@@ -3,7 +3,7 @@
 
 use skein_domain::exchange::{Create, Effect, Event, EventBatch};
 use skein_domain::{CommandId, Incarnation, NodeTime, VehicleId};
-use skein_plugin_host::{Answer, ChildLimits, Instance, Isolation, Plugin, PluginError, RunnerSettings, Runners};
+use skein_plugin_host::{ChildLimits, Instance, Isolation, Plugin, PluginAnswer, PluginError, RunnerSettings, Runners};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Arc, OnceLock};
@@ -105,7 +105,7 @@ pub fn events(events: Vec<Event>) -> EventBatch {
 }
 
 /// Tells an instance what to do.
-pub async fn told(instance: &Instance, command_json: &str) -> Result<Answer, PluginError> {
+pub async fn told(instance: &Instance, command_json: &str) -> Result<PluginAnswer, PluginError> {
     let command = Event::PayloadCommand {
         id: CommandId(1),
         command_json: command_json.to_owned(),

@@ -1,7 +1,7 @@
 //! One command under way: what it waits for, and what it does when that comes or does not come.
 
 use super::{Around, Origin};
-use crate::plan::{Class, Condition, Goal, Step};
+use crate::plan::{Class, Condition, Goal, PlanStep};
 use skein_domain::{LandedState, NodeTime, Refusal};
 
 /// After the first text beside a refusal, how long a second one is awaited, in seconds.
@@ -52,7 +52,7 @@ pub struct Task {
     pub class: Class,
     pub condition: Condition,
     /// The present step and those after it.
-    pub steps: Vec<Step>,
+    pub steps: Vec<PlanStep>,
     pub phase: Phase,
 }
 

@@ -1,7 +1,7 @@
 //! Retries, progress, refusals with their words, confirmation, and commands that replace each other.
 
 use super::*;
-use crate::plan::{Command, Goal, Step, plan};
+use crate::plan::{Command, Goal, PlanStep, plan};
 use mavlink::dialects::common::{MavCmd, MavSeverity, STATUSTEXT_DATA};
 use skein_domain::{AutopilotCommand, FlightMode, LandedState};
 
@@ -310,7 +310,7 @@ fn arming_after_a_landing_from_offboard_takes_two_steps() {
 #[test]
 fn too_many_are_refused_and_all_can_be_ended() {
     let mut bench = Bench::new();
-    let step = Step {
+    let step = PlanStep {
         command: Command::long(MavCmd::MAV_CMD_IMAGE_START_CAPTURE, [0.0; 7]),
         goal: Goal::Acknowledged,
     };

@@ -168,7 +168,10 @@ impl Driver {
 
 /// Whether a vehicle does what no velocity has it do.
 fn is_lost(vehicle: &VehicleSnapshot) -> bool {
-    let under_orders = vehicle.ladder.as_ref().is_some_and(|ladder| ladder.order.is_some());
+    let under_orders = vehicle
+        .failsafe
+        .as_ref()
+        .is_some_and(|failsafe| failsafe.order.is_some());
     let flies_otherwise = matches!(
         vehicle.flight_state,
         FlightState::Returning | FlightState::Landing | FlightState::PilotControl | FlightState::Faulted

@@ -101,7 +101,7 @@ fn no_velocity_stops_at_once_and_moves_nobody() {
             ..Stick::default()
         })
     );
-    // Repeated it stays in hand; ended it holds.
+    // Repeated it goes on; ended it holds.
     assert!(steering.is_engaged());
     assert_eq!(steering.decide(0.8), Order::Stop);
 }

@@ -28,7 +28,7 @@ fn vehicle() -> VehicleSnapshot {
         "link": skein_domain::LinkHealth { connected: true, ..Default::default() },
         "age_s": 0.1, "slot": null, "tracking_error_m": null, "is_leader": false,
         "actor": ActorHealth::default(), "model": PluginHealth::default(), "model_state": null, "avoiding": null,
-        "ladder": null, "energy": null, "stopped": false, "limits": null, "capability": null, "payloads": [], "degraded": [],
+        "failsafe": null, "energy": null, "stopped": false, "limits": null, "capability": null, "payloads": [], "degraded": [],
     }))
     .expect("a snapshot")
 }

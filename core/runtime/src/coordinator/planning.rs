@@ -129,7 +129,7 @@ impl CoordinatorState {
             self.regrouping = false;
         }
         if !self.shared.coordinates() {
-            // The office has passed on meanwhile.
+            // The leadership has passed on meanwhile.
             match purpose {
                 Purpose::Asked(reply) => drop(reply.send(Err(Refusal::Superseded))),
                 Purpose::Foreseen(reply) => drop(reply.send(Err(Refusal::Superseded))),

@@ -1,6 +1,6 @@
 //! Relief, and coming back: a member that will soon have to return for its charge is sent home before it becomes urgent, and the others close up.
 //!
-//! Must never do: keep a vehicle in the formation that has to return; its ladder sends it home by itself then.
+//! Must never do: keep a vehicle in the formation that has to return; its failsafe policy sends it home by itself then.
 
 use super::CoordinatorState;
 use skein_coordination::Formation;
@@ -13,7 +13,7 @@ use skein_view::EventKind;
 use skein_view::PeerSnapshot;
 
 impl CoordinatorState {
-    /// Takes those back whose ladder held them and whose trouble is over.
+    /// Takes those back whose failsafe policy held them and whose trouble is over.
     pub(super) fn take_back(&mut self, peers: &PeerSnapshot) {
         for entry in peers.entries.iter().filter(|e| e.may_rejoin) {
             if self.shared.withdrawn.lock().remove(&entry.id) && !self.joins.contains(&entry.id) {
@@ -62,8 +62,8 @@ impl CoordinatorState {
                 not_before: now,
                 reply: None,
             };
-            // Without its actor it goes on as it is; its ladder is looked at by the next incarnation.
-            if let Some(actor) = self.shared.cell(*id).and_then(|cell| cell.actor.load_full()) {
+            // Without its actor it goes on as it is; its failsafe policy is looked at by the next incarnation.
+            if let Some(actor) = self.shared.record(*id).and_then(|record| record.actor.load_full()) {
                 let _ = actor.cast(message);
             }
         }

@@ -112,15 +112,15 @@ impl CoordinatorState {
         let frame = self.shared.frame().ok_or_else(|| of_all(Refusal::NoSwarmFrame))?;
         let coordination = self.shared.coordination.lock().clone();
         let (mut held, mut clock_faults) = (BTreeMap::new(), std::collections::BTreeSet::new());
-        for cell in self.shared.cells() {
-            let published = cell.state.lock();
+        for record in self.shared.records() {
+            let published = record.state.lock();
             let holds = published.flight_state == FlightState::Holding;
             if let Some(place) = published.setpoint.and_then(|s| s.position).filter(|_| holds) {
-                held.insert(cell.id, place);
+                held.insert(record.id, place);
             }
-            let alarms = published.ladder.iter().flat_map(|ladder| &ladder.alarms);
+            let alarms = published.failsafe.iter().flat_map(|failsafe| &failsafe.alarms);
             if alarms.into_iter().any(|alarm| alarm.trigger == Trigger::ClockFault) {
-                clock_faults.insert(cell.id);
+                clock_faults.insert(record.id);
             }
         }
         self.others_flights(&mut held, &mut clock_faults);
@@ -196,7 +196,7 @@ impl CoordinatorState {
         self.flights_version += 1;
         self.publish();
         for (id, points) in routes {
-            let actor = self.shared.cell(id).and_then(|cell| cell.actor.load_full());
+            let actor = self.shared.record(id).and_then(|record| record.actor.load_full());
             if let Some(node) = self.shared.host(id) {
                 self.ask_elsewhere(node, Ask::Upload(vec![(id, points)]));
             } else if let Some(actor) = actor {
@@ -306,7 +306,7 @@ fn why_left(flight: &Flight, id: VehicleId, peers: &PeerSnapshot, now: NodeTime)
         return Some("its link is lost".to_owned());
     }
     if entry.under_order {
-        return Some("a reaction of its ladder is in force".to_owned());
+        return Some("a reaction of its failsafe policy is in force".to_owned());
     }
     let flies = match entry.flight_state {
         FlightState::GoingTo => true,

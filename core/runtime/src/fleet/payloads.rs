@@ -1,4 +1,4 @@
-//! Payloads in the fleet's hands: put on a vehicle by its adoption rule or at run time, their actors supervised beside the vehicle's.
+//! Payloads under the fleet's control: put on a vehicle by its adoption rule or at run time, their actors supervised beside the vehicle's.
 //!
 //! They are the fleet's children and not their vehicle's: ractor ends children with their parent, and the end of a vehicle's actor
 //! must not take its gimbal along.
@@ -106,16 +106,16 @@ impl FleetState {
         vehicle: VehicleId,
         rule: &PayloadRule,
     ) -> Result<(), Refusal> {
-        let cell = self.shared.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
-        if cell.payload(&rule.name).is_some() {
+        let record = self.shared.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+        if record.payload(&rule.name).is_some() {
             return Err(Refusal::InvalidValue {
                 detail: format!("vehicle {vehicle} has a payload \"{}\" already", rule.name),
             });
         }
-        let payload = Arc::new(payload_cell(&self.shared, &cell, rule)?);
-        cell.payloads.write().insert(rule.name.clone(), payload);
+        let payload = Arc::new(payload_cell(&self.shared, &record, rule)?);
+        record.payloads.write().insert(rule.name.clone(), payload);
         self.tell(
-            &cell,
+            &record,
             &rule.name,
             Severity::Info,
             &format!("attached, plugin {}", rule.plugin),
@@ -126,8 +126,8 @@ impl FleetState {
 
     /// Takes a payload off its vehicle and ends it.
     pub(super) fn detach(&mut self, vehicle: VehicleId, name: &str) -> Result<(), Refusal> {
-        let cell = self.shared.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
-        let payload = cell
+        let record = self.shared.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+        let payload = record
             .payloads
             .write()
             .remove(name)
@@ -140,14 +140,14 @@ impl FleetState {
             self.children.remove(&actor.get_id());
             actor.stop(Some("detached".into()));
         }
-        self.tell(&cell, name, Severity::Info, "detached");
+        self.tell(&record, name, Severity::Info, "detached");
         Ok(())
     }
 
     /// Starts the payloads of a vehicle that have no actor.
-    pub(super) async fn start_payloads(&mut self, myself: &ActorRef<FleetMessage>, cell: &VehicleRecord) {
-        for payload in cell.payloads() {
-            let key = (cell.id, payload.name.clone());
+    pub(super) async fn start_payloads(&mut self, myself: &ActorRef<FleetMessage>, record: &VehicleRecord) {
+        for payload in record.payloads() {
+            let key = (record.id, payload.name.clone());
             self.payload_records.entry(key.clone()).or_default().incarnation = payload.state.lock().actor.incarnation;
             self.start_payload(myself, key).await;
         }
@@ -155,14 +155,16 @@ impl FleetState {
 
     /// Starts the next incarnation of a payload's actor.
     pub(super) async fn start_payload(&mut self, myself: &ActorRef<FleetMessage>, key: PayloadKey) {
-        let Some(vehicle) = self.shared.cell(key.0) else { return };
-        let Some(cell) = vehicle.payload(&key.1) else { return };
+        let Some(vehicle) = self.shared.record(key.0) else {
+            return;
+        };
+        let Some(record) = vehicle.payload(&key.1) else { return };
         let record = self.payload_records.entry(key.clone()).or_default();
         record.incarnation = record.incarnation.next();
         let arguments = PayloadArguments {
             shared: self.shared.clone(),
             vehicle,
-            cell,
+            record,
             incarnation: record.incarnation,
         };
         match Payload::spawn_linked(None, Payload, arguments, myself.get_cell()).await {
@@ -175,10 +177,12 @@ impl FleetState {
 
     /// A payload's actor ended by itself.
     pub(super) fn payload_ended(&mut self, myself: &ActorRef<FleetMessage>, key: PayloadKey, error: &str) {
-        let Some(vehicle) = self.shared.cell(key.0) else { return };
-        let Some(cell) = vehicle.payload(&key.1) else { return };
+        let Some(vehicle) = self.shared.record(key.0) else {
+            return;
+        };
+        let Some(record) = vehicle.payload(&key.1) else { return };
         let now = self.shared.now();
-        cell.actor.store(None);
+        record.actor.store(None);
         let record = self.payload_records.entry(key.clone()).or_default();
         let decision = record.history.decide(&PAYLOAD_LIMITS, now, fraction(now));
         let (status, severity, text) = match decision {
@@ -194,7 +198,7 @@ impl FleetState {
             ),
         };
         {
-            let mut published = cell.state.lock();
+            let mut published = record.state.lock();
             published.actor.status = status;
             published.actor.last_error = error.to_owned();
             published.actor.since = now;
@@ -209,7 +213,7 @@ impl FleetState {
                     FleetMessage::RestartPayload(key)
                 });
             }
-            Decision::GiveUp => escalate(&self.shared, &vehicle, &cell, error),
+            Decision::GiveUp => escalate(&self.shared, &vehicle, &record, error),
         }
     }
 

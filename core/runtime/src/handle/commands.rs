@@ -25,7 +25,7 @@ impl NodeHandle {
         self.command_from(None, targets, command).await
     }
 
-    /// As [`Self::command`], from a console: a vehicle that another one has in hand refuses, unless the command stops it.
+    /// As [`Self::command`], from a console: a vehicle over which another one has control authority refuses, unless the command stops it.
     pub async fn command_from(
         &self,
         console: Option<&str>,
@@ -40,15 +40,15 @@ impl NodeHandle {
             true => Ok(()),
             false => self.may_command(console, &[*id]),
         };
-        let (mut mine, mut others_hands) = (Vec::with_capacity(ids.len()), Vec::new());
+        let (mut mine, mut controlled_by_others) = (Vec::with_capacity(ids.len()), Vec::new());
         for id in &ids {
             match may(id) {
                 Ok(()) => mine.push(*id),
-                Err(refusal) => others_hands.push(self.refused(*id, refusal)),
+                Err(refusal) => controlled_by_others.push(self.refused(*id, refusal)),
             }
         }
         let (orders, mut receipts) = self.orders(&mine, command);
-        receipts.append(&mut others_hands);
+        receipts.append(&mut controlled_by_others);
         let (mut own, mut others): (Vec<Order>, BTreeMap<NodeId, Vec<Order>>) = (Vec::new(), BTreeMap::new());
         for order in orders {
             match self.shared.host(order.vehicle) {
@@ -73,7 +73,7 @@ impl NodeHandle {
         receipts
     }
 
-    /// Commands this node's own vehicles once more, whoever has them in hand.
+    /// Commands this node's own vehicles once more, whoever has control authority over them.
     pub(crate) async fn command_again(&self, ids: &[VehicleId], command: VehicleCommand) {
         let (orders, _) = self.orders(ids, command);
         self.carry_out(orders).await;
@@ -183,8 +183,8 @@ impl NodeHandle {
             | VehicleCommand::Observe { .. }
             | VehicleCommand::GoTo { .. } => {
                 for id in ids {
-                    match self.shared.cell(*id) {
-                        Some(cell) => drop(self.shared.withdraw(&cell)),
+                    match self.shared.record(*id) {
+                        Some(record) => drop(self.shared.withdraw(&record)),
                         None => drop(self.shared.withdrawn.lock().insert(*id)),
                     }
                 }
@@ -207,13 +207,13 @@ impl NodeHandle {
             id,
             refusal: Some(refusal),
         };
-        let Some(cell) = self.shared.cell(vehicle) else {
+        let Some(record) = self.shared.record(vehicle) else {
             return refused(Refusal::UnknownVehicle { vehicle });
         };
         let not_running = Refusal::NotRunning {
             what: format!("actor of vehicle {vehicle}"),
         };
-        let Some(actor) = cell.actor.load_full() else {
+        let Some(actor) = record.actor.load_full() else {
             return refused(not_running);
         };
         let message = |reply| VehicleMessage::Command {

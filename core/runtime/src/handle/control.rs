@@ -1,4 +1,4 @@
-//! Control: which operator's console has which vehicles in hand, at this node and, as the others tell, in the whole swarm.
+//! Control: which operator's console has control authority over which vehicles, at this node and, as the others tell, in the whole swarm.
 //!
 //! Must never do: keep anybody from stopping, holding or bringing down a vehicle.
 
@@ -13,7 +13,7 @@ use skein_view::EventKind;
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 #[serde(tag = "action", rename_all = "snake_case", deny_unknown_fields)]
 pub enum ControlAction {
-    /// To take them in hand, if nobody has them, or who has them is not heard any more.
+    /// To take control authority over them, if nobody has it, or who has it is not heard any more.
     Take,
     /// To ask who has them. Taken at once if nobody has them.
     Request,
@@ -36,7 +36,7 @@ pub struct ControlReceipt {
 }
 
 impl NodeHandle {
-    /// Who has which vehicles in hand, by ascending id; the others are in nobody's.
+    /// Who has control authority over which vehicles, by ascending id; the others are under nobody's.
     #[must_use]
     pub fn control(&self) -> Vec<VehicleControl> {
         self.shared.control.lock().picture(self.now())
@@ -94,7 +94,7 @@ impl NodeHandle {
                 format!("{} asks for it", console.name)
             }
             (before, after) if before == after => return Ok(()),
-            (_, Some(name)) => format!("in the hands of {name}"),
+            (_, Some(name)) => format!("under the control of {name}"),
             (Some(name), None) => format!("{name} has let it go"),
             (None, None) => return Ok(()),
         };
@@ -107,7 +107,7 @@ impl NodeHandle {
     /// Whether a console (none: a program that says of itself nothing) may command these vehicles.
     ///
     /// # Errors
-    /// The first of them that another one has in hand.
+    /// The first of them over which another one has control authority.
     pub fn may_command(&self, console: Option<&str>, vehicles: &[VehicleId]) -> Result<(), Refusal> {
         let (table, now) = (self.shared.control.lock(), self.shared.now());
         vehicles

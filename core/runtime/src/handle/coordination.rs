@@ -2,7 +2,7 @@
 //!
 //! Must never do: ask a node that does not coordinate to decide.
 
-use super::serving::take_office;
+use super::serving::take_leadership;
 use super::{NodeHandle, PLAN_WITHIN};
 use crate::coordinator::CoordinatorMessage;
 use ractor::RpcReplyPort;
@@ -14,8 +14,8 @@ use skein_view::SwarmSnapshot;
 use skein_view::{FormationForecast, FormationReceipt};
 use std::time::Duration;
 
-/// Longest wait for another node to take the office.
-const OFFICE_WITHIN: Duration = Duration::from_secs(3);
+/// Longest wait for another node to take the leadership.
+const LEADERSHIP_WITHIN: Duration = Duration::from_secs(3);
 /// Longest wait for a control period that begins after something was asked.
 const PICTURE_WITHIN: Duration = Duration::from_millis(500);
 /// How often it is looked for.
@@ -190,7 +190,7 @@ impl NodeHandle {
         Some(swarm.picture.load().as_ref().clone())
     }
 
-    /// Has a node of the swarm take the office of coordinator, although another one may hold it.
+    /// Has a node of the swarm take the leadership, although another one may hold it.
     ///
     /// # Errors
     /// When that node cannot coordinate, or does not answer.
@@ -207,9 +207,9 @@ impl NodeHandle {
             });
         }
         if role.node == node {
-            return take_office(self).await;
+            return take_leadership(self).await;
         }
-        match self.ask(node, Ask::TakeOffice, OFFICE_WITHIN).await? {
+        match self.ask(node, Ask::TakeLeadership, LEADERSHIP_WITHIN).await? {
             Answer::Done(outcome) => outcome,
             _ => Err(strange(node)),
         }

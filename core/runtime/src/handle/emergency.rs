@@ -108,17 +108,17 @@ impl NodeHandle {
 
     fn stop_motors(&self, vehicle: VehicleId, now: NodeTime) -> CommandReceipt {
         let id = self.shared().next_command_id();
-        let Some(cell) = self.shared().cell(vehicle) else {
+        let Some(record) = self.shared().record(vehicle) else {
             let refusal = Some(Refusal::UnknownVehicle { vehicle });
             return CommandReceipt { vehicle, id, refusal };
         };
-        cell.set_stopped(true);
+        record.set_stopped(true);
         // Also to a vehicle that is not heard: it may hear.
-        let refusal = cell.link.load().0.stop_motors(now, EMERGENCY_REQUEST).err();
-        self.shared().withdraw(&cell);
+        let refusal = record.link.load().0.stop_motors(now, EMERGENCY_REQUEST).err();
+        self.shared().withdraw(&record);
         let text = match &refusal {
-            None => format!("{}: EMERGENCY STOP sent", cell.name),
-            Some(refusal) => format!("{}: EMERGENCY STOP: {refusal}", cell.name),
+            None => format!("{}: EMERGENCY STOP sent", record.name),
+            Some(refusal) => format!("{}: EMERGENCY STOP: {refusal}", record.name),
         };
         self.shared()
             .events

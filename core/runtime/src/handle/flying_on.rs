@@ -1,7 +1,7 @@
 //! Going on with what was flown before a restart: the formation is planned anew from where its members are, as one that was interrupted, and
 //! what operators had commanded is commanded again.
 //!
-//! Must never do: bring anybody into a formation who is not in the swarm's hands, or whom an operator has commanded since.
+//! Must never do: bring anybody into a formation who is not under the swarm's control, or whom an operator has commanded since.
 
 use super::NodeHandle;
 use skein_coordination::{Interrupted, available};
@@ -12,7 +12,7 @@ use skein_view::EventKind;
 use std::collections::BTreeSet;
 
 /// Who can be flown now.
-pub fn in_hand(shared: &SharedState) -> BTreeSet<VehicleId> {
+pub fn under_control(shared: &SharedState) -> BTreeSet<VehicleId> {
     available(&shared.peers.load()).into_iter().collect()
 }
 
@@ -42,7 +42,7 @@ pub async fn fly_on(handle: &NodeHandle) -> bool {
     let Some(flown) = shared.resume.end() else { return false };
     if let Some(formation) = flown.formation {
         let withdrawn = shared.withdrawn.lock().clone();
-        let mut who = in_hand(shared);
+        let mut who = under_control(shared);
         who.retain(|id| !withdrawn.contains(id));
         let mut coordination = shared.coordination.lock();
         if coordination.formation.is_none() && coordination.interrupted.is_none() {

@@ -1,6 +1,6 @@
 //! Parameters of a vehicle's autopilot: what is known of them is read from its link; a write goes through its actor, past the gate.
 //!
-//! Must never do: write a parameter of a vehicle that another operator has in hand.
+//! Must never do: write a parameter of a vehicle over which another operator has control authority.
 
 use super::NodeHandle;
 use crate::vehicle::parameter_words;
@@ -32,7 +32,7 @@ pub struct ParameterReceipt {
 
 impl NodeHandle {
     fn cell_of(&self, vehicle: VehicleId) -> Result<Arc<VehicleRecord>, Refusal> {
-        self.shared.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })
+        self.shared.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })
     }
 
     /// What is known of the parameters of one of this node's vehicles and has changed since a revision; 0 for all.
@@ -48,14 +48,14 @@ impl NodeHandle {
     /// # Errors
     /// When there is no such vehicle, it is not heard, or its link has no parameters.
     pub fn read_parameters(&self, vehicle: VehicleId, action: ReadingAction) -> Result<(), Refusal> {
-        let cell = self.cell_of(vehicle)?;
-        cell.link.load().0.read_parameters(self.now(), action)
+        let record = self.cell_of(vehicle)?;
+        record.link.load().0.read_parameters(self.now(), action)
     }
 
     /// Writes a parameter of one of this node's vehicles, from a console, and waits for the autopilot's answer.
     ///
     /// # Errors
-    /// When another operator has it in hand, it is armed, the value does not fit, or the autopilot keeps another one.
+    /// When another operator has control authority over it, it is armed, the value does not fit, or the autopilot keeps another one.
     pub async fn write_parameter(
         &self,
         console: Option<&str>,
@@ -64,11 +64,11 @@ impl NodeHandle {
         value: ParameterValue,
     ) -> Result<ParameterReceipt, ParameterError> {
         check_parameter_name(name)?;
-        let cell = self.cell_of(vehicle)?;
+        let record = self.cell_of(vehicle)?;
         let by = self.called(console, vehicle);
         if let Err(refusal) = self.may_command(console, &[vehicle]) {
             let error = ParameterError::from(refusal);
-            let (severity, text) = parameter_words(&cell.name, name, &by, None, &Err(error.clone()));
+            let (severity, text) = parameter_words(&record.name, name, &by, None, &Err(error.clone()));
             let kind = EventKind::Parameter { name: name.to_owned() };
             let now = self.now();
             self.shared.events.record(now, Some(vehicle), severity, kind, text);
@@ -77,7 +77,7 @@ impl NodeHandle {
         let not_running = || Refusal::NotRunning {
             what: format!("actor of vehicle {vehicle}"),
         };
-        let actor = cell.actor.load_full().ok_or_else(not_running)?;
+        let actor = record.actor.load_full().ok_or_else(not_running)?;
         let id = self.shared.next_command_id();
         let order = |reply| {
             VehicleMessage::WriteParameter(ParameterOrder {

@@ -1,7 +1,7 @@
 //! What becomes of this node's vehicles in the air when it stops: their autopilots are asked to go on by themselves, and it is told who has
 //! not confirmed that.
 //!
-//! Must never do: touch a vehicle that a pilot has in hand; wait without a bound; end a stream before its vehicle's autopilot has taken over.
+//! Must never do: touch a vehicle over which a pilot has control authority; wait without a bound; end a stream before its vehicle's autopilot has taken over.
 
 use super::NodeHandle;
 use skein_config::OnStop;
@@ -32,9 +32,9 @@ impl NodeHandle {
         };
         let in_air: Vec<Arc<VehicleRecord>> = self
             .shared
-            .cells()
+            .records()
             .into_iter()
-            .filter(|cell| self.is_in_air(cell))
+            .filter(|record| self.is_in_air(record))
             .collect();
         if in_air.is_empty() {
             return;
@@ -43,19 +43,19 @@ impl NodeHandle {
         let on_stop = self.shared.config.node.on_stop;
         let asked: Vec<(Arc<VehicleRecord>, FlightMode)> = in_air
             .iter()
-            .filter_map(|cell| Some((cell.clone(), self.ask_autopilot(cell, on_stop)?)))
+            .filter_map(|record| Some((record.clone(), self.ask_autopilot(record, on_stop)?)))
             .collect();
         say(Severity::Warning, words(&in_air, &asked, on_stop));
         let until = tokio::time::Instant::now() + CONFIRMED_WITHIN;
         let mut waiting = asked;
         while !waiting.is_empty() && tokio::time::Instant::now() < until {
             tokio::time::sleep(LOOK).await;
-            waiting.retain(|(cell, mode)| self.mode(cell) != *mode && self.is_in_air(cell));
+            waiting.retain(|(record, mode)| self.mode(record) != *mode && self.is_in_air(record));
         }
-        for (cell, mode) in waiting {
+        for (record, mode) in waiting {
             let text = format!(
                 "{} has not confirmed mode {mode} within {:.0} s: what it does without setpoints is up to its autopilot",
-                cell.name,
+                record.name,
                 CONFIRMED_WITHIN.as_secs_f64()
             );
             say(Severity::Critical, text);
@@ -64,26 +64,26 @@ impl NodeHandle {
     }
 
     /// Asks the autopilot of one vehicle; gives the mode it is to be in, or nothing if it is not asked for one.
-    fn ask_autopilot(&self, cell: &VehicleRecord, on_stop: OnStop) -> Option<FlightMode> {
-        let state = cell.state.lock().flight_state;
+    fn ask_autopilot(&self, record: &VehicleRecord, on_stop: OnStop) -> Option<FlightMode> {
+        let state = record.state.lock().flight_state;
         let others = matches!(
             state,
             FlightState::Idle | FlightState::PilotControl | FlightState::Faulted
         );
-        let (command, mode) = parting(on_stop, self.mode(cell)).filter(|_| !others && !cell.is_stopped())?;
+        let (command, mode) = parting(on_stop, self.mode(record)).filter(|_| !others && !record.is_stopped())?;
         // So that no regrouping calls it back, and those of other nodes close up.
-        self.shared.withdraw(cell);
+        self.shared.withdraw(record);
         self.shared.gate().autopilot(&command, true).ok()?;
-        cell.link.load().0.request(self.now(), PARTING_REQUEST, command);
+        record.link.load().0.request(self.now(), PARTING_REQUEST, command);
         Some(mode)
     }
 
-    fn mode(&self, cell: &VehicleRecord) -> FlightMode {
-        cell.link.load().0.read(self.now()).0.mode
+    fn mode(&self, record: &VehicleRecord) -> FlightMode {
+        record.link.load().0.read(self.now()).0.mode
     }
 
-    fn is_in_air(&self, cell: &VehicleRecord) -> bool {
-        airborne(&cell.link.load().0.read(self.now()).0)
+    fn is_in_air(&self, record: &VehicleRecord) -> bool {
+        airborne(&record.link.load().0.read(self.now()).0)
     }
 }
 
@@ -117,20 +117,20 @@ fn words(in_air: &[Arc<VehicleRecord>], asked: &[(Arc<VehicleRecord>, FlightMode
             );
         }
     };
-    let names = |cells: Vec<&VehicleRecord>| {
-        cells
+    let names = |records: Vec<&VehicleRecord>| {
+        records
             .iter()
-            .map(|cell| cell.name.as_str())
+            .map(|record| record.name.as_str())
             .collect::<Vec<_>>()
             .join(", ")
     };
-    let is_asked = |cell: &VehicleRecord| asked.iter().any(|(of, _)| of.id == cell.id);
-    let told = names(asked.iter().map(|(cell, _)| &**cell).collect());
+    let is_asked = |record: &VehicleRecord| asked.iter().any(|(of, _)| of.id == record.id);
+    let told = names(asked.iter().map(|(record, _)| &**record).collect());
     let left = names(
         in_air
             .iter()
-            .map(|cell| &**cell)
-            .filter(|cell| !is_asked(cell))
+            .map(|record| &**record)
+            .filter(|record| !is_asked(record))
             .collect(),
     );
     let mut text = format!("stopping with {} in the air", in_air.len());

@@ -233,9 +233,9 @@ impl NodeHandle {
         payload: Option<&str>,
         order: PluginOrder,
     ) -> Result<(), Refusal> {
-        let cell = self.shared.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+        let record = self.shared.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
         let sent = match payload {
-            None => cell.actor.load_full().map(|actor| {
+            None => record.actor.load_full().map(|actor| {
                 actor
                     .cast(match order {
                         PluginOrder::Drill(drill) => VehicleMessage::Drill(drill),
@@ -244,7 +244,7 @@ impl NodeHandle {
                     })
                     .is_ok()
             }),
-            Some(name) => self.payload(&cell, name)?.actor.load_full().map(|actor| {
+            Some(name) => self.payload(&record, name)?.actor.load_full().map(|actor| {
                 actor
                     .cast(match order {
                         PluginOrder::Drill(drill) => PayloadMessage::Drill(drill),
@@ -259,9 +259,9 @@ impl NodeHandle {
             .ok_or_else(|| not_running(vehicle, payload))
     }
 
-    fn payload(&self, cell: &VehicleRecord, name: &str) -> Result<Arc<PayloadRecord>, Refusal> {
-        cell.payload(name).ok_or_else(|| Refusal::UnknownPayload {
-            vehicle: cell.id,
+    fn payload(&self, record: &VehicleRecord, name: &str) -> Result<Arc<PayloadRecord>, Refusal> {
+        record.payload(name).ok_or_else(|| Refusal::UnknownPayload {
+            vehicle: record.id,
             payload: name.to_owned(),
         })
     }

@@ -45,9 +45,9 @@ impl NodeHandle {
         PreflightAnswer {
             swarm: swarm_report(shared, now),
             vehicles: shared
-                .cells()
+                .records()
                 .iter()
-                .map(|cell| vehicle_report(shared, cell, now))
+                .map(|record| vehicle_report(shared, record, now))
                 .collect(),
             overrides: holding(shared, now),
         }

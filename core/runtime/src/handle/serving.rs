@@ -21,7 +21,7 @@ pub async fn carry_out(handle: NodeHandle, ask: Ask, ahead_us: Option<i64>) -> A
         Ask::EndTrajectories => Answer::Ended(handle.end_trajectories_here().await),
         Ask::Fences(plan) => Answer::Done(handle.set_fences_here(*plan)),
         Ask::Preflight => Answer::Preflight(handle.preflight().vehicles),
-        Ask::TakeOffice => Answer::Done(take_office(&handle).await),
+        Ask::TakeLeadership => Answer::Done(take_leadership(&handle).await),
         Ask::Stick { vehicle, stick, told } => {
             Answer::Done(handle.stick_from_elsewhere(vehicle, stick, told, ahead_us))
         }
@@ -43,11 +43,11 @@ pub async fn carry_out(handle: NodeHandle, ask: Ask, ahead_us: Option<i64>) -> A
     }
 }
 
-/// Takes the office of coordinator on this node.
+/// Takes the leadership on this node.
 ///
 /// # Errors
 /// When it cannot coordinate, or is in no swarm.
-pub async fn take_office(handle: &NodeHandle) -> Result<(), Refusal> {
+pub async fn take_leadership(handle: &NodeHandle) -> Result<(), Refusal> {
     let not_running = || Refusal::NotRunning {
         what: "this node's part in a swarm".into(),
     };
@@ -55,7 +55,7 @@ pub async fn take_office(handle: &NodeHandle) -> Result<(), Refusal> {
     let actor = actor.ok_or_else(not_running)?;
     let (answer, answered) = tokio::sync::oneshot::channel();
     actor
-        .cast(SwarmMessage::TakeOffice(answer))
+        .cast(SwarmMessage::TakeLeadership(answer))
         .map_err(|_| not_running())?;
     answered.await.map_err(|_| not_running())?
 }

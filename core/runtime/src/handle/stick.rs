@@ -16,7 +16,7 @@ impl NodeHandle {
     /// [`skein_domain::stick::STICK_GOOD_S`]. To be called inside of a runtime.
     ///
     /// # Errors
-    /// For numbers that cannot be meant, a vehicle that is not known, is in another console's hands or is not steered by hand. What another
+    /// For numbers that cannot be meant, a vehicle that is not known, is under another console's control or is not steered by hand. What another
     /// node refuses is told with the sticks that follow.
     pub fn stick(&self, console: Option<&str>, vehicle: VehicleId, stick: Stick) -> Result<(), Refusal> {
         stick.check()?;
@@ -28,11 +28,11 @@ impl NodeHandle {
     }
 
     fn stick_here(&self, vehicle: VehicleId, stick: Stick) -> Result<(), Refusal> {
-        let cell = self.shared.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
-        if cell.hand.lock().put(stick, self.now()) {
+        let record = self.shared.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+        if record.hand.lock().put(stick, self.now()) {
             return Ok(());
         }
-        let state = cell.state.lock().flight_state;
+        let state = record.state.lock().flight_state;
         Err(Refusal::WrongState {
             state,
             command: VehicleCommand::Steer.name().to_owned(),

@@ -22,14 +22,14 @@ impl PayloadState {
                 Effect::Mavlink(message) => self.send(&message),
                 Effect::Transmit { bytes } => {
                     if self.transport.as_ref().is_none_or(|transport| !transport.send(bytes)) {
-                        tracing::debug!(payload = %self.cell.life.label, "a packet for the device was dropped");
+                        tracing::debug!(payload = %self.record.life.label, "a packet for the device was dropped");
                     }
                 }
                 Effect::Report { state_json } => self.report(&state_json),
                 Effect::Occurrence { event_json } => self.occurrence(&event_json),
                 Effect::CommandProgress { id, progress } => self.progress(id, progress),
                 Effect::Notice { severity, text } => {
-                    let text = format!("{}: {text}", self.cell.life.label);
+                    let text = format!("{}: {text}", self.record.life.label);
                     self.record(severity, EventKind::Notice, text);
                 }
                 // No manifest of a payload that names one of these is taken.
@@ -45,12 +45,13 @@ impl PayloadState {
                 | Effect::Capability(_)
                 | Effect::Limits(_) => {}
                 Effect::Preflight(items) => {
-                    self.cell.state.lock().preflight = own_items(&self.cell.life.plugin.load().manifest().name, items);
+                    self.record.state.lock().preflight =
+                        own_items(&self.record.life.plugin.load().manifest().name, items);
                 }
             }
         }
         if let Some(frame) = frames.into_iter().next_back() {
-            self.cell.frame.store(Some(frame));
+            self.record.frame.store(Some(frame));
         }
     }
 
@@ -59,7 +60,7 @@ impl PayloadState {
         let sent = self
             .shared
             .gate()
-            .payload_message(self.cell.kind, self.vehicle.system_id, message)
+            .payload_message(self.record.kind, self.vehicle.system_id, message)
             .and_then(|()| self.vehicle.link.load().0.send_payload(now, message));
         let Err(refusal) = sent else { return };
         if matches!(refusal, Refusal::LinkLost { .. }) {
@@ -72,14 +73,14 @@ impl PayloadState {
             self.told_refusal = Some((refusal.code(), now));
             let text = format!(
                 "{}: message {} refused: {refusal}",
-                self.cell.life.label, message.message_id
+                self.record.life.label, message.message_id
             );
             self.record(Severity::Warning, EventKind::Refused { refusal }, text);
         }
     }
 
     fn report(&self, state_json: &str) {
-        let mut published = self.cell.state.lock();
+        let mut published = self.record.state.lock();
         if published.report.as_ref().is_some_and(|r| r.json.as_ref() == state_json) {
             return;
         }
@@ -97,8 +98,8 @@ impl PayloadState {
         let Ok(event) = serde_json::from_str::<serde_json::Value>(event_json) else {
             return;
         };
-        let text = format!("{}: {event}", self.cell.life.label);
-        let payload = Some(self.cell.name.clone());
+        let text = format!("{}: {event}", self.record.life.label);
+        let payload = Some(self.record.name.clone());
         self.record(Severity::Info, EventKind::Occurrence { payload, event }, text);
     }
 
@@ -111,7 +112,7 @@ impl PayloadState {
             CommandProgress::Done | CommandProgress::Refused { .. } => self.commands.remove(&id),
         };
         let Some(name) = name else { return };
-        let label = &self.cell.life.label;
+        let label = &self.record.life.label;
         let (severity, text) = match &progress {
             CommandProgress::Executing => (Severity::Info, format!("{label}: {name} taken up")),
             CommandProgress::Done => (Severity::Info, format!("{label}: {name} done")),

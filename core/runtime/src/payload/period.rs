@@ -13,7 +13,7 @@ impl PayloadState {
     /// The whole period; with a tick at its end if one is due.
     pub(super) async fn period(&mut self, tick: bool) {
         if !self.ensure().await {
-            self.cell.state.lock().transport_fault = self.transport.as_ref().map(|t| t.fault()).unwrap_or_default();
+            self.record.state.lock().transport_fault = self.transport.as_ref().map(|t| t.fault()).unwrap_or_default();
             return;
         }
         let mut events = self.gather();
@@ -24,7 +24,7 @@ impl PayloadState {
         self.call(events, &frames).await;
         if tick {
             self.life.publish_statistics();
-            self.cell.state.lock().transport_fault = self.transport.as_ref().map(|t| t.fault()).unwrap_or_default();
+            self.record.state.lock().transport_fault = self.transport.as_ref().map(|t| t.fault()).unwrap_or_default();
         }
     }
 
@@ -49,7 +49,7 @@ impl PayloadState {
 
     fn gather_siblings(&mut self, events: &mut Vec<Event>) {
         for sibling in self.vehicle.payloads() {
-            if sibling.name == self.cell.name {
+            if sibling.name == self.record.name {
                 continue;
             }
             let (revision, report) = {
@@ -68,7 +68,7 @@ impl PayloadState {
 
     /// A detector sees the newest frame of each camera of its vehicle, once. The bytes stay where the camera wrote them.
     fn gather_frames(&mut self, events: &mut Vec<Event>) -> Vec<Arc<Frame>> {
-        if self.cell.kind != PayloadKind::Detector {
+        if self.record.kind != PayloadKind::Detector {
             return Vec::new();
         }
         let mut frames = Vec::new();
@@ -86,7 +86,7 @@ impl PayloadState {
 
     fn gather_device(&mut self, events: &mut Vec<Event>) {
         let link = self.vehicle.link.load_full();
-        let plugin = self.cell.life.plugin.load();
+        let plugin = self.record.life.plugin.load();
         let wanted = &plugin.manifest().mavlink_messages;
         let tapped = self
             .tap

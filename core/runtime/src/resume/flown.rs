@@ -16,16 +16,16 @@ pub(super) fn flown_now(shared: &SharedState, before: Option<Flown>, path: Optio
     let mut vehicles = before
         .as_ref()
         .map_or_else(BTreeMap::new, |before| before.vehicles.clone());
-    for cell in shared.cells() {
-        let (telemetry, _) = cell.link.load().0.read(now);
-        let state = cell.state.lock().flight_state;
+    for record in shared.records() {
+        let (telemetry, _) = record.link.load().0.read(now);
+        let state = record.state.lock().flight_state;
         let others = matches!(
             state,
             FlightState::Idle | FlightState::PilotControl | FlightState::Faulted
         );
-        if telemetry.mode == FlightMode::Offboard && airborne(&telemetry) && !others && !cell.is_stopped() {
-            let command = cell.under_way.lock().map(|(_, command)| command);
-            vehicles.entry(cell.id).or_insert(command);
+        if telemetry.mode == FlightMode::Offboard && airborne(&telemetry) && !others && !record.is_stopped() {
+            let command = record.under_way.lock().map(|(_, command)| command);
+            vehicles.entry(record.id).or_insert(command);
         }
     }
     let formation = formation(&shared.coordination.lock(), path);

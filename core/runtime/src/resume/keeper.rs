@@ -24,7 +24,7 @@ use std::time::Duration;
 const LOOK: Duration = Duration::from_millis(200);
 /// In flight it is written at least so often, in seconds: its age is what it is judged by.
 const WRITTEN_EVERY_S: f64 = 2.0;
-/// Whoever was taken back is in the swarm's hands by then, in seconds.
+/// Whoever was taken back is under the swarm's control by then, in seconds.
 const AVAILABLE_WITHIN_S: f64 = 1.0;
 /// A node of a swarm waits so long for a coordinator, in seconds.
 const LED_WITHIN_S: f64 = 10.0;
@@ -101,8 +101,8 @@ impl KeeperState {
         }
         let since_s = now.seconds_since(*self.decided.get_or_insert(now));
         let taken = shared.resume.taken();
-        let in_hand = flying_on::in_hand(&shared);
-        if since_s < AVAILABLE_WITHIN_S && !taken.iter().all(|id| in_hand.contains(id)) {
+        let under_control = flying_on::under_control(&shared);
+        if since_s < AVAILABLE_WITHIN_S && !taken.iter().all(|id| under_control.contains(id)) {
             return;
         }
         if !shared.coordinates() {

@@ -39,31 +39,31 @@ impl VehicleState {
                 Effect::Setpoint(setpoint) => self.setpoint(&setpoint),
                 Effect::StopStream => {
                     self.refused_at = None;
-                    self.cell.link.load().0.stop_stream(self.shared.now());
-                    self.cell.state.lock().setpoint = None;
+                    self.record.link.load().0.stop_stream(self.shared.now());
+                    self.record.state.lock().setpoint = None;
                 }
                 Effect::Autopilot { request, command } => self.autopilot(request, command),
                 Effect::CommandProgress { id, progress } => self.progress(id, progress),
                 Effect::State { state, detail } => self.state_changed(state, &detail),
-                Effect::Anchor(anchor) => self.cell.state.lock().anchor = Some(anchor),
+                Effect::Anchor(anchor) => self.record.state.lock().anchor = Some(anchor),
                 Effect::Notice { severity, text } => {
-                    self.record(severity, EventKind::Notice, format!("{}: {text}", self.cell.name));
+                    self.record(severity, EventKind::Notice, format!("{}: {text}", self.record.name));
                 }
                 Effect::TrackingError { distance_m } => {
-                    self.cell.state.lock().tracking_error_m = Some(distance_m);
+                    self.record.state.lock().tracking_error_m = Some(distance_m);
                 }
                 Effect::RouteFinished => {
                     let version = self.task_version;
-                    self.cell.state.lock().route_finished = Some(version);
+                    self.record.state.lock().route_finished = Some(version);
                     self.record(
                         Severity::Info,
                         EventKind::Formation,
-                        format!("{}: end of the route", self.cell.name),
+                        format!("{}: end of the route", self.record.name),
                     );
                 }
                 Effect::Report { state_json } => {
                     // The host has held it against the plugin's schema, so that it parses.
-                    self.cell.state.lock().model_state = serde_json::from_str(&state_json).ok();
+                    self.record.state.lock().model_state = serde_json::from_str(&state_json).ok();
                 }
                 Effect::Occurrence { event_json } => self.occurrence(&event_json),
                 Effect::PayloadCommand {
@@ -71,11 +71,14 @@ impl VehicleState {
                     payload,
                     command_json,
                 } => self.payload_command(request, &payload, command_json),
-                Effect::Capability(capability) => self.cell.state.lock().capability = Some(capability),
+                Effect::Capability(capability) => self.record.state.lock().capability = Some(capability),
                 Effect::Preflight(items) => {
-                    self.cell.state.lock().preflight = own_items(&self.cell.model.plugin.load().manifest().name, items)
+                    self.record.state.lock().preflight =
+                        own_items(&self.record.model.plugin.load().manifest().name, items)
                 }
-                Effect::Limits(limits) => self.cell.state.lock().limits = Some(limits).filter(FlightLimits::is_usable),
+                Effect::Limits(limits) => {
+                    self.record.state.lock().limits = Some(limits).filter(FlightLimits::is_usable)
+                }
                 // No manifest of a UAV model that names one of these is taken.
                 Effect::Mavlink(_) | Effect::Transmit { .. } | Effect::Frame(_) => {}
             }
@@ -84,11 +87,11 @@ impl VehicleState {
 
     fn state_changed(&self, state: FlightState, detail: &str) {
         if !matches!(state, FlightState::GoingTo | FlightState::Leading) {
-            self.cell.hand.lock().end_any();
+            self.record.hand.lock().end_any();
         }
         let state = self.shown_state(state);
         {
-            let mut published = self.cell.state.lock();
+            let mut published = self.record.state.lock();
             published.flight_state = state;
             detail.clone_into(&mut published.detail);
             published.since = self.shared.now();
@@ -98,8 +101,8 @@ impl VehicleState {
             }
         }
         let text = match detail {
-            "" => format!("{}: {state}", self.cell.name),
-            detail => format!("{}: {state} ({detail})", self.cell.name),
+            "" => format!("{}: {state}", self.record.name),
+            detail => format!("{}: {state} ({detail})", self.record.name),
         };
         self.record(Severity::Info, EventKind::FlightState { state }, text);
     }
@@ -113,9 +116,11 @@ impl VehicleState {
             CommandProgress::Done | CommandProgress::Refused { .. } => self.commands.remove(&id),
         };
         match progress {
-            CommandProgress::Executing if name == Some(VehicleCommand::Steer.name()) => self.cell.hand.lock().begin(id),
+            CommandProgress::Executing if name == Some(VehicleCommand::Steer.name()) => {
+                self.record.hand.lock().begin(id)
+            }
             CommandProgress::Executing => {}
-            CommandProgress::Done | CommandProgress::Refused { .. } => self.cell.hand.lock().end(id),
+            CommandProgress::Done | CommandProgress::Refused { .. } => self.record.hand.lock().end(id),
         }
         self.record_progress(id, name.unwrap_or("command"), &progress);
         if let CommandProgress::Refused { refusal } = progress {
@@ -127,28 +132,28 @@ impl VehicleState {
         let Ok(event) = serde_json::from_str::<serde_json::Value>(event_json) else {
             return;
         };
-        let text = format!("{}: {event}", self.cell.name);
+        let text = format!("{}: {event}", self.record.name);
         self.record(Severity::Info, EventKind::Occurrence { payload: None, event }, text);
     }
 
     /// Passed on to the payload's own actor; its answer comes as a message.
     fn payload_command(&mut self, request: RequestId, payload: &str, command_json: String) {
-        let asked = match self.cell.payload(payload) {
+        let asked = match self.record.payload(payload) {
             None => Err(Refusal::UnknownPayload {
-                vehicle: self.cell.id,
+                vehicle: self.record.id,
                 payload: payload.to_owned(),
             }),
-            Some(cell) => {
+            Some(record) => {
                 let message = PayloadMessage::Command {
                     id: self.shared.next_command_id(),
                     command_json,
                     asker: Asker::Model(request),
                 };
-                let sent = cell.actor.load_full().map(|actor| actor.cast(message).is_ok());
+                let sent = record.actor.load_full().map(|actor| actor.cast(message).is_ok());
                 sent.filter(|sent| *sent)
                     .map(|_| ())
                     .ok_or_else(|| Refusal::NotRunning {
-                        what: format!("payload {payload} of vehicle {}", self.cell.id),
+                        what: format!("payload {payload} of vehicle {}", self.record.id),
                     })
             }
         };
@@ -162,12 +167,12 @@ impl VehicleState {
 
     fn autopilot(&mut self, request: RequestId, command: AutopilotCommand) {
         let now = self.shared.now();
-        let link = self.cell.link.load_full();
+        let link = self.record.link.load_full();
         let airborne = self
             .shared
             .peers
             .load()
-            .entry(self.cell.id)
+            .entry(self.record.id)
             .is_some_and(|entry| entry.airborne);
         let checked = if self.pilot && command == AutopilotCommand::EnterOffboard {
             Err(Refusal::PilotInControl)
@@ -175,7 +180,7 @@ impl VehicleState {
             Err(Refusal::NotPermitted {
                 detail: "the node is stopping".into(),
             })
-        } else if self.cell.is_stopped() && command != AutopilotCommand::Disarm {
+        } else if self.record.is_stopped() && command != AutopilotCommand::Disarm {
             Err(emergency::stopped())
         } else {
             self.shared.gate().autopilot(&command, airborne)
@@ -198,12 +203,12 @@ impl VehicleState {
             Ok((local, passed)) => {
                 let valid_s = self.shared.config.link.setpoint_valid_s;
                 self.refused_at = None;
-                self.cell.link.load().0.stream(now, local, now.plus_seconds(valid_s));
-                self.cell.state.lock().setpoint = Some(passed);
+                self.record.link.load().0.stream(now, local, now.plus_seconds(valid_s));
+                self.record.state.lock().setpoint = Some(passed);
             }
             Err(refusal) => {
                 // Nobody gives way who is not steered.
-                self.cell.state.lock().avoiding = None;
+                self.record.state.lock().avoiding = None;
                 self.refused(refusal, now);
             }
         }
@@ -214,13 +219,15 @@ impl VehicleState {
         if self.pilot {
             return Err(Refusal::PilotInControl);
         }
-        if self.cell.is_stopped() {
+        if self.record.is_stopped() {
             return Err(emergency::stopped());
         }
         let peers = self.shared.peers.load();
-        let entry = peers.entry(self.cell.id).ok_or(Refusal::NoPosition)?;
+        let entry = peers.entry(self.record.id).ok_or(Refusal::NoPosition)?;
         if !entry.link.connected {
-            return Err(Refusal::LinkLost { vehicle: self.cell.id });
+            return Err(Refusal::LinkLost {
+                vehicle: self.record.id,
+            });
         }
         let gate = self.shared.gate();
         let steered = steering::steer(&gate, entry, setpoint, &peers.surroundings, now);
@@ -236,7 +243,7 @@ impl VehicleState {
     /// Says that the separation filter or a fence changes what the vehicle wants: at its beginning, and when it cannot be kept apart.
     fn tell_change(&mut self, change: Option<&Change>, now: NodeTime) {
         let noted = change.filter(|c| c.by_m_s > WORTH_TELLING_M_S || !c.feasible);
-        self.cell.state.lock().avoiding = noted.map(|c| Avoidance {
+        self.record.state.lock().avoiding = noted.map(|c| Avoidance {
             by_m_s: c.by_m_s,
             because: c.because.map(who),
             distance_m: Some(c.distance_m).filter(|d| d.is_finite()),
@@ -261,7 +268,7 @@ impl VehicleState {
         };
         let near = Some(change.distance_m).filter(|d| d.is_finite());
         let at = near.map_or_else(String::new, |d| format!(", {d:.1} m away"));
-        let text = format!("{}: {how} {because}{at}", self.cell.name);
+        let text = format!("{}: {how} {because}{at}", self.record.name);
         self.record(severity, EventKind::Avoidance, text);
     }
 
@@ -270,7 +277,7 @@ impl VehicleState {
         let hold = steering::hold(&self.shared.gate(), entry, place, &peers.surroundings, now);
         if let Ok(local) = self.to_local(&hold) {
             let valid_s = self.shared.config.link.setpoint_valid_s;
-            self.cell.link.load().0.stream(now, local, now.plus_seconds(valid_s));
+            self.record.link.load().0.stream(now, local, now.plus_seconds(valid_s));
         }
     }
 
@@ -278,7 +285,7 @@ impl VehicleState {
         let frame = self.shared.frame().ok_or(Refusal::NoSwarmFrame)?;
         let peers = self.shared.peers.load();
         let local_frame = peers
-            .entry(self.cell.id)
+            .entry(self.record.id)
             .and_then(|e| e.telemetry.local_frame)
             .ok_or(Refusal::NoPosition)?;
         Ok(LocalSetpoint {
@@ -298,7 +305,7 @@ impl VehicleState {
             self.tell_refusal(now, &refusal);
         }
         let peers = self.shared.peers.load_full();
-        let entry = peers.entry(self.cell.id);
+        let entry = peers.entry(self.record.id);
         if steering::is_answered_by_holding(&refusal)
             && let Some(entry) = entry
             && let Some(own) = entry.kinematics
@@ -317,7 +324,7 @@ impl VehicleState {
             return;
         }
         self.told_refusal = Some((refusal.code(), now));
-        let text = format!("{}: refused by the safety gate: {refusal}", self.cell.name);
+        let text = format!("{}: refused by the safety gate: {refusal}", self.record.name);
         self.record(
             Severity::Warning,
             EventKind::Refused {

@@ -20,7 +20,7 @@ impl VehicleState {
         first: CommandId,
         returns: bool,
     ) {
-        *self.cell.itinerary.lock() = Some(Itinerary {
+        *self.record.itinerary.lock() = Some(Itinerary {
             id,
             name,
             legs,
@@ -28,7 +28,7 @@ impl VehicleState {
             returns,
         });
         if returns {
-            let mut published = self.cell.state.lock();
+            let mut published = self.record.state.lock();
             if published.flight_state == FlightState::GoingTo {
                 published.flight_state = FlightState::Returning;
             }
@@ -37,7 +37,7 @@ impl VehicleState {
 
     /// The next leg, if the last is done, as an event for the next batch.
     pub(super) fn next_leg(&mut self) {
-        let mut slot = self.cell.itinerary.lock();
+        let mut slot = self.record.itinerary.lock();
         let Some(itinerary) = slot.as_mut().filter(|i| i.current.is_none()) else {
             return;
         };
@@ -57,7 +57,7 @@ impl VehicleState {
     /// How a leg goes on; tells whether the id was one. The end of the last leg, or of any by force, is the end of the whole.
     pub(super) fn leg_progress(&mut self, id: CommandId, progress: &CommandProgress) -> bool {
         let ended = {
-            let mut slot = self.cell.itinerary.lock();
+            let mut slot = self.record.itinerary.lock();
             let Some(itinerary) = slot.as_mut().filter(|i| i.current == Some(id)) else {
                 return false;
             };
@@ -81,7 +81,7 @@ impl VehicleState {
 
     /// Another command takes the place of an itinerary.
     pub(super) fn abandon_itinerary(&mut self) {
-        let abandoned = self.cell.itinerary.lock().take();
+        let abandoned = self.record.itinerary.lock().take();
         if let Some(itinerary) = abandoned {
             let progress = CommandProgress::Refused {
                 refusal: Refusal::Superseded,
@@ -92,7 +92,7 @@ impl VehicleState {
 
     /// The flight state as it is shown: the legs of a return are a return.
     pub(super) fn shown_state(&self, state: FlightState) -> FlightState {
-        let returning = self.cell.itinerary.lock().as_ref().is_some_and(|i| i.returns);
+        let returning = self.record.itinerary.lock().as_ref().is_some_and(|i| i.returns);
         match state {
             FlightState::GoingTo | FlightState::Holding if returning => FlightState::Returning,
             other => other,

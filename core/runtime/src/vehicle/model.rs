@@ -68,7 +68,7 @@ impl VehicleState {
         let before = self.model.life.incarnation();
         match self.model.life.call(events, &[]).await {
             Called::Answered(effects, _) => {
-                self.cell.state.lock().task_version = self.task_version;
+                self.record.state.lock().task_version = self.task_version;
                 self.carry_out(effects);
             }
             Called::Failed => {}
@@ -84,7 +84,7 @@ impl VehicleState {
     pub(super) fn refuse_lost(&mut self) {
         for id in self.model.life.take_lost() {
             let refusal = Refusal::NotRunning {
-                what: format!("model of vehicle {}", self.cell.id),
+                what: format!("model of vehicle {}", self.record.id),
             };
             self.progress(id, CommandProgress::Refused { refusal });
         }
@@ -92,20 +92,25 @@ impl VehicleState {
 
     /// The instance is another now. It has its task from the snapshot, but a newer one may have come meanwhile.
     pub(super) fn model_renewed(&mut self) {
-        self.task_version = self.cell.state.lock().task_version;
+        self.task_version = self.record.state.lock().task_version;
         self.model.forget_what_was_told();
     }
 
     /// The model is given up: the autopilot itself holds the vehicle, without setpoints.
     fn hand_to_autopilot(&mut self, now: NodeTime) {
-        let link = self.cell.link.load_full();
-        let flying = self.shared.peers.load().entry(self.cell.id).is_some_and(|e| e.airborne);
+        let link = self.record.link.load_full();
+        let flying = self
+            .shared
+            .peers
+            .load()
+            .entry(self.record.id)
+            .is_some_and(|e| e.airborne);
         if flying && !self.pilot {
             link.0
                 .request(now, ACTOR_REQUEST, AutopilotCommand::SetMode { mode: FlightMode::Hold });
         }
-        self.cell.hand.lock().end_any();
-        let mut published = self.cell.state.lock();
+        self.record.hand.lock().end_any();
+        let mut published = self.record.state.lock();
         published.flight_state = FlightState::Faulted;
         published.detail = "its model failed too often; the autopilot holds".into();
         published.since = now;

@@ -32,9 +32,9 @@ impl VehicleState {
     /// Begins a write, or says why it may not be.
     pub(super) fn write_parameter(&mut self, order: ParameterOrder) {
         let now = self.shared.now();
-        let link = self.cell.link.load_full();
+        let link = self.record.link.load_full();
         let (telemetry, _) = link.0.read(now);
-        let state = self.cell.state.lock().flight_state;
+        let state = self.record.state.lock().flight_state;
         let permitted = match self.writes.open.len() < OPEN_MAX {
             true => may_write(&order.name, &telemetry, state),
             false => Err(ParameterError::Busy),
@@ -53,7 +53,7 @@ impl VehicleState {
             return;
         }
         self.writes.looked = true;
-        for event in self.cell.link.load_full().0.take_parameter_events() {
+        for event in self.record.link.load_full().0.take_parameter_events() {
             self.tell_parameter(event);
         }
         let now = self.shared.now();
@@ -95,7 +95,7 @@ impl VehicleState {
         before: Option<ParameterValue>,
         outcome: &Result<ParameterValue, ParameterError>,
     ) {
-        let (severity, text) = words(&self.cell.name, name, by, before, outcome);
+        let (severity, text) = words(&self.record.name, name, by, before, outcome);
         let kind = EventKind::Parameter { name: name.to_owned() };
         self.record(severity, kind, text);
     }

@@ -22,7 +22,7 @@ impl VehicleState {
         self.watch(&peers).await;
         self.tell_parameters();
         // Taken in any case: none waits for a model that is away.
-        let stick = self.cell.hand.lock().take(self.shared.now());
+        let stick = self.record.hand.lock().take(self.shared.now());
         if !running {
             self.hear_of_stop();
             return;
@@ -38,11 +38,11 @@ impl VehicleState {
     /// Everything that happened since the last batch, and the vehicle's own state.
     pub(super) fn gather(&mut self, peers: &PeerSnapshot) -> Vec<Event> {
         let mut events = std::mem::take(&mut self.waiting);
-        let Some(entry) = peers.entry(self.cell.id) else {
+        let Some(entry) = peers.entry(self.record.id) else {
             return events;
         };
         let mut own = own_state(entry, self.shared.frame());
-        let link = self.cell.link.load_full();
+        let link = self.record.link.load_full();
         for event in link.0.take_events() {
             // The peers were read before these events came: the model must not see a mode beside an older armed state.
             match event {
@@ -55,21 +55,21 @@ impl VehicleState {
         events.push(Event::Own(own));
         self.gather_surroundings(peers, &mut events);
         let intent = self.shared.intent.load();
-        let task = intent.tasks.get(&self.cell.id);
+        let task = intent.tasks.get(&self.record.id);
         let is_new = task.is_some_and(|task| task.version > self.task_version);
         // Not against a reaction that is in force.
         if !is_new || self.may_take_task() {
-            events.extend(told(&intent, peers, self.cell.id, &mut self.task_version));
+            events.extend(told(&intent, peers, self.record.id, &mut self.task_version));
         }
         events
     }
 
     /// What becomes of an emergency stop is told whether a model runs or not. What else the link has to say waits for the model.
     fn hear_of_stop(&mut self) {
-        if !self.cell.is_stopped() {
+        if !self.record.is_stopped() {
             return;
         }
-        let link = self.cell.link.load_full();
+        let link = self.record.link.load_full();
         let mut events = std::mem::take(&mut self.waiting);
         for event in link.0.take_events() {
             self.take_link_event(event, &mut events);
@@ -84,14 +84,14 @@ impl VehicleState {
             events.push(Event::Tracks(tracks.as_ref().clone()));
             self.model.tracks = tracks;
         }
-        let payloads = self.cell.payloads();
+        let payloads = self.record.payloads();
         let keeps = {
             let intent = self.shared.intent.load();
-            let task = intent.tasks.get(&self.cell.id);
+            let task = intent.tasks.get(&self.record.id);
             task.is_some_and(|task| matches!(task.task, Task::Keep(_)))
         };
         if keeps || !payloads.is_empty() {
-            events.push(Event::Peers(others(peers, self.cell.id)));
+            events.push(Event::Peers(others(peers, self.record.id)));
         }
         for payload in payloads {
             let (revision, report) = {
@@ -109,7 +109,7 @@ impl VehicleState {
     }
 
     pub(super) fn take_link_event(&mut self, event: LinkEvent, events: &mut Vec<Event>) {
-        let name = &self.cell.name;
+        let name = &self.record.name;
         match event {
             LinkEvent::Result { request, outcome } if request == EMERGENCY_REQUEST => self.tell_emergency(&outcome),
             LinkEvent::StopUnconfirmed { after_s } => {
@@ -146,7 +146,7 @@ impl VehicleState {
             LinkEvent::Rebooted => {
                 let text = format!("{name}: autopilot restarted");
                 self.record(Severity::Warning, EventKind::AutopilotRebooted, text);
-                self.cell.watch.lock().autopilot_restarted();
+                self.record.failsafe.lock().autopilot_restarted();
                 events.push(Event::Rebooted);
             }
             LinkEvent::StatusText { severity, text } => {
@@ -171,7 +171,7 @@ impl VehicleState {
 
     /// What became of an emergency stop.
     fn tell_emergency(&self, outcome: &Result<(), Refusal>) {
-        let name = &self.cell.name;
+        let name = &self.record.name;
         let (severity, text) = match outcome {
             Ok(()) => (Severity::Warning, format!("{name}: motors stopped")),
             Err(refusal) => (
@@ -183,7 +183,7 @@ impl VehicleState {
     }
 
     fn tell_stream(&self, state: StreamState) {
-        let name = &self.cell.name;
+        let name = &self.record.name;
         let (severity, text) = match state {
             StreamState::HoldingExpired => (
                 Severity::Warning,
@@ -198,7 +198,7 @@ impl VehicleState {
         self.record(severity, EventKind::Stream, text);
     }
 
-    /// Leaving OFFBOARD unasked, or a mode only a pilot chooses, takes the vehicle out of the swarm's hands. The stream ends at once:
+    /// Leaving OFFBOARD unasked, or a mode only a pilot chooses, takes the vehicle out of the swarm's control. The stream ends at once:
     /// PX4 would go back to OFFBOARD by itself as long as setpoints come, also out of its own failsafe.
     fn watch_pilot(&mut self, from: FlightMode, to: FlightMode, commanded: bool) {
         let by_stick = matches!(
@@ -213,7 +213,7 @@ impl VehicleState {
             return;
         }
         let now = self.shared.now();
-        let link = self.cell.link.load_full();
+        let link = self.record.link.load_full();
         let (telemetry, _) = link.0.read(now);
         if !telemetry.armed {
             return;
@@ -225,7 +225,7 @@ impl VehicleState {
         } else {
             "without being told: a pilot or another ground station is in control"
         };
-        let text = format!("{}: {from} left for {to} {why}", self.cell.name);
+        let text = format!("{}: {from} left for {to} {why}", self.record.name);
         let failsafe = telemetry.failsafe;
         self.record(Severity::Warning, EventKind::TakenOver { failsafe, from, to }, text);
     }

@@ -12,14 +12,18 @@ use skein_view::EventKind;
 impl VehicleState {
     /// Begins to put a route on the autopilot.
     pub(super) fn upload_route(&self, route: &[RoutePoint]) {
-        let request = self.cell.route.lock().begin(route.len());
-        self.cell.link.load().0.upload_route(self.shared.now(), request, route);
+        let request = self.record.route.lock().begin(route.len());
+        self.record
+            .link
+            .load()
+            .0
+            .upload_route(self.shared.now(), request, route);
     }
 
     /// What became of an upload. An answer to one that was replaced says nothing of the present one.
     pub(super) fn tell_upload(&self, request: RequestId, outcome: Result<(), Refusal>) {
-        let name = &self.cell.name;
-        let Some(end) = self.cell.route.lock().end(request, outcome) else {
+        let name = &self.record.name;
+        let Some(end) = self.record.route.lock().end(request, outcome) else {
             return;
         };
         let (severity, text) = match end {

@@ -8,23 +8,23 @@ use skein_domain::exchange::Severity;
 use skein_domain::link::LinkEvent;
 use skein_domain::setpoint::LocalSetpoint;
 use skein_domain::{NodeTime, VelocityNed};
-use skein_state::resume::judge::{Seen, Taking};
+use skein_state::resume::judge::{SeenVehicle, Taking};
 use skein_view::EventKind;
 use skein_view::{PeerEntry, PeerSnapshot};
 
 impl VehicleState {
     /// Whether it is being taken back in this period.
     pub(super) fn takes_back(&mut self, peers: &PeerSnapshot) -> bool {
-        let (id, now) = (self.cell.id, self.shared.now());
+        let (id, now) = (self.record.id, self.shared.now());
         let Some(entry) = peers.entry(id) else { return false };
-        let Some(taking) = self.shared.resume.look(id, &Seen::of(entry), now) else {
+        let Some(taking) = self.shared.resume.look(id, &SeenVehicle::of(entry), now) else {
             return false;
         };
         self.hear_without_model();
         match taking {
             Taking::Awaited => true,
             Taking::Holding { .. } => {
-                let link = self.cell.link.load_full();
+                let link = self.record.link.load_full();
                 link.0.resume_stream();
                 self.hold_here(entry, peers, now);
                 true
@@ -33,15 +33,15 @@ impl VehicleState {
                 self.refused_at = None;
                 let before = self.shared.resume.before();
                 if before.is_some_and(|before| before.withdrawn.contains(&id)) {
-                    self.shared.withdraw(&self.cell);
+                    self.shared.withdraw(&self.record);
                 }
-                let text = format!("{}: taken back, it holds", self.cell.name);
+                let text = format!("{}: taken back, it holds", self.record.name);
                 self.record(Severity::Advisory, EventKind::Notice, text);
                 false
             }
             Taking::Left(_) => {
                 self.refused_at = None;
-                self.cell.link.load().0.stop_stream(now);
+                self.record.link.load().0.stop_stream(now);
                 false
             }
         }
@@ -65,13 +65,13 @@ impl VehicleState {
                 ..LocalSetpoint::default()
             };
             let valid_s = self.shared.config.link.setpoint_valid_s;
-            self.cell.link.load().0.stream(now, hold, now.plus_seconds(valid_s));
+            self.record.link.load().0.stream(now, hold, now.plus_seconds(valid_s));
         }
     }
 
     /// What its link has to say is told or waits for the model, but for changes of mode: on the way back they are no news.
     fn hear_without_model(&mut self) {
-        let link = self.cell.link.load_full();
+        let link = self.record.link.load_full();
         let mut events = std::mem::take(&mut self.waiting);
         for event in link.0.take_events() {
             if !matches!(event, LinkEvent::ModeChanged { .. }) {

@@ -63,17 +63,17 @@ impl SpeedLimits {
 
 /// The nearest velocity, and whether it keeps every row.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Answer {
+pub(super) struct NearestVelocity {
     pub velocity: Vector3<f64>,
     pub feasible: bool,
 }
 
 /// The velocity nearest to `wanted` that keeps all rows and limits, or the one that breaks the rows least.
-pub(super) fn nearest(wanted: &Vector3<f64>, rows: &[Row], limits: &SpeedLimits) -> Answer {
+pub(super) fn nearest(wanted: &Vector3<f64>, rows: &[Row], limits: &SpeedLimits) -> NearestVelocity {
     // Room for the limits and the cuts; one allocation per call.
     let mut all: Vec<Row> = Vec::with_capacity(rows.len() + 2 + CUTS as usize);
     if let Some(velocity) = relaxed(wanted, rows, limits, 0.0, &mut all) {
-        return Answer {
+        return NearestVelocity {
             velocity,
             feasible: true,
         };
@@ -95,7 +95,7 @@ pub(super) fn nearest(wanted: &Vector3<f64>, rows: &[Row], limits: &SpeedLimits)
             least = middle;
         }
     }
-    Answer {
+    NearestVelocity {
         velocity: best,
         feasible: false,
     }

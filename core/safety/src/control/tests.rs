@@ -17,7 +17,7 @@ fn at(seconds: f64) -> NodeTime {
 }
 
 #[test]
-fn what_is_in_nobodys_hands_is_for_everybody() {
+fn what_is_under_nobodys_control_is_for_everybody() {
     let mut table = ControlTable::new(NodeId(1));
     assert_eq!(table.may(ONE, None, at(0.0)), Ok(()));
     table.take(ONE, &console("a"), at(0.0)).expect("is free");

@@ -69,7 +69,7 @@ pub struct VehicleChecks {
     pub limits_known: Option<bool>,
     /// Who else uses its system id.
     pub system_id: SystemIdUse,
-    /// Alarms of its ladder that stand now and would do more than warn once it is in the air, in words; `None` if nobody watches it.
+    /// Alarms of its failsafe policy that stand now and would do more than warn once it is in the air, in words; `None` if nobody watches it.
     pub alarms: Option<Vec<String>>,
 }
 

@@ -50,7 +50,7 @@ fn condition() -> Vec<Published> {
             stamp_us,
             offset_us: -1_699_999_987_654_322,
         }),
-        Published::Answer(Answer {
+        Published::CommandAnswer(CommandAnswer {
             stamp_us,
             command: 400,
             result: 0,

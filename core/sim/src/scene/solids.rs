@@ -51,7 +51,7 @@ pub(super) fn draw(target: &SceneTarget, lens: &Lens, canvas: &mut impl Canvas) 
         return;
     }
     let samples = if reach_px < SMALL_PX { SAMPLES } else { 1 };
-    let seen = Seen {
+    let seen = SeenTarget {
         offset: turned(lens.eye - target.position.vector()) / target.size_m,
         parts: match target.kind {
             TargetKind::Multirotor => &MULTIROTOR_PARTS,
@@ -80,13 +80,13 @@ pub(super) fn draw(target: &SceneTarget, lens: &Lens, canvas: &mut impl Canvas) 
 }
 
 /// A target as it is seen, in its own axes and measured in its own width.
-struct Seen {
+struct SeenTarget {
     offset: Vector3<f64>,
     parts: &'static [Ellipsoid],
     light: Vector3<f64>,
 }
 
-impl Seen {
+impl SeenTarget {
     /// The share of a pixel that it covers, and how bright it is there.
     fn pixel(&self, lens: &Lens, column: u32, row: u32, samples: u32) -> (f32, f32) {
         let (mut hits, mut brightness) = (0_u32, 0.0);

@@ -9,7 +9,7 @@ use crate::settings::{Impairment, SimSettings, WindSettings};
 use crate::stalls::{self, StallProbe};
 use crate::topics::TopicCarrier;
 use crate::truth::{TruthFrame, VehicleTruth};
-use crate::vehicle::{Outbox, Vehicle, VehicleIdentity};
+use crate::vehicle::{Outbox, SimVehicle, VehicleIdentity};
 use crate::wind::Wind;
 use nalgebra::Vector3;
 use parking_lot::Mutex;
@@ -49,7 +49,7 @@ const READ_LIMIT: usize = 64;
 
 /// One vehicle on the thread.
 struct Slot {
-    vehicle: Vehicle,
+    vehicle: SimVehicle,
     /// Gone once killed.
     sockets: Option<Sockets>,
     last_truth: Option<VehicleTruth>,
@@ -271,7 +271,7 @@ impl Runner {
                     faces,
                     ..self.settings.clone()
                 };
-                let mut vehicle = Vehicle::new(*identity, &settings);
+                let mut vehicle = SimVehicle::new(*identity, &settings);
                 vehicle.note_stalls(self.stalled_s);
                 self.slots.push(Slot {
                     vehicle,

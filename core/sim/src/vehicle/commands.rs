@@ -4,7 +4,7 @@ use super::channel::{AUTOPILOT_COMPONENT, LinkKind, Outbox, Stream};
 use super::commander::Asker;
 use super::payloads::{GIMBAL_CONFIGURE, GIMBAL_PITCHYAW};
 use super::receive::asked_mode;
-use super::{REBOOT_DELAY_S, Source, Vehicle};
+use super::{REBOOT_DELAY_S, SimVehicle, Source};
 use crate::wire::CommandRequest;
 use mavlink::dialects::common::{MESSAGE_INTERVAL_DATA, MavResult, MavSeverity};
 use nalgebra::Vector3;
@@ -34,7 +34,7 @@ use MavResult::{
     MAV_RESULT_TEMPORARILY_REJECTED as REJECTED, MAV_RESULT_UNSUPPORTED as UNSUPPORTED,
 };
 
-impl Vehicle {
+impl SimVehicle {
     /// Carries out the commands whose time has come, and acknowledges them.
     pub(super) fn run_commands(&mut self, out: &mut Outbox) {
         while self.pending.front().is_some_and(|p| p.due_s <= self.time_s) {

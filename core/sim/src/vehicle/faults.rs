@@ -1,6 +1,6 @@
 //! What goes wrong with this vehicle, and what that does to it.
 
-use super::Vehicle;
+use super::SimVehicle;
 use super::position_control::Target;
 use crate::faces::Face;
 use crate::faults::Fault;
@@ -21,7 +21,7 @@ pub(super) struct Faults {
     stuck_down_m: Option<f64>,
 }
 
-impl Vehicle {
+impl SimVehicle {
     /// Something goes wrong, or is mended.
     pub fn inflict(&mut self, fault: Fault) {
         match fault {

@@ -3,7 +3,7 @@
 //! Known are waypoints and changes of speed; every other item is refused as unsupported. A mission cannot be what a vehicle takes
 //! off with: it flies one that is in the air. After the last waypoint it holds there, still in its mode.
 
-use super::Vehicle;
+use super::SimVehicle;
 use super::channel::{Channel, LinkKind, Outbox};
 use super::commander::Notice;
 use crate::wire::Sender;
@@ -90,7 +90,7 @@ impl Mission {
     }
 }
 
-impl Vehicle {
+impl SimVehicle {
     /// Takes a message of the mission protocol.
     pub(super) fn take_mission_message(&mut self, link: LinkKind, from: Sender, m: &MavMessage, out: &mut Outbox) {
         match m {

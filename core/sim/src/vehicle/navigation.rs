@@ -1,6 +1,6 @@
 //! What goes out about how the vehicle knows where it is: the receivers as they are, the estimator's word on itself, the wind.
 
-use super::Vehicle;
+use super::SimVehicle;
 use super::channel::{Channel, Outbox};
 use super::gnss::Reception;
 use super::telemetry::{centidegrees, e7, mm};
@@ -25,7 +25,7 @@ const ACCURACY_MM: u32 = 700;
 /// Accuracy of a receiver that hears nothing, in millimetres.
 const NO_ACCURACY_MM: u32 = 100_000;
 
-impl Vehicle {
+impl SimVehicle {
     /// Whether there is anything to tell by a message now: nothing that nobody knows any more.
     pub(super) fn has_to_tell(&self, id: u32) -> bool {
         let of_estimator = matches!(id, 32 | 33 | 230 | 231 | 331);

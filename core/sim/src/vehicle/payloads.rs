@@ -8,7 +8,7 @@ mod gimbal;
 
 pub(super) use gimbal::{GIMBAL_CONFIGURE, GIMBAL_PITCHYAW};
 
-use super::Vehicle;
+use super::SimVehicle;
 use super::channel::{AUTOPILOT_COMPONENT, Channel, LinkKind, Outbox, Stream};
 use super::commands::{REQUEST_MESSAGE, SET_MESSAGE_INTERVAL};
 use crate::payloads::camera::Camera;
@@ -98,7 +98,7 @@ pub(super) fn streams(plan: &PayloadPlan) -> Vec<(u8, u32, f64)> {
     streams
 }
 
-impl Vehicle {
+impl SimVehicle {
     /// Lets `dt_s` pass for what it carries.
     pub(super) fn step_payloads(&mut self, dt_s: f64) {
         // Taken out while it asks the vehicle where a place is.

@@ -1,4 +1,4 @@
-//! The flight of one vehicle alone: airframe, estimator and position control of [`super::Vehicle`] without its autopilot's modes, its
+//! The flight of one vehicle alone: airframe, estimator and position control of [`super::SimVehicle`] without its autopilot's modes, its
 //! battery and its MAVLink. For simulations of many vehicles that are only about where they fly; starts in the air.
 //!
 //! Positions and setpoints are in the swarm's frame, the ground is at its height zero.

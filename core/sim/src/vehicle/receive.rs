@@ -3,7 +3,7 @@
 use super::channel::{AUTOPILOT_COMPONENT, Channel, LinkKind, Outbox};
 use super::commander::Notice;
 use super::offboard::SetpointProblem;
-use super::{PendingCommand, Source, Vehicle, limits_from, mode};
+use super::{PendingCommand, SimVehicle, Source, limits_from, mode};
 use crate::wire::{self, CommandRequest, Incoming, Sender};
 use mavlink::dialects::common::{
     MavMessage, MavParamType, MavSeverity, PARAM_SET_DATA, PARAM_VALUE_DATA, TIMESYNC_DATA,
@@ -17,7 +17,7 @@ const GROUND_STATION_TYPE: u8 = 6;
 const COMMAND_DELAY_S: f64 = 0.002;
 const COMMAND_DELAY_SPREAD_S: f64 = 0.009;
 
-impl Vehicle {
+impl SimVehicle {
     /// Takes a datagram that came on one of its links; what is answered at once is added to `out`.
     pub fn receive(&mut self, link: LinkKind, datagram: &[u8], out: &mut Outbox) {
         if self.faults.silent || self.faults.mavlink_cut {

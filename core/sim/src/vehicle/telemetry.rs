@@ -2,7 +2,7 @@
 
 use super::channel::{Channel, Outbox};
 use super::commander::Notice;
-use super::{GLOBAL_KNOWN_S, HOME_KNOWN_S, ORIGIN_KNOWN_S, Vehicle, mode};
+use super::{GLOBAL_KNOWN_S, HOME_KNOWN_S, ORIGIN_KNOWN_S, SimVehicle, mode};
 use crate::vehicle::battery::BatteryLevel;
 use crate::vehicle::body::GRAVITY_M_S2;
 use mavlink::dialects::common::*;
@@ -47,7 +47,7 @@ pub(super) fn centidegrees(angle_rad: f64) -> u16 {
     (angle_rad.to_degrees().rem_euclid(360.0) * 100.0).round() as u16 % 36_000
 }
 
-impl Vehicle {
+impl SimVehicle {
     /// Sends one message on a link; false if it is not one of this vehicle's, or not known yet.
     pub(super) fn send_message(&self, channel: &mut Channel, id: u32, out: &mut Outbox) -> bool {
         if !self.has_to_tell(id) {

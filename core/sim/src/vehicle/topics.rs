@@ -4,9 +4,9 @@
 
 use super::channel::Outbox;
 use super::commander::Commander;
-use super::{GLOBAL_KNOWN_S, ORIGIN_KNOWN_S, PendingCommand, Source, Vehicle};
+use super::{GLOBAL_KNOWN_S, ORIGIN_KNOWN_S, PendingCommand, SimVehicle, Source};
 use crate::topics::{
-    Answer, Asked, AskedCommand, AskedMode, AttitudeReport, BatteryReport, GlobalReport, GnssReport, HomeReport,
+    Asked, AskedCommand, AskedMode, AttitudeReport, BatteryReport, CommandAnswer, GlobalReport, GnssReport, HomeReport,
     LandedReport, LocalReport, Published, StatusReport, TimesyncReport,
 };
 use crate::vehicle::battery::BatteryLevel;
@@ -46,13 +46,13 @@ const RATES: [(Topic, f64); 8] = [
 ];
 
 /// What is told at once when it changes: armed, mode, intention, failsafe, whether it would arm.
-type Told = (bool, FlightMode, FlightMode, bool, bool);
+type ToldStatus = (bool, FlightMode, FlightMode, bool, bool);
 
 /// When each topic is due, and what was last told.
 #[derive(Debug, Clone)]
 pub(super) struct Topics {
     due_us: [u64; RATES.len()],
-    status: Option<Told>,
+    status: Option<ToldStatus>,
     landed: Option<bool>,
     home: Option<Vector3<f64>>,
     home_count: u32,
@@ -78,7 +78,7 @@ impl Topics {
         }
     }
 
-    fn has_changed(&mut self, topic: Topic, vehicle: &Vehicle) -> bool {
+    fn has_changed(&mut self, topic: Topic, vehicle: &SimVehicle) -> bool {
         match topic {
             Topic::Status => self.status != Some(told(&vehicle.commander)),
             Topic::Landed => self.landed != Some(vehicle.lift.is_landed()),
@@ -88,7 +88,7 @@ impl Topics {
     }
 }
 
-fn told(commander: &Commander) -> Told {
+fn told(commander: &Commander) -> ToldStatus {
     (
         commander.is_armed(),
         commander.mode(),
@@ -98,7 +98,7 @@ fn told(commander: &Commander) -> Told {
     )
 }
 
-impl Vehicle {
+impl SimVehicle {
     /// Publishes what is due.
     pub(super) fn publish_topics(&mut self, out: &mut Outbox) {
         // Taken out while the rest of the vehicle is read.
@@ -332,7 +332,7 @@ impl Vehicle {
         let Source::Topics { system, component } = to else {
             return;
         };
-        out.published.push(Published::Answer(Answer {
+        out.published.push(Published::CommandAnswer(CommandAnswer {
             stamp_us: self.up_us(),
             command,
             result: result as u8,

@@ -2,11 +2,11 @@
 //!
 //! Must never do: reach the vehicle itself, which knows only what it believes.
 
-use super::Vehicle;
+use super::SimVehicle;
 use crate::truth::VehicleTruth;
 use skein_domain::{FlightMode, PositionNed};
 
-impl Vehicle {
+impl SimVehicle {
     /// Where it really is about the simulation's origin.
     pub(super) fn true_position(&self) -> PositionNed {
         self.swarm.position(&self.start.geodetic(&self.body.position.into()))

@@ -14,7 +14,7 @@ use skein_view::PeerEntry;
 /// Kinds of values on the bus; the key's lower bits say which item and which part of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
-    /// A beacon of the office.
+    /// A beacon of the leadership.
     Beacon = 1,
     /// What a node is.
     Card = 2,
@@ -106,9 +106,9 @@ pub const CONNECTED: u16 = 1;
 pub const AIRBORNE: u16 = 2;
 /// Motors on.
 pub const ARMED: u16 = 4;
-/// A reaction of its ladder is in force.
+/// A reaction of its failsafe policy is in force.
 pub const UNDER_ORDER: u16 = 8;
-/// Its ladder took it out of the formation, and that is over.
+/// Its failsafe policy took it out of the formation, and that is over.
 pub const MAY_REJOIN: u16 = 16;
 /// An operator's command took it out of the formation.
 pub const WITHDRAWN: u16 = 32;
@@ -213,16 +213,16 @@ impl Motion {
 impl VehicleReport {
     /// Of one of this node's own vehicles.
     #[must_use]
-    pub fn of(cell: &VehicleRecord, entry: &PeerEntry, withdrawn: bool, now: NodeTime) -> Self {
-        let state = cell.state.lock();
+    pub fn of(record: &VehicleRecord, entry: &PeerEntry, withdrawn: bool, now: NodeTime) -> Self {
+        let state = record.state.lock();
         let flag = |is: bool, flag: u16| if is { flag } else { 0 };
-        let alarms = state.ladder.iter().flat_map(|ladder| &ladder.alarms);
+        let alarms = state.failsafe.iter().flat_map(|failsafe| &failsafe.alarms);
         let clock_fault = alarms
             .into_iter()
             .any(|a| a.trigger == skein_domain::Trigger::ClockFault);
         let holds = state.flight_state == FlightState::Holding;
         Self {
-            id: cell.id,
+            id: record.id,
             flags: flag(entry.link.connected, CONNECTED)
                 | flag(entry.airborne, AIRBORNE)
                 | flag(entry.telemetry.armed, ARMED)
@@ -243,7 +243,7 @@ impl VehicleReport {
             anchor: entry.anchor,
             task_version: state.task_version,
             route_finished: state.route_finished,
-            withdrawals: cell.withdrawals(),
+            withdrawals: record.withdrawals(),
             held_mm: state
                 .setpoint
                 .and_then(|s| s.position)

@@ -9,7 +9,7 @@ use arc_swap::{ArcSwap, ArcSwapOption};
 use parking_lot::{Mutex, RwLock};
 use ractor::ActorRef;
 use skein_domain::{AnchorReference, LinkHealth, NodeId, NodeTime, SwarmFrame, Telemetry, VehicleId};
-use skein_failover::{Allegiance, Term};
+use skein_failover::{LeaderState, Term};
 use skein_view::PeerEntry;
 use skein_view::SwarmSnapshot;
 use skein_view::VehicleSnapshot;
@@ -25,10 +25,10 @@ pub struct Role {
     pub acting: Option<Term>,
     /// Since when it has coordinated without a break.
     pub acting_since: Option<NodeTime>,
-    /// The holder that it succeeded because that one was missed; none if somebody asked, or nobody held the office.
-    pub bereaved: Option<NodeId>,
+    /// The holder that it succeeded because that one was missed; none if somebody asked, or nobody held the leadership.
+    pub lost_leader: Option<NodeId>,
     /// Whom it obeys.
-    pub allegiance: Allegiance,
+    pub leader_state: LeaderState,
     /// When the obeyed coordinator last gave a sign of life.
     pub coordinator_seen: Option<NodeTime>,
     /// It hears no other node, though it did.
@@ -37,12 +37,12 @@ pub struct Role {
     pub observer: bool,
 }
 
-/// Two nodes may claim the office at the same moment, where nobody holds it. By then the one that loses it has heard of that, in seconds: ten
+/// Two nodes may claim the leadership at the same moment, where nobody holds it. By then the one that loses it has heard of that, in seconds: ten
 /// beacons.
 const UNDISPUTED_AFTER_S: f64 = 1.0;
 
 impl Role {
-    /// Whether it has coordinated for so long that nobody else does for having claimed the office at the same moment. What can never be taken
+    /// Whether it has coordinated for so long that nobody else does for having claimed the leadership at the same moment. What can never be taken
     /// back, the swarm's frame, waits for that: two nodes with frames of their own would never obey each other.
     #[must_use]
     pub fn is_undisputed(&self, now: NodeTime) -> bool {
@@ -53,9 +53,9 @@ impl Role {
     /// The node that coordinates, if one is obeyed.
     #[must_use]
     pub fn coordinator(&self) -> Option<NodeId> {
-        match self.allegiance {
-            Allegiance::Nobody => None,
-            Allegiance::Led { term } | Allegiance::Awaiting { term, .. } | Allegiance::Unled { term, .. } => {
+        match self.leader_state {
+            LeaderState::Nobody => None,
+            LeaderState::Led { term } | LeaderState::Awaiting { term, .. } | LeaderState::Unled { term, .. } => {
                 Some(term.holder.node)
             }
         }
@@ -105,8 +105,8 @@ impl SwarmShare {
             node,
             acting: None,
             acting_since: None,
-            bereaved: None,
-            allegiance: Allegiance::Nobody,
+            lost_leader: None,
+            leader_state: LeaderState::Nobody,
             coordinator_seen: None,
             cut_off: false,
             observer,
@@ -227,12 +227,12 @@ pub fn first_version(term: Term) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    //! What can never be taken back waits until nobody disputes the office.
+    //! What can never be taken back waits until nobody disputes the leadership.
 
     use super::*;
 
     #[test]
-    fn who_has_just_taken_the_office_is_not_undisputed() {
+    fn who_has_just_taken_the_leadership_is_not_undisputed() {
         let at = NodeTime::from_seconds;
         let share = SwarmShare::new(NodeId(1), false);
         let role = **share.role.load();

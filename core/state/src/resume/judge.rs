@@ -2,7 +2,7 @@
 //! its autopilot goes back into OFFBOARD by itself, as PX4 does out of the failsafe that follows their loss. It is not asked to: so neither a
 //! pilot's mode nor any other failsafe is ever undone.
 //!
-//! Must never do: read a clock; take back whom anybody else may have in hand.
+//! Must never do: read a clock; take a vehicle back over which anybody else may have control authority.
 
 use skein_domain::{FlightMode, NodeTime};
 use skein_view::PeerEntry;
@@ -18,7 +18,7 @@ pub const HEARD_WITHIN_S: f64 = 6.0;
 
 /// What is known of a vehicle in one period.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
+pub struct SeenVehicle {
     /// It is heard, and where it is in its own frame.
     pub is_heard: bool,
     /// It is known where it is in the swarm's frame.
@@ -31,7 +31,7 @@ pub struct Seen {
     pub failsafe: bool,
 }
 
-impl Seen {
+impl SeenVehicle {
     /// From the picture of a period.
     pub fn of(entry: &PeerEntry) -> Self {
         Self {
@@ -91,13 +91,13 @@ impl fmt::Display for Why {
 }
 
 /// The modes in which the loss of setpoints leaves a vehicle, by the autopilot's parameter for it.
-fn follows_loss(seen: &Seen) -> bool {
+fn follows_loss(seen: &SeenVehicle) -> bool {
     seen.failsafe && matches!(seen.mode, FlightMode::Return | FlightMode::Hold | FlightMode::Land)
 }
 
 /// How it goes on with a vehicle that is awaited or held.
 #[must_use]
-pub fn step(taking: Taking, seen: &Seen, now: NodeTime) -> Taking {
+pub fn step(taking: Taking, seen: &SeenVehicle, now: NodeTime) -> Taking {
     if matches!(taking, Taking::Taken | Taking::Left(_)) {
         return taking;
     }

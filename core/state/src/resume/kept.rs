@@ -1,4 +1,4 @@
-//! What is kept of a flight: whom this node flies and what by, what they fly, who has which vehicle in hand. Moments of the node's clock are
+//! What is kept of a flight: whom this node flies and what by, what they fly, who has control authority over which vehicle. Moments of the node's clock are
 //! counted anew after a restart.
 //!
 //! Must never do: keep setpoints or states. Where vehicles are after a restart, they say themselves.
@@ -33,7 +33,7 @@ pub struct Flown {
     pub formation: Option<Interrupted>,
     /// Who was taken out of it by an operator.
     pub withdrawn: BTreeSet<VehicleId>,
-    /// Who has which vehicle in hand, as of the node's clock.
+    /// Who has control authority over which vehicle, as of the node's clock.
     pub control: BTreeMap<VehicleId, Entry>,
     /// Those that this node flies by setpoints, with the operator's command that each carries out.
     pub vehicles: BTreeMap<VehicleId, Option<VehicleCommand>>,

@@ -59,7 +59,7 @@ fn a_file_that_is_too_old_of_the_future_or_of_another_node_is_not_gone_on_with()
 }
 
 #[test]
-fn who_had_a_vehicle_in_hand_has_it_again_and_is_present() {
+fn who_had_control_authority_has_it_again_and_is_present() {
     let mut table = ControlTable::new(NodeId(0));
     let console = Console {
         id: "c1".into(),
@@ -102,7 +102,7 @@ fn restarted(folder: &tempfile::TempDir) -> Resume {
 fn who_is_not_heard_in_time_and_whom_an_operator_commands_is_not_taken_back() {
     let folder = tempfile::tempdir().expect("a folder");
     let resume = restarted(&folder);
-    let offboard = Seen {
+    let offboard = SeenVehicle {
         is_heard: true,
         is_placed: true,
         airborne: true,

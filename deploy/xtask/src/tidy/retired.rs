@@ -5,7 +5,7 @@
 use super::{File, Finding};
 
 /// What was given up, and what it is called now.
-const RETIRED: [(&str, &str); 9] = [
+const RETIRED: [(&str, &str); 22] = [
     (concat!("Bo", "ard"), "SharedState"),
     (concat!("Vehicle", "Cell"), "VehicleRecord"),
     (concat!("Payload", "Cell"), "PayloadRecord"),
@@ -15,6 +15,19 @@ const RETIRED: [(&str, &str); 9] = [
     (concat!("Be", "at"), "ControlTick"),
     (concat!("De", "sk"), "OperatorState"),
     (concat!("Let", "ter"), "NodeMessage"),
+    (concat!("Off", "ice"), "Leadership"),
+    (concat!("Alle", "giance"), "LeaderState"),
+    (concat!("Be", "reaved"), "LostLeader"),
+    (concat!("Lad", "der"), "FailsafePolicy"),
+    (concat!("Ladder", "Settings"), "FailsafeSettings"),
+    (concat!("Ladder", "Event"), "FailsafeEvent"),
+    (concat!("Ladder", "State"), "FailsafeState"),
+    (concat!("In", "Other", "Hands"), "NoControlAuthority"),
+    (concat!("Lane", "Shared"), "WorkerShared"),
+    (concat!("Instance", "Body"), "HostedInstance"),
+    (concat!("Her", "ald"), "Announcer"),
+    (concat!("Eth", "er"), "RadioChannel"),
+    (concat!("Se", "al"), "SecureEnvelope"),
 ];
 
 /// Names that were given up, in one file of Rust.

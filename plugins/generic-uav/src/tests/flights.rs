@@ -375,7 +375,7 @@ fn a_new_instance_in_the_air_holds_what_it_finds() {
     assert!(rig.autopilot.velocity.norm() < 0.1);
     rig.assert_no_jump_since(start);
 
-    // Another's hands are left alone.
+    // What another controls is left alone.
     let mut autopilot = Autopilot {
         armed: true,
         mode: FlightMode::Position,

@@ -13,7 +13,7 @@ const FAR: VehicleCommand = VehicleCommand::GoTo {
 };
 
 #[test]
-fn leaving_offboard_unasked_takes_the_vehicle_out_of_our_hands() {
+fn leaving_offboard_unasked_takes_the_vehicle_out_of_our_control() {
     for mode in [
         FlightMode::Position,
         FlightMode::Manual,
@@ -81,7 +81,7 @@ fn an_operator_takes_it_back() {
 }
 
 #[test]
-fn land_by_command_out_of_a_pilots_hands() {
+fn land_by_command_out_of_a_pilots_control() {
     let mut rig = Rig::holding(10.0);
     rig.autopilot.change_mode(FlightMode::Position, false);
     rig.run(1.0);

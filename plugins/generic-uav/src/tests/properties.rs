@@ -1,4 +1,4 @@
-//! Whatever comes, in whatever order: no setpoint that is not finite, none while idle or in a pilot's hands, no take-off without arming,
+//! Whatever comes, in whatever order: no setpoint that is not finite, none while idle or under a pilot's control, no take-off without arming,
 //! and every command ends exactly once.
 
 use super::autopilot::{Answer, Autopilot, PERIOD_S};

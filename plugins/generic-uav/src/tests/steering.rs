@@ -450,7 +450,7 @@ fn lead_route(rig: &Rig) -> Option<Route> {
 }
 
 #[test]
-fn a_leader_in_hand_keeps_a_task_that_asks_nothing_new_and_obeys_one_that_does() {
+fn a_steered_leader_keeps_a_task_that_asks_nothing_new_and_obeys_one_that_does() {
     let mut rig = Rig::holding(10.0);
     rig.task(lead(None));
     rig.run(1.0);

@@ -5,8 +5,8 @@
 use crate::error::BenchError;
 use parking_lot::Mutex;
 use skein_bus::bus::{Bus, BusSettings, Event, pump};
+use skein_bus::envelope::{Boot, SwarmKey};
 use skein_bus::latest::Key;
-use skein_bus::seal::{Boot, SwarmKey};
 use skein_bus::transport::Transport;
 use skein_domain::{NodeId, NodeTime};
 use std::sync::Arc;
@@ -33,7 +33,7 @@ pub(super) struct Counts {
 
 /// What they counted in a window, or until its beginning.
 #[derive(Debug, Default)]
-pub(super) struct Seen {
+pub(super) struct NodeCounts {
     pub sent_bytes: u64,
     pub arrivals: u64,
     /// Sorted.
@@ -49,24 +49,24 @@ impl Counts {
     }
 
     /// Begins a window.
-    pub fn begin(&self) -> Seen {
+    pub fn begin(&self) -> NodeCounts {
         self.latencies_us.lock().clear();
         self.bulk_us.lock().clear();
-        Seen {
+        NodeCounts {
             sent_bytes: self.sent_bytes.load(Ordering::Acquire),
             arrivals: self.arrivals.load(Ordering::Acquire),
-            ..Seen::default()
+            ..NodeCounts::default()
         }
     }
 
     /// Ends it.
-    pub fn end(&self, before: &Seen) -> Seen {
+    pub fn end(&self, before: &NodeCounts) -> NodeCounts {
         let sorted = |of: &Mutex<Vec<u64>>| {
             let mut values = std::mem::take(&mut *of.lock());
             values.sort_unstable();
             values
         };
-        Seen {
+        NodeCounts {
             sent_bytes: self.sent_bytes.load(Ordering::Acquire) - before.sent_bytes,
             arrivals: self.arrivals.load(Ordering::Acquire) - before.arrivals,
             latencies_us: sorted(&self.latencies_us),

@@ -226,7 +226,7 @@ async fn forge(port: SocketAddr) {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn forged_frames_of_vehicles_in_flight_take_nobody_out_of_our_hands() {
+async fn forged_frames_of_vehicles_in_flight_take_nobody_out_of_our_control() {
     let swarm = Swarm::start(3).await;
     swarm.take_off(6.0).await;
     let node = swarm.node();

@@ -1,6 +1,6 @@
 //! Actors and plugins killed, links cut, vehicles lost: one program for all flights, so that several fly at a time and none is linked twice.
 
 mod crashes;
+mod failsafe;
 mod killed;
-mod ladder;
 mod losses;

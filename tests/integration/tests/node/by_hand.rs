@@ -12,7 +12,7 @@ use skein_domain::{
 };
 use skein_runtime::{NodeHandle, Targets};
 use skein_testkit::{Flock, Member, Swarm};
-use skein_view::{AllegianceKind, FleetSnapshot};
+use skein_view::{FleetSnapshot, LeaderStateKind};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::watch;
@@ -145,7 +145,10 @@ async fn a_vehicle_goes_where_the_stick_points_and_stands_when_it_is_let_go() {
             hand.was_told("wrong_state")
         })
         .await;
-    assert!(!steer(&swarm, "other", 1).await.is_null(), "it is in another's hands");
+    assert!(
+        !steer(&swarm, "other", 1).await.is_null(),
+        "it is under another's control"
+    );
     assert_eq!(steer(&swarm, "hand", 1).await, Value::Null);
     let flies = |fleet: &FleetSnapshot| speed_m_s(fleet, 1) > 2.5;
     let flown = swarm.until("flies by hand", Duration::from_secs(10), flies).await;
@@ -160,7 +163,7 @@ async fn a_vehicle_goes_where_the_stick_points_and_stands_when_it_is_let_go() {
     other.holds(1, forward(-3.0));
     swarm
         .until("the other is refused", Duration::ZERO, |_| {
-            other.was_told("in_other_hands")
+            other.was_told("no_control_authority")
         })
         .await;
     other.lets_go();
@@ -261,7 +264,7 @@ async fn no_stick_leads_over_a_fence() {
             inside(fleet) < FENCE_M && speed_m_s(fleet, 1) > 4.0
         })
         .await;
-    // The stick is held on: it comes to a stand at the fence, and stays in hand.
+    // The stick is held on: it comes to a stand at the fence, and is still steered.
     let stands = |fleet: &FleetSnapshot| inside(fleet) > FENCE_M / 2.0 && speed_m_s(fleet, 1) < 0.3;
     swarm.until("stands at the fence", flight, stands).await;
     let later = swarm.node().now().plus_seconds(4.0);
@@ -339,7 +342,7 @@ async fn a_vehicle_of_another_node_is_steered_over_the_swarm() {
         let led = fleet
             .swarm
             .as_ref()
-            .is_some_and(|swarm| swarm.allegiance == AllegianceKind::Led);
+            .is_some_and(|swarm| swarm.leader_state == LeaderStateKind::Led);
         led && fleet.vehicles.iter().any(known)
     };
     flock.until(1, "ready", Duration::from_secs(20), ready).await;

@@ -1,4 +1,4 @@
-//! Two operators at two nodes of one swarm: who has a vehicle in hand is known at both, and given on, and never stands in the way of a stop.
+//! Two operators at two nodes of one swarm: who has control authority over a vehicle is known at both, and given on, and never stands in the way of a stop.
 
 use skein_domain::control::{Console, VehicleControl};
 use skein_domain::{PositionNed, Refusal, VehicleCommand, VehicleId};
@@ -69,7 +69,7 @@ async fn known(at: &NodeHandle, what: &str, extra: Duration, wanted: impl Fn(&Ve
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn two_operators_at_two_nodes_have_vehicles_in_hand() {
+async fn two_operators_at_two_nodes_have_control_authority() {
     let folder = tempfile::tempdir().expect("a folder");
     let members = [1, 2].map(|node| Member {
         node,
@@ -86,8 +86,11 @@ async fn two_operators_at_two_nodes_have_vehicles_in_hand() {
     let page_of_anna = Page::open(annas.clone(), &anna);
     let _page_of_ben = Page::open(bens.clone(), &ben);
 
-    // In nobody's hands: what is wrong with the command is something else.
-    assert!(!matches!(fly(&bens, &ben).await, Some(Refusal::InOtherHands { .. })));
+    // Under nobody's control: what is wrong with the command is something else.
+    assert!(!matches!(
+        fly(&bens, &ben).await,
+        Some(Refusal::NoControlAuthority { .. })
+    ));
     assert_eq!(change(&annas, &anna, &ControlAction::Take), None);
     known(&bens, "Ben sees that Anna has it", Duration::ZERO, |control| {
         control.vehicle == TWO && control.console == anna && control.is_heard
@@ -95,20 +98,26 @@ async fn two_operators_at_two_nodes_have_vehicles_in_hand() {
     .await;
 
     // The node that flies it is Ben's, and refuses him all the same.
-    let in_annas_hands = Some(Refusal::InOtherHands {
+    let under_annas_control = Some(Refusal::NoControlAuthority {
         vehicle: TWO,
         holder: anna.name.clone(),
     });
-    assert_eq!(fly(&bens, &ben).await, in_annas_hands);
-    assert_eq!(change(&bens, &ben, &ControlAction::Take), in_annas_hands);
+    assert_eq!(fly(&bens, &ben).await, under_annas_control);
+    assert_eq!(change(&bens, &ben, &ControlAction::Take), under_annas_control);
     let stops = [VehicleCommand::Hold, VehicleCommand::Land, VehicleCommand::Return];
     for stop in stops {
         for receipt in bens.command_from(Some(&ben.id), &Targets::All, stop).await {
             let refusal = receipt.refusal;
-            assert!(!matches!(refusal, Some(Refusal::InOtherHands { .. })), "{refusal:?}");
+            assert!(
+                !matches!(refusal, Some(Refusal::NoControlAuthority { .. })),
+                "{refusal:?}"
+            );
         }
     }
-    assert!(!matches!(fly(&annas, &anna).await, Some(Refusal::InOtherHands { .. })));
+    assert!(!matches!(
+        fly(&annas, &anna).await,
+        Some(Refusal::NoControlAuthority { .. })
+    ));
 
     // Ben asks, Anna gives.
     assert_eq!(change(&bens, &ben, &ControlAction::Request), None);
@@ -119,8 +128,14 @@ async fn two_operators_at_two_nodes_have_vehicles_in_hand() {
     let to_ben = ControlAction::HandOver { to: ben.id.clone() };
     assert_eq!(change(&annas, &anna, &to_ben), None);
     known(&bens, "Ben has it", Duration::ZERO, |control| control.console == ben).await;
-    assert!(!matches!(fly(&bens, &ben).await, Some(Refusal::InOtherHands { .. })));
-    assert!(matches!(fly(&annas, &anna).await, Some(Refusal::InOtherHands { .. })));
+    assert!(!matches!(
+        fly(&bens, &ben).await,
+        Some(Refusal::NoControlAuthority { .. })
+    ));
+    assert!(matches!(
+        fly(&annas, &anna).await,
+        Some(Refusal::NoControlAuthority { .. })
+    ));
 
     relieved((&annas, &anna, page_of_anna), (&bens, &ben)).await;
     flock.stop().await;

@@ -5,8 +5,8 @@ use skein_domain::fence::{AltitudeReference, BreachAction, FencePlan, FenceZone,
 use skein_domain::{FlightState, FormationRequest, NodeId, PositionNed, Route, Shape, VehicleCommand, VehicleId};
 use skein_runtime::Targets;
 use skein_testkit::{Flock, Member};
-use skein_view::AllegianceKind;
 use skein_view::FleetSnapshot;
+use skein_view::LeaderStateKind;
 use std::time::Duration;
 
 /// The ground station: coordinates before all others, and flies nothing.
@@ -31,7 +31,7 @@ fn coordinator(fleet: &FleetSnapshot) -> Option<NodeId> {
     let swarm = fleet.swarm.as_ref()?;
     swarm
         .term
-        .filter(|_| swarm.allegiance == AllegianceKind::Led)
+        .filter(|_| swarm.leader_state == LeaderStateKind::Led)
         .map(|term| term.coordinator)
 }
 
@@ -64,7 +64,7 @@ async fn up(flock: &Flock) {
         .node(1)
         .make_coordinator(ground)
         .await
-        .expect("it takes the office");
+        .expect("it takes the leadership");
     for node in flock.running() {
         let led = |fleet: &FleetSnapshot| coordinator(fleet) == Some(ground);
         flock
@@ -93,7 +93,7 @@ async fn all_free(flock: &Flock, at: u8) {
     let leads = u8::try_from(leads.0).expect("a node of the flock");
     let free = |fleet: &FleetSnapshot| {
         let is_free = |v: &skein_view::VehicleSnapshot| {
-            let ordered = v.ladder.as_ref().is_some_and(|ladder| ladder.order.is_some());
+            let ordered = v.failsafe.as_ref().is_some_and(|failsafe| failsafe.order.is_some());
             v.link.connected && v.flight_state.is_available_in_air() && !ordered
         };
         fleet.vehicles.len() == 4 && fleet.vehicles.iter().all(is_free)
@@ -159,7 +159,7 @@ async fn lose_the_ground_station(flock: &mut Flock) {
     }
 }
 
-/// It is back. It does not take the office from one that does it; only when it is asked.
+/// It is back. It does not take the leadership from one that does it; only when it is asked.
 async fn bring_the_ground_station_back(flock: &mut Flock) {
     let ground = NodeId(u64::from(GROUND));
     flock.begin(GROUND).await;
@@ -171,7 +171,7 @@ async fn bring_the_ground_station_back(flock: &mut Flock) {
         .node(2)
         .make_coordinator(ground)
         .await
-        .expect("it takes the office");
+        .expect("it takes the leadership");
     let back = |fleet: &FleetSnapshot| coordinator(fleet) == Some(ground) && all_are(fleet, 4, &IN_FORMATION);
     flock
         .until(1, "the ground station coordinates again", Duration::from_secs(10), back)
@@ -440,7 +440,7 @@ async fn a_node_that_is_cut_off_holds_and_is_taken_back() {
         .node(1)
         .make_coordinator(NodeId(1))
         .await
-        .expect("it takes the office");
+        .expect("it takes the leadership");
     let what = "the leader's node coordinates";
     flock.until(GROUND, what, Duration::from_secs(10), first).await;
     form(&flock, GROUND, Shape::Wedge).await;

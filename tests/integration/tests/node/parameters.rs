@@ -1,4 +1,4 @@
-//! Parameters of an autopilot through the API: read, written, refused; each write an event; and over two nodes by who has the vehicle in hand.
+//! Parameters of an autopilot through the API: read, written, refused; each write an event; and over two nodes by who has control authority over the vehicle.
 #![allow(
     clippy::unwrap_used,
     reason = "what tests share may stop at the first surprise, as they do"
@@ -100,7 +100,7 @@ async fn parameters_are_read_and_written_and_refused_with_reasons() {
     }
     assert_eq!(events(&swarm, "COM_RC_IN_MODE not written"), 2);
 
-    // In another operator's hands.
+    // Under another operator's control.
     let take = json!({ "targets": "all", "console": { "id": "ben-2", "name": "Ben" }, "action": { "action": "take" } });
     let (status, _) = ask(&swarm, Some("ben-2"), "POST", "/api/v1/control", Some(take)).await;
     assert_eq!(status, 200);
@@ -108,7 +108,7 @@ async fn parameters_are_read_and_written_and_refused_with_reasons() {
         let (status, body) = write(&swarm, console, "MPC_XY_CRUISE", json!(7)).await;
         assert_eq!(
             (status, body["error"]["code"].as_str()),
-            (409, Some("in_other_hands")),
+            (409, Some("no_control_authority")),
             "{body}"
         );
     }
@@ -147,7 +147,7 @@ async fn nothing_is_written_to_an_armed_vehicle() {
 
 /// What is asked at one node about a vehicle that another one flies goes there with the name of who asks.
 #[tokio::test(flavor = "multi_thread")]
-async fn who_has_a_vehicle_in_hand_writes_its_parameters_at_any_node() {
+async fn who_has_control_authority_writes_its_parameters_at_any_node() {
     let folder = tempfile::tempdir().unwrap();
     let members = [1, 2].map(|node| Member {
         node,
@@ -164,7 +164,7 @@ async fn who_has_a_vehicle_in_hand_writes_its_parameters_at_any_node() {
     let written = async |console: Option<&str>, to: f64| {
         ask_at(elsewhere, console, "PUT", &cruise, Some(json!({ "value": to }))).await
     };
-    // In nobody's hands, whoever asks.
+    // Under nobody's control, whoever asks.
     eventually(patience(), "a first write", async || {
         (written(None, 6.0).await.0 == 200).then_some(())
     })
@@ -187,7 +187,7 @@ async fn who_has_a_vehicle_in_hand_writes_its_parameters_at_any_node() {
         let (status, body) = written(console, 8.0).await;
         assert_eq!(
             (status, &body["error"]["code"]),
-            (409, &json!("in_other_hands")),
+            (409, &json!("no_control_authority")),
             "{body}"
         );
     }

@@ -50,7 +50,7 @@ async fn the_pilot_takes_a_vehicle_out_and_the_others_close_up() {
         .await;
     assert_eq!(receipts[0].refusal, None);
     swarm
-        .until("back in the swarm's hands", Duration::ZERO, |fleet| {
+        .until("back under the swarm's control", Duration::ZERO, |fleet| {
             fleet
                 .vehicles
                 .iter()
@@ -72,7 +72,7 @@ async fn nothing_is_streamed(swarm: &Swarm) {
     let vehicle = truth.vehicle(3).expect("is simulated");
     assert_eq!(
         vehicle.setpoints, before,
-        "nothing is streamed to a vehicle in a pilot's hands"
+        "nothing is streamed to a vehicle under a pilot's control"
     );
     assert_eq!(vehicle.mode, FlightMode::Position, "the pilot's mode stands");
 }

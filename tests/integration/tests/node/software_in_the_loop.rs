@@ -28,11 +28,11 @@ async fn it_is_flown_as_any_other() {
     let fleet = swarm
         .until("the flight goes on", Duration::from_secs(30), |fleet| {
             for vehicle in &fleet.vehicles {
-                let ladder = vehicle.ladder.as_ref();
-                let calm = ladder.is_none_or(|ladder| ladder.order.is_none());
+                let failsafe = vehicle.failsafe.as_ref();
+                let calm = failsafe.is_none_or(|failsafe| failsafe.order.is_none());
                 assert!(
                     calm,
-                    "{} after {:.1} s: {ladder:?}, {:?}",
+                    "{} after {:.1} s: {failsafe:?}, {:?}",
                     vehicle.name,
                     flown_s(),
                     vehicle.battery

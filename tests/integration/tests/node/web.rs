@@ -188,7 +188,7 @@ async fn a_swarm_is_flown_by_rest_and_watched_by_websocket() {
             safety["energy"]["remaining"].as_f64().is_some_and(|share| share > 0.5),
             "{safety}"
         );
-        assert_eq!((&safety["stopped"], &safety["ladder"]), (&json!(false), &Value::Null));
+        assert_eq!((&safety["stopped"], &safety["failsafe"]), (&json!(false), &Value::Null));
     }
     fly_in_formation(&rest, &mut watch).await;
     land(&rest, &mut watch).await;

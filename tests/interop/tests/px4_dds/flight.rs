@@ -99,7 +99,7 @@ fn fly(peer: &Peer, flown: &mut Flown, who: &str) -> Result<()> {
     stop_the_stream(peer, flown, who)?;
     flown.order(AutopilotCommand::Land)?;
     flown.until("it stands", |t, _| !t.armed && t.landed == LandedState::OnGround)?;
-    let stands = |told: &skein_tests_interop::Told| (told.truth[who]["landed"] == true).then_some(());
+    let stands = |told: &skein_tests_interop::PeerReport| (told.truth[who]["landed"] == true).then_some(());
     peer.wait(PATIENCE, "the ground", stands)?;
     nothing_wrong(peer, who, &[400, 22, 176, 21])
 }

@@ -125,7 +125,7 @@ impl Skein {
     }
 }
 
-/// A vehicle in the hands of a test, as a vehicle actor has it.
+/// A vehicle under the control of a test, as a vehicle actor has it.
 pub struct Flown {
     pub link: Arc<DdsLink>,
     pub releases: Vec<Release>,

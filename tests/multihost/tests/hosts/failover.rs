@@ -31,7 +31,7 @@ async fn twenty_coordinators_are_killed() {
         last.push(after.iter().copied().fold(0.0, f64::max));
         println!("kill {kill}: {:.3} s to {:.3} s", first[kill], last[kill]);
         field.host_mut(GROUND).restart();
-        // nobody takes the office from the successor unless asked to
+        // nobody takes the leadership from the successor unless asked to
         field.led_by(GROUND, &ALL, TOGETHER_S).await;
         // it has passed on at every vehicle before the next kill
         field.pass(1.0).await;

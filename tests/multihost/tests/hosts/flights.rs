@@ -298,7 +298,7 @@ async fn a_link_goes_one_way_only() {
     field.air().cut(COORDINATOR, VEHICLE, true);
     field.pass(10.0).await;
     let obeyed = field.host(VEHICLE).operator().swarm().await;
-    assert_eq!(obeyed["allegiance"], "led", "{obeyed}");
+    assert_eq!(obeyed["leader_state"], "led", "{obeyed}");
     field.air().join();
     field.one_swarm(&ALL, TOGETHER_S).await;
     let vehicles = field.vehicles();

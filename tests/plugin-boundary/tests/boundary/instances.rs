@@ -15,11 +15,11 @@ const CALL_DEADLINE: Duration = Duration::from_secs(1);
 const LONG: Duration = Duration::from_secs(20);
 
 /// One thread, so that whatever hangs hangs the others too, were it not watched.
-fn one_lane() -> Arc<Runners> {
-    one_lane_with(CALL_DEADLINE)
+fn one_worker() -> Arc<Runners> {
+    one_worker_with(CALL_DEADLINE)
 }
 
-fn one_lane_with(deadline: Duration) -> Arc<Runners> {
+fn one_worker_with(deadline: Duration) -> Arc<Runners> {
     Runners::with_settings(RunnerSettings {
         threads: 1,
         call_deadline: deadline,
@@ -81,7 +81,7 @@ async fn what_is_wrong_at_the_level_of_the_abi_is_told_apart() {
         }),
         ("unknown_method", |e| matches!(e, PluginError::NotUnderstood { .. })),
     ];
-    let (runners, plugin) = (one_lane_with(LONG), load("nothing_wrong"));
+    let (runners, plugin) = (one_worker_with(LONG), load("nothing_wrong"));
     let other = healthy(&runners).await;
     for (what, expected) in cases {
         let error = match wrong_instance(&runners, &plugin, "do", what).await {
@@ -140,7 +140,7 @@ async fn what_a_model_does_wrong_is_told_apart() {
             |e| matches!(e, PluginError::Refused { detail } if detail.contains("unknown variant")),
         ),
     ];
-    let (runners, plugin) = (one_lane(), load("failing_model"));
+    let (runners, plugin) = (one_worker(), load("failing_model"));
     let other = healthy(&runners).await;
     for (what, expected) in cases {
         let error = match wrong_instance(&runners, &plugin, "fail", what).await {
@@ -164,7 +164,7 @@ async fn what_a_model_does_wrong_is_told_apart() {
 
 #[tokio::test]
 async fn a_hang_delays_the_others_by_no_more_than_the_deadline_and_costs_one_instance() {
-    let (runners, plugin) = (one_lane(), load("failing_model"));
+    let (runners, plugin) = (one_worker(), load("failing_model"));
     let other = healthy(&runners).await;
     for what in ["hang_in_handle", "spin_in_handle"] {
         let hangs = wrong_instance(&runners, &plugin, "fail", what)
@@ -187,7 +187,7 @@ async fn a_hang_delays_the_others_by_no_more_than_the_deadline_and_costs_one_ins
 
 #[tokio::test]
 async fn a_call_that_comes_back_too_late_is_cleaned_up_after() {
-    let (runners, plugin) = (one_lane(), load("failing_model"));
+    let (runners, plugin) = (one_worker(), load("failing_model"));
     let slow = wrong_instance(&runners, &plugin, "fail", "slow_in_handle")
         .await
         .expect("is created");
@@ -233,7 +233,7 @@ async fn a_plugin_in_which_too_many_threads_hang_gets_no_more() {
 
 #[tokio::test]
 async fn what_goes_wrong_at_an_instances_end_disturbs_nobody() {
-    let (runners, plugin) = (one_lane(), load("failing_model"));
+    let (runners, plugin) = (one_worker(), load("failing_model"));
     let other = healthy(&runners).await;
     for what in ["panic_in_drop", "hang_in_drop"] {
         let instance = wrong_instance(&runners, &plugin, "fail", what)
@@ -248,7 +248,7 @@ async fn what_goes_wrong_at_an_instances_end_disturbs_nobody() {
 
 #[tokio::test]
 async fn drills_take_the_ways_of_faults() {
-    let runners = one_lane();
+    let runners = one_worker();
     let (plugin, other) = (shipped("generic-uav"), healthy(&runners).await);
     let drill = |drill| EventBatch {
         now: NodeTime(1),
@@ -271,7 +271,7 @@ async fn drills_take_the_ways_of_faults() {
 
 #[tokio::test]
 async fn a_plugin_of_any_kind_is_created_and_says_what_it_is() {
-    let instance = one_lane_with(LONG)
+    let instance = one_worker_with(LONG)
         .create(load("other_kind"), Isolation::InProcess, create_uav(1, "{}", None))
         .await
         .expect("is created");
@@ -280,7 +280,7 @@ async fn a_plugin_of_any_kind_is_created_and_says_what_it_is() {
 
 #[tokio::test]
 async fn a_configuration_that_is_not_right_is_refused_in_words() {
-    let runners = one_lane_with(LONG);
+    let runners = one_worker_with(LONG);
     for (config, said) in [
         (r#"{"cruise_speed": 3}"#, "unknown field `cruise_speed`"),
         (
@@ -314,7 +314,7 @@ async fn two_loads_of_one_file_are_two_plugins_and_outlive_the_file() {
     );
     // Exchanged in place and cut off, as a careless upgrade does.
     std::fs::write(&path, b"garbage").expect("written");
-    let runners = one_lane_with(LONG);
+    let runners = one_worker_with(LONG);
     let mut instances = Vec::new();
     for _ in 0..3 {
         instances.push(
@@ -338,7 +338,7 @@ async fn two_loads_of_one_file_are_two_plugins_and_outlive_the_file() {
 
 #[tokio::test]
 async fn calls_are_counted_and_timed() {
-    let runners = one_lane_with(LONG);
+    let runners = one_worker_with(LONG);
     let instance = healthy(&runners).await;
     for i in 0..100 {
         instance.call(tick(i), &[]).await.expect("answers");
@@ -356,7 +356,7 @@ async fn calls_are_counted_and_timed() {
 
 #[tokio::test]
 async fn instances_outlive_the_pool_they_were_made_in() {
-    let runners = one_lane_with(LONG);
+    let runners = one_worker_with(LONG);
     let instance = healthy(&runners).await;
     drop(runners);
     assert_alive(&instance).await;

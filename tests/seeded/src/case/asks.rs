@@ -1,6 +1,6 @@
 //! What is asked of the swarm: one formation after the other, of any shape, about any anchor, and routes for their leaders.
 
-use super::{Ask, Step, When, id_of};
+use super::{Ask, FlightStep, When, id_of};
 use nalgebra::Vector3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -14,14 +14,14 @@ pub(crate) const REFERENCE: &str = "drawn";
 const KEEPS_ITSELF: usize = 40;
 
 /// The steps of a flight.
-pub(super) fn draw(count: usize, height_m: f64, rng: &mut ChaCha8Rng) -> Vec<Step> {
+pub(super) fn draw(count: usize, height_m: f64, rng: &mut ChaCha8Rng) -> Vec<FlightStep> {
     // A flight of many vehicles is long, and costs a multiple of a short one's time.
     let changes = match count {
         0..=12 => rng.random_range(2..=4),
         13..=60 => rng.random_range(2..=3),
         _ => 2,
     };
-    let mut steps: Vec<Step> = Vec::new();
+    let mut steps: Vec<FlightStep> = Vec::new();
     for number in 0..changes {
         let when = if number == 0 {
             When::Settled(1.0)
@@ -32,12 +32,12 @@ pub(super) fn draw(count: usize, height_m: f64, rng: &mut ChaCha8Rng) -> Vec<Ste
         };
         let request = request(count, height_m, rng);
         let led = request.anchor == FormationAnchor::Leader;
-        steps.push(Step {
+        steps.push(FlightStep {
             when,
             ask: Ask::Form(request),
         });
         if led && rng.random_bool(0.5) {
-            steps.push(Step {
+            steps.push(FlightStep {
                 when: When::Settled(rng.random_range(-1.0..2.0)),
                 ask: route(rng),
             });

@@ -33,11 +33,11 @@ describe('what a command will do', () => {
     expect(forecast([subject(1)], offer('hold'), 10)).toEqual({ text: 'Stop and hold the position: nobody', doubts: ['1 on the ground: 1'], able: 0 });
   });
 
-  it('tells what is in the hands of another one, but for what anybody may command', () => {
+  it('tells what is under the control of another one, but for what anybody may command', () => {
     const three = [subject(1), subject(2), subject(3, { airborne: true, armed: true })];
     const heldBy = (id: number): string => (id === 2 ? 'Ben' : id === 3 ? 'Cleo' : '');
     expect(forecast(three, offer('take_off'), 10, heldBy)).toEqual({
-      text: 'Arm if need be, climb to 10 m and hold there: 1', doubts: ['1 in the hands of Ben: 2', '1 in the hands of Cleo: 3'], able: 1,
+      text: 'Arm if need be, climb to 10 m and hold there: 1', doubts: ['1 under the control of Ben: 2', '1 under the control of Cleo: 3'], able: 1,
     });
     for (const verb of ['hold', 'land', 'return'] as const) expect(forecast(three, offer(verb), 10, heldBy)).toEqual(forecast(three, offer(verb), 10));
   });

@@ -26,7 +26,7 @@ export type Forecast = {
 };
 
 const NEEDS_AIR: readonly Verb[] = ['hold', 'land', 'return'];
-/** These may be given by anybody, whoever has the vehicle in hand. */
+/** These may be given by anybody, whoever has control authority over the vehicle. */
 const FOR_EVERYBODY: readonly Verb[] = ['hold', 'land', 'return'];
 
 type Doubt = 'not heard' | 'flown by a pilot' | 'on the ground' | 'in the air' | 'disarmed already' | 'armed already' | 'not ready to arm';
@@ -42,14 +42,14 @@ function doubt(s: Subject, verb: Verb): Doubt | '' {
   return s.armed || s.readyToArm ? '' : 'not ready to arm';
 }
 
-/** `heldBy` gives the name of another operator who has the vehicle in hand, or an empty text. */
+/** `heldBy` gives the name of another operator who has control authority over the vehicle, or an empty text. */
 export function forecast(subjects: readonly Subject[], offer: Offer, heightM: number, heldBy: (id: number) => string = () => ''): Forecast {
   const able: number[] = [];
   const unable = new Map<string, number[]>();
   for (const subject of subjects) {
     const holder = FOR_EVERYBODY.includes(offer.verb) ? '' : heldBy(subject.id);
     const itself = doubt(subject, offer.verb);
-    const why = holder !== '' ? t('in the hands of {name}', { name: holder }) : itself === '' ? '' : t(itself);
+    const why = holder !== '' ? t('under the control of {name}', { name: holder }) : itself === '' ? '' : t(itself);
     if (why === '') able.push(subject.id);
     else unable.set(why, [...(unable.get(why) ?? []), subject.id]);
   }

@@ -5,7 +5,7 @@ import type { Sortable } from './fleetColumns';
 const vehicle = (id: number, over: Partial<Sortable> = {}): Sortable => ({
   id, name: `uav-${id}`, level: 0, flightState: 'idle', mode: 'hold', armed: false, battery: 90, satellites: 12, fix: 'three_d', loss: 0,
   heightM: 0, speedMS: 0, errorM: NaN, ageMs: 50, returnS: 300, pluginsLevel: 0, pluginsText: '1 running', plugin: 'generic-uav', node: null,
-  airborne: false, leader: false, hands: '', ...over,
+  airborne: false, leader: false, holder: '', ...over,
 });
 const ids = (rows: Sortable[]): number[] => rows.map((row) => row.id);
 
@@ -16,8 +16,8 @@ describe('the columns', () => {
     const wide = columnsFor(2000).map((c) => c.key);
     expect(wide).toHaveLength(13);
     // Who has a vehicle is a column only where somebody has one.
-    expect(wide).not.toContain('hands');
-    expect(columnsFor(2000, true).map((c) => c.key)).toContain('hands');
+    expect(wide).not.toContain('authority');
+    expect(columnsFor(2000, true).map((c) => c.key)).toContain('authority');
     for (let width = 280; width < 2000; width += 37) {
       const shown = columnsFor(width);
       expect(shown.reduce((sum, c) => sum + c.leastPx, 68)).toBeLessThanOrEqual(Math.max(width, 272));
@@ -45,8 +45,8 @@ describe('groups', () => {
     const lines = linesOf(rows, 'attention');
     expect(lines.map((line) => (line.kind === 'group' ? `${line.words} ${line.rows.length}` : line.row.id))).toEqual(['Critical 1', 2, 'Normal 2', 1, 3]);
     expect(linesOf(rows, 'none')).toHaveLength(3);
-    const held = [vehicle(1), vehicle(2, { hands: 'Ben' }), vehicle(3, { hands: 'Anna' })];
-    expect(linesOf(held, 'hands').flatMap((line) => (line.kind === 'group' ? [line.words] : []))).toEqual(['Anna', 'Ben', "In nobody's hands"]);
+    const held = [vehicle(1), vehicle(2, { holder: 'Ben' }), vehicle(3, { holder: 'Anna' })];
+    expect(linesOf(held, 'authority').flatMap((line) => (line.kind === 'group' ? [line.words] : []))).toEqual(['Anna', 'Ben', "Under nobody's control"]);
     expect(linesOf([vehicle(1, { airborne: true }), vehicle(2)], 'place')[0]).toMatchObject({ words: 'In the air' });
   });
 });

@@ -28,12 +28,12 @@ export type Sortable = {
   node: number | null;
   airborne: boolean;
   leader: boolean;
-  /** Who has it in hand, empty if nobody has. */
-  hands: string;
+  /** Who has control authority over it, empty if nobody has. */
+  holder: string;
 };
 
 export type ColumnKey =
-  | 'id' | 'state' | 'hands' | 'battery' | 'home' | 'link' | 'height' | 'speed' | 'error' | 'gnss' | 'rtt' | 'plugins' | 'coordinator' | 'attention';
+  | 'id' | 'state' | 'authority' | 'battery' | 'home' | 'link' | 'height' | 'speed' | 'error' | 'gnss' | 'rtt' | 'plugins' | 'coordinator' | 'attention';
 
 export type Column = {
   key: ColumnKey;
@@ -56,7 +56,7 @@ const FIXES: readonly string[] = GNSS_FIXES;
 export const COLUMNS: readonly Column[] = [
   { key: 'id', words: 'Vehicle', title: 'Number and name', width: 'minmax(92px, 1.1fr)', leastPx: 92, order: 0, value: (r) => r.id },
   { key: 'state', words: 'State', title: 'What it does; autopilot mode; motors', width: 'minmax(112px, 1.3fr)', leastPx: 112, order: 0, value: (r) => r.flightState },
-  { key: 'hands', words: 'In hand', title: 'Whose commands it takes', width: 'minmax(104px, 0.8fr)', leastPx: 104, order: 8.7, value: (r) => r.hands },
+  { key: 'authority', words: 'Control', title: 'Whose commands it takes', width: 'minmax(104px, 0.8fr)', leastPx: 104, order: 8.7, value: (r) => r.holder },
   { key: 'battery', words: 'Battery', title: 'Charge left and voltage', width: '146px', leastPx: 146, order: 9, value: (r) => r.battery ?? NaN },
   { key: 'home', words: 'Return in', title: 'Time until it must return if it goes on as now', width: '76px', leastPx: 76, order: 5, numeric: true, value: (r) => r.returnS },
   { key: 'link', words: 'Link', title: 'How fresh its data is', width: '100px', leastPx: 100, order: 10, value: (r) => -r.ageMs },
@@ -78,7 +78,7 @@ export function columnsFor(widthPx: number, shared = false): Column[] {
   const chosen = new Set(COLUMNS.filter((column) => column.order === 0));
   let room = widthPx - FIXED_PX - [...chosen].reduce((sum, column) => sum + column.leastPx, 0);
   for (const column of [...COLUMNS].sort((a, b) => b.order - a.order)) {
-    if (chosen.has(column) || (column.key === 'hands' && !shared)) continue;
+    if (chosen.has(column) || (column.key === 'authority' && !shared)) continue;
     if (column.leastPx > room) break;
     room -= column.leastPx;
     chosen.add(column);
@@ -99,7 +99,7 @@ export function compareBy(key: ColumnKey, descending: boolean): (a: Sortable, b:
   };
 }
 
-export type GroupKey = 'none' | 'state' | 'attention' | 'place' | 'model' | 'node' | 'hands';
+export type GroupKey = 'none' | 'state' | 'attention' | 'place' | 'model' | 'node' | 'authority';
 
 export const GROUPS: readonly { key: GroupKey; words: Text }[] = [
   { key: 'none', words: 'not grouped' },
@@ -108,7 +108,7 @@ export const GROUPS: readonly { key: GroupKey; words: Text }[] = [
   { key: 'place', words: 'by air and ground' },
   { key: 'model', words: 'by model' },
   { key: 'node', words: 'by node' },
-  { key: 'hands', words: 'by operator' },
+  { key: 'authority', words: 'by operator' },
 ];
 
 const URGENCY: readonly Text[] = ['Normal', 'Advisory', 'Warning', 'Critical'];
@@ -130,8 +130,8 @@ export function groupOf(row: Sortable, key: GroupKey): { words: string; rank: nu
       return { words: row.plugin || t('Model not known'), rank: 0 };
     case 'node':
       return { words: row.node === null ? t('This node') : t('Node {node}', { node: row.node }), rank: row.node ?? 0 };
-    case 'hands':
-      return row.hands === '' ? { words: t("In nobody's hands"), rank: 1 } : { words: row.hands, rank: 0 };
+    case 'authority':
+      return row.holder === '' ? { words: t("Under nobody's control"), rank: 1 } : { words: row.holder, rank: 0 };
   }
 }
 

@@ -3,7 +3,7 @@ import { compare, inCategory, matchesSearch, parseIds } from './fleetFilter';
 import type { Listed } from './fleetFilter';
 
 const row = (id: number, more: Partial<Listed> = {}): Listed => ({
-  id, name: `uav-${id}`, level: 0, airborne: false, battery: 50, flightState: 'idle', mode: 'ready', staleness: 'live', problems: '', hands: '', mine: false, ...more,
+  id, name: `uav-${id}`, level: 0, airborne: false, battery: 50, flightState: 'idle', mode: 'ready', staleness: 'live', problems: '', holder: '', mine: false, ...more,
 });
 
 describe('parseIds', () => {
@@ -36,7 +36,7 @@ describe('matchesSearch', () => {
     expect(matchesSearch(landing, 'LOW')).toBe(true);
     expect(matchesSearch(landing, 'uav-1')).toBe(true);
     expect(matchesSearch(landing, 'holding')).toBe(false);
-    expect([matchesSearch(row(1, { hands: 'Anna' }), 'anna'), matchesSearch(landing, 'anna')]).toEqual([true, false]);
+    expect([matchesSearch(row(1, { holder: 'Anna' }), 'anna'), matchesSearch(landing, 'anna')]).toEqual([true, false]);
   });
 });
 

@@ -16,8 +16,8 @@ export type Listed = {
   mode: string;
   staleness: string;
   problems: string;
-  /** Who has it in hand, empty if nobody has. */
-  hands: string;
+  /** Who has control authority over it, empty if nobody has. */
+  holder: string;
   mine: boolean;
 };
 
@@ -56,7 +56,7 @@ export function matchesSearch(row: Listed, search: string): boolean {
   if (wanted === '') return true;
   const ids = parseIds(wanted);
   if (ids) return ids.has(row.id);
-  const text = `${row.id} ${row.name} ${spoken(row.flightState)} ${spoken(row.mode)} ${row.staleness} ${row.problems} ${row.hands}`;
+  const text = `${row.id} ${row.name} ${spoken(row.flightState)} ${spoken(row.mode)} ${row.staleness} ${row.problems} ${row.holder}`;
   return text.toLowerCase().includes(wanted);
 }
 

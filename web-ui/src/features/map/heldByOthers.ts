@@ -1,4 +1,4 @@
-// Which vehicles are in another operator's hands, as the map and the view in space mark them: worked out anew only when the node has said
+// Which vehicles are under another operator's control, as the map and the view in space mark them: worked out anew only when the node has said
 // anew who has what, not for every picture.
 
 import type { VehicleControl } from '../../protocol/types';

@@ -41,7 +41,7 @@ export type Hook = {
   /** The ground that cameras are drawn to see, and the tracks that are drawn. */
   groundSeen(): { vehicle: number; payload: string; corners: { north: number; east: number }[]; stale: boolean }[];
   tracksSeen(): { track: number; north: number; east: number; stale: boolean }[];
-  /** Vehicles that bear the sign of another operator's hands, and whether that one is heard. */
+  /** Vehicles that bear the sign of another operator's control, and whether that one is heard. */
   held(): { id: number; heard: boolean }[];
   /** Zones of the fences that are drawn. */
   zones(): { name: string; kind: string; corners: number }[];

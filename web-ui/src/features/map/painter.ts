@@ -26,7 +26,7 @@ import { paintMotion, paintSlots, paintVehicles } from './paintFleet';
 import type { FleetScene, Marking } from './paintFleet';
 import { paintFences } from './paintFences';
 import { paintFurniture, paintGrid, paintGround, paintHatching } from './paintGround';
-import { paintHands } from './paintHands';
+import { paintAuthority } from './paintAuthority';
 import { paintLabels } from './paintLabels';
 import type { OnCanvas } from './paintLabels';
 import { paintLadder } from './paintLadder';
@@ -144,7 +144,7 @@ export class Painter {
     this.#paintUnder(ctx, palette, scene);
     paintVehicles(ctx, view, palette, scene);
     if (map.layers.tracks) paintTracks(ctx, view, palette, this.tracksSeen(), (track) => t('Track {track}', { track }));
-    paintHands(ctx, view, palette, session.fleet, this.held(), this.#onCanvas);
+    paintAuthority(ctx, view, palette, session.fleet, this.held(), this.#onCanvas);
     if (map.layers.labels) paintLabels(ctx, view, palette, scene, this.#onCanvas);
     this.#paintMarks(ctx, palette);
     paintFurniture(ctx, view, palette);
@@ -245,7 +245,7 @@ export class Painter {
     return this.#fences.get();
   }
 
-  /** Which vehicles are in another operator's hands. */
+  /** Which vehicles are under another operator's control. */
   held(): Held {
     return this.#held.get();
   }

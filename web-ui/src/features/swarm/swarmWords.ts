@@ -8,7 +8,7 @@ import type { Text } from '../../language/language.svelte';
 const GONE_S = 3;
 
 export function isLed(swarm: SwarmSnapshot): boolean {
-  return swarm.allegiance === 'led';
+  return swarm.leader_state === 'led';
 }
 
 /** Name of a node, as far as it is known. */
@@ -18,12 +18,12 @@ export function nodeName(swarm: SwarmSnapshot, node: number): string {
 }
 
 /** Whom this node obeys. */
-export function allegianceText(swarm: SwarmSnapshot): string {
+export function leaderStateText(swarm: SwarmSnapshot): string {
   const { term } = swarm;
   if (!term) return t('no coordinator yet');
   if (swarm.acting) return t('coordinates, term {term}', { term: term.number });
   const who = nodeName(swarm, term.coordinator);
-  if (swarm.allegiance === 'led') return t('obeys {who}, term {term}', { who, term: term.number });
+  if (swarm.leader_state === 'led') return t('obeys {who}, term {term}', { who, term: term.number });
   return t('{who} is silent for {seconds} s', { who, seconds: (swarm.silent_s ?? 0).toFixed(1) });
 }
 

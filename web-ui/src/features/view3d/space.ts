@@ -11,7 +11,7 @@ import { Pace } from '../map/pace';
 import { brackets, cross, eachPlaced, leaderRing, stopSign } from '../map/paintFleet';
 import type { FleetScene } from '../map/paintFleet';
 import { FONT, paintHatching } from '../map/paintGround';
-import { paintHands } from '../map/paintHands';
+import { paintAuthority } from '../map/paintAuthority';
 import { paintLabels } from '../map/paintLabels';
 import { levelColour, readPalette } from '../map/palette';
 import type { Palette } from '../map/palette';
@@ -143,7 +143,7 @@ export class Space {
     if (session.everLive && !session.canCommand) this.#hatch(ctx);
     if (map.layers.fences) this.#zoneNames(ctx);
     eachPlaced(scene.fleet, (i) => this.#sign(ctx, scene, i));
-    paintHands(ctx, this.orbit, this.#palette, scene.fleet, this.#held.get(), this.place);
+    paintAuthority(ctx, this.orbit, this.#palette, scene.fleet, this.#held.get(), this.place);
     if (map.layers.labels) paintLabels(ctx, this.orbit, this.#palette, scene, this.place);
     this.#furniture(ctx);
     this.frames++;

@@ -20,7 +20,7 @@ export const codes: Readonly<Record<string, string>> = {
   running: 'läuft', restarting: 'startet neu', 'given up': 'aufgegeben', stopped: 'angehalten', starting: 'startet', failed: 'ausgefallen',
   // kinds of events
   adopted: 'übernommen', 'not adopted': 'nicht übernommen', 'link lost': 'Verbindung verloren', 'link regained': 'Verbindung wieder da',
-  'autopilot rebooted': 'Autopilot neu gestartet', 'flight state': 'Flugzustand', command: 'Befehl', steer: 'steuern', ladder: 'Sicherheitsstufe',
+  'autopilot rebooted': 'Autopilot neu gestartet', 'flight state': 'Flugzustand', command: 'Befehl', steer: 'steuern', failsafe: 'Failsafe',
   avoidance: 'Ausweichen', fences: 'Zäune', preflight: 'Vorflug', 'emergency stop': 'Nothalt', formation: 'Formation', trajectory: 'Bahn',
   supervision: 'Aufsicht', stream: 'Datenstrom', 'status text': 'Meldung des Autopiloten', connection: 'Verbindung', swarm: 'Verbund', control: 'Zuständigkeit', parameter: 'Parameter',
   // shapes and how they are kept

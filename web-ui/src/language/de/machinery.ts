@@ -35,7 +35,7 @@ export const machinery = {
   'obeys nobody yet': 'folgt noch niemandem', ', term {term}': ', Amtszeit {term}', 'has another swarm frame: it takes no orders from here': 'hat ein anderes Schwarmkoordinatensystem: er nimmt von hier nichts an', 'its clock has jumped': 'seine Uhr ist gesprungen', 'clock ±': 'Uhr ±', receives: 'empfängt', 'Let it coordinate': 'Ihn koordinieren lassen',
   'no role': 'keine Rolle', 'flies vehicles': 'fliegt Fahrzeuge', 'can coordinate': 'kann koordinieren', gateway: 'Brücke', observer: 'Beobachter',
   // what a payload says, and what is typed for it
-  'node {node} does not take the office: {why}': 'Knoten {node} übernimmt das Amt nicht: {why}', Device: 'Gerät', Fault: 'Störung', Pitch: 'Neigung', 'Yaw, vehicle': 'Gieren, Fahrzeug', 'Yaw, north': 'Gieren, Nord', 'Steered by': 'Gesteuert von',
+  'node {node} does not take the leadership: {why}': 'Knoten {node} übernimmt die Führung nicht: {why}', Device: 'Gerät', Fault: 'Störung', Pitch: 'Neigung', 'Yaw, vehicle': 'Gieren, Fahrzeug', 'Yaw, north': 'Gieren, Nord', 'Steered by': 'Gesteuert von',
   Mode: 'Modus', Pictures: 'Bilder', ', taking': ', nimmt auf', Recording: 'Aufnahme', Zoom: 'Zoom', 'Storage free': 'Speicher frei', Signal: 'Signal', 'Signal/noise': 'Signal/Rauschen', Range: 'Reichweite', Distance: 'Entfernung',
   yes: 'ja', 'Send {what}': '{what} senden', 'is needed': 'wird gebraucht', 'is a whole number': 'ist eine ganze Zahl', 'is {limit} at least': 'ist mindestens {limit}', 'is {limit} at most': 'ist höchstens {limit}', 'is no JSON': 'ist kein JSON',
 } as const;

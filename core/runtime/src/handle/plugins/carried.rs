@@ -39,8 +39,8 @@ impl NodeHandle {
         payload: &str,
         command: &serde_json::Value,
     ) -> Result<CommandReceipt, Refusal> {
-        let cell = self.shared.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
-        let actor = self.payload(&cell, payload)?.actor.load_full();
+        let record = self.shared.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+        let actor = self.payload(&record, payload)?.actor.load_full();
         let actor = actor.ok_or_else(|| not_running(vehicle, Some(payload)))?;
         let command_json = command.to_string();
         let message = |reply| PayloadMessage::Command {
@@ -95,8 +95,8 @@ impl NodeHandle {
     /// # Errors
     /// When there is no such vehicle or payload.
     pub fn payload_frame(&self, vehicle: VehicleId, payload: &str) -> Result<Option<Arc<Frame>>, Refusal> {
-        let cell = self.shared.cell(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
-        Ok(self.payload(&cell, payload)?.frame.load_full())
+        let record = self.shared.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+        Ok(self.payload(&record, payload)?.frame.load_full())
     }
 
     /// Replaces what is tracked. Models and payloads are told with their next batch.

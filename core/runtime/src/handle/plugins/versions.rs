@@ -27,23 +27,23 @@ pub(super) enum Holder {
 impl Holder {
     pub(super) fn name(&self) -> String {
         match self {
-            Self::Model(cell) => cell.model.health.lock().name.clone(),
-            Self::Payload(cell) => cell.life.health.lock().name.clone(),
+            Self::Model(record) => record.model.health.lock().name.clone(),
+            Self::Payload(record) => record.life.health.lock().name.clone(),
         }
     }
 
     async fn exchange(&self, plugin: Arc<Plugin>) -> Result<Restored, String> {
         let gone = || "its actor is not running".to_owned();
         let answer = match self {
-            Self::Model(cell) => {
-                let actor = cell.actor.load_full().ok_or_else(gone)?;
+            Self::Model(record) => {
+                let actor = record.actor.load_full().ok_or_else(gone)?;
                 actor
                     .call(|reply| VehicleMessage::Exchange(plugin, reply), Some(ANSWER_WITHIN))
                     .await
                     .map_err(|e| e.to_string())?
             }
-            Self::Payload(cell) => {
-                let actor = cell.actor.load_full().ok_or_else(gone)?;
+            Self::Payload(record) => {
+                let actor = record.actor.load_full().ok_or_else(gone)?;
                 actor
                     .call(|reply| PayloadMessage::Exchange(plugin, reply), Some(ANSWER_WITHIN))
                     .await
@@ -62,14 +62,14 @@ impl NodeHandle {
     /// All instances of a plugin.
     pub(super) fn holders(&self, plugin: &str) -> Vec<Holder> {
         let mut holders = Vec::new();
-        for cell in self.shared.cells() {
-            for payload in cell.payloads() {
+        for record in self.shared.records() {
+            for payload in record.payloads() {
                 if payload.life.plugin.load().manifest().name == plugin {
                     holders.push(Holder::Payload(payload));
                 }
             }
-            if cell.model.plugin.load().manifest().name == plugin {
-                holders.push(Holder::Model(cell));
+            if record.model.plugin.load().manifest().name == plugin {
+                holders.push(Holder::Model(record));
             }
         }
         holders

@@ -2,7 +2,7 @@
 
 use super::super::channel::{Channel, LinkKind, Outbox, Stream};
 use super::super::telemetry::{e7, mm};
-use super::super::{Vehicle, telemetry};
+use super::super::{SimVehicle, telemetry};
 use crate::payloads::CAMERA_COMPONENT;
 use crate::payloads::camera::{Camera, Outcome, Picture, SENSOR_WIDTH_MM, ZoomAsk};
 use crate::wire::CommandRequest;
@@ -49,7 +49,7 @@ impl From<Outcome> for MavResult {
     }
 }
 
-impl Vehicle {
+impl SimVehicle {
     /// Carries out a command to the camera.
     pub(super) fn run_camera_command(&mut self, link: LinkKind, c: &CommandRequest, out: &mut Outbox) -> MavResult {
         let (now_s, [a, b, third, fourth]) = (self.time_s, c.param.map(f64::from));

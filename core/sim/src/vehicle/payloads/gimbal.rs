@@ -1,6 +1,6 @@
 //! The gimbal's messages and commands: those of its manager, which is the autopilot, and those of the device.
 
-use super::super::Vehicle;
+use super::super::SimVehicle;
 use super::super::channel::{AUTOPILOT_COMPONENT, Channel, Outbox};
 use super::super::telemetry::wire_quaternion;
 use crate::payloads::manager::{Asked, Party};
@@ -31,7 +31,7 @@ const AT_YAW_LIMIT: u32 = 4;
 /// So near to an end stop counts as at it, in radians.
 const AT_LIMIT_RAD: f64 = 1e-3;
 
-impl Vehicle {
+impl SimVehicle {
     /// A message that steers the gimbal came to its manager. Nothing is answered: whoever is not in control is ignored.
     pub(in crate::vehicle) fn take_gimbal_message(&mut self, sender: Sender, message: &MavMessage) {
         let carrier = self.carrier();

@@ -2,7 +2,7 @@
 
 use super::rig::{Rig, command_frame, frame, position, quiet};
 use crate::settings::SimSettings;
-use crate::vehicle::{LinkKind, Outbox, Vehicle};
+use crate::vehicle::{LinkKind, Outbox, SimVehicle};
 use mavlink::dialects::common::*;
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -12,7 +12,7 @@ proptest! {
 
     #[test]
     fn any_bytes_are_survived(datagrams in prop::collection::vec(prop::collection::vec(any::<u8>(), 0..300), 1..40)) {
-        let mut vehicle = Vehicle::new(super::rig::identity(), &quiet());
+        let mut vehicle = SimVehicle::new(super::rig::identity(), &quiet());
         let mut out = Outbox::default();
         for datagram in &datagrams {
             vehicle.receive(LinkKind::Onboard, datagram, &mut out);

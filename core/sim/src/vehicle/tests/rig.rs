@@ -2,7 +2,7 @@
 
 use crate::settings::{NoiseSettings, SimSettings, WindSettings};
 use crate::truth::VehicleTruth;
-use crate::vehicle::{LinkKind, Outbox, Vehicle, VehicleIdentity};
+use crate::vehicle::{LinkKind, Outbox, SimVehicle, VehicleIdentity};
 use mavlink::dialects::common::*;
 use mavlink::{MAVLinkV2MessageRaw, MavHeader, MavlinkVersion, Message, MessageData};
 use nalgebra::Vector3;
@@ -12,7 +12,7 @@ pub const STEP_S: f64 = 0.004;
 
 /// A vehicle, the time, and all it has sent.
 pub struct Rig {
-    pub vehicle: Vehicle,
+    pub vehicle: SimVehicle,
     pub time_s: f64,
     pub received: Vec<(f64, LinkKind, MavMessage)>,
     /// Acknowledgements of commands that the dialect does not know.
@@ -58,7 +58,7 @@ impl Rig {
     pub fn of(airframe: crate::Airframe, settings: &SimSettings) -> Self {
         let identity = VehicleIdentity { airframe, ..identity() };
         Self {
-            vehicle: Vehicle::new(identity, settings),
+            vehicle: SimVehicle::new(identity, settings),
             time_s: 0.0,
             received: Vec::new(),
             nameless_answers: 0,

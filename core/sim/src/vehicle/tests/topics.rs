@@ -2,9 +2,11 @@
 
 use super::rig::{STEP_S, identity, quiet};
 use crate::settings::SimSettings;
-use crate::topics::{Answer, Asked, AskedCommand, AskedMode, AskedSetpoint, LocalReport, Published, StatusReport};
+use crate::topics::{
+    Asked, AskedCommand, AskedMode, AskedSetpoint, CommandAnswer, LocalReport, Published, StatusReport,
+};
 use crate::truth::{ModeCause, VehicleTruth};
-use crate::vehicle::{Outbox, Vehicle};
+use crate::vehicle::{Outbox, SimVehicle};
 use crate::{Face, Faces, Fault};
 use nalgebra::Vector3;
 use skein_domain::FlightMode;
@@ -21,7 +23,7 @@ struct Stream {
 }
 
 struct Bench {
-    vehicle: Vehicle,
+    vehicle: SimVehicle,
     out: Outbox,
     time_s: f64,
     heard: Vec<(f64, Published)>,
@@ -55,7 +57,7 @@ fn alive() -> AskedMode {
 impl Bench {
     fn of(faces: Faces) -> Self {
         let mut bench = Self {
-            vehicle: Vehicle::new(identity(), &settings(faces)),
+            vehicle: SimVehicle::new(identity(), &settings(faces)),
             out: Outbox::default(),
             time_s: 0.0,
             heard: Vec::new(),
@@ -118,7 +120,12 @@ impl Bench {
         self.command_to((1, 1), command, param).map(|answer| answer.result)
     }
 
-    fn command_to(&mut self, (to_system, to_component): (u8, u8), command: u32, param: [f32; 4]) -> Option<Answer> {
+    fn command_to(
+        &mut self,
+        (to_system, to_component): (u8, u8),
+        command: u32,
+        param: [f32; 4],
+    ) -> Option<CommandAnswer> {
         let before = self.heard.len();
         self.ask(Asked::Command(AskedCommand {
             command,
@@ -134,7 +141,7 @@ impl Bench {
             .iter()
             .skip(before)
             .find_map(|(_, published)| match published {
-                Published::Answer(answer) if answer.command == command => Some(*answer),
+                Published::CommandAnswer(answer) if answer.command == command => Some(*answer),
                 _ => None,
             })
     }
@@ -368,7 +375,7 @@ fn how_it_is_reached_makes_no_other_flight() {
                 faces,
                 ..SimSettings::default()
             };
-            let (mut vehicle, mut out) = (Vehicle::new(identity(), &settings), Outbox::default());
+            let (mut vehicle, mut out) = (SimVehicle::new(identity(), &settings), Outbox::default());
             for _ in 0..2500 {
                 vehicle.step(STEP_S, &Vector3::new(1.0, 0.5, 0.0), &mut out);
                 out.clear();

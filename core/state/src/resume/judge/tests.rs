@@ -3,8 +3,8 @@
 use super::*;
 use proptest::prelude::*;
 
-fn seen(mode: FlightMode, failsafe: bool) -> Seen {
-    Seen {
+fn seen(mode: FlightMode, failsafe: bool) -> SeenVehicle {
+    SeenVehicle {
         is_heard: true,
         is_placed: true,
         airborne: true,
@@ -14,7 +14,7 @@ fn seen(mode: FlightMode, failsafe: bool) -> Seen {
 }
 
 /// What becomes of a vehicle that shows these modes from these times on, looked at 50 times a second for ten seconds.
-fn flown(shown: &[(f64, Seen)]) -> (Taking, f64) {
+fn flown(shown: &[(f64, SeenVehicle)]) -> (Taking, f64) {
     let mut taking = Taking::Awaited;
     for period in 0..500_u32 {
         let now_s = f64::from(period) / 50.0;
@@ -77,18 +77,18 @@ fn who_was_chosen_a_mode_for_is_left_before_and_while_it_is_held() {
 
 #[test]
 fn who_stands_is_left_and_of_whom_nothing_is_known_nothing_follows() {
-    let landed = Seen {
+    let landed = SeenVehicle {
         airborne: false,
         ..seen(FlightMode::Offboard, false)
     };
     assert_eq!(flown(&[(0.0, landed)]).0, Taking::Left(Why::OnGround));
-    let lost = Seen {
+    let lost = SeenVehicle {
         is_heard: false,
         ..seen(FlightMode::Position, false)
     };
     assert_eq!(flown(&[(0.0, lost)]).0, Taking::Awaited);
     assert_eq!(flown(&[(0.0, seen(FlightMode::Unknown, false))]).0, Taking::Awaited);
-    let nowhere = Seen {
+    let nowhere = SeenVehicle {
         is_placed: false,
         ..seen(FlightMode::Offboard, false)
     };
@@ -97,12 +97,12 @@ fn who_stands_is_left_and_of_whom_nothing_is_known_nothing_follows() {
     assert_eq!(flown(&later), (Taking::Taken, 5.0));
 }
 
-fn any_seen() -> impl Strategy<Value = Seen> {
+fn any_seen() -> impl Strategy<Value = SeenVehicle> {
     let mode = proptest::sample::select(FlightMode::ALL);
     let often = prop_oneof![Just(FlightMode::Offboard), Just(FlightMode::Return), mode];
     let likely = || prop::bool::weighted(0.9);
     (likely(), likely(), likely(), often, any::<bool>()).prop_map(|(is_heard, is_placed, airborne, mode, failsafe)| {
-        Seen {
+        SeenVehicle {
             is_heard,
             is_placed,
             airborne,
