@@ -4,7 +4,6 @@
 //! * [`Faces`]: a vehicle is reached over MAVLink, by its autopilot's [`topics`], or both. Who carries topics is given to the simulation.
 //! * [`vehicle::SimVehicle`]: one vehicle without sockets or clock: bytes in, time steps in, frames out. Runs faster than real time.
 //! * [`PayloadPlan`]: what each vehicle carries: a gimbal, a camera, a telemetry radio, each spoken to over the vehicle's own links.
-//! * [`scene`]: what a camera would see from anywhere, and where in the picture a place lies.
 //! * [`Fault`]: what can go wrong with a vehicle while it flies. [`Mover`]: others that tell of themselves, or are told of.
 //! * [`Airframe`]: kinds of vehicles, so that swarms can be mixed.
 //! * [`TruthFrame`]: where every vehicle really is, and what its autopilot really did; for referees only, never for the swarm.
@@ -27,8 +26,6 @@ pub mod faces;
 pub mod faults;
 pub mod movers;
 mod parameter_value;
-pub mod payloads;
-pub mod scene;
 pub mod settings;
 pub mod simulation;
 pub mod stalls;
@@ -36,7 +33,6 @@ pub mod topics;
 pub mod truth;
 pub mod truth_lines;
 pub mod vehicle;
-mod wander;
 mod wind;
 mod wire;
 
@@ -44,9 +40,9 @@ pub use airframe::Airframe;
 pub use faces::{Face, Faces};
 pub use faults::{Fault, Receiver};
 pub use movers::{Mover, Report};
-pub use payloads::{CameraSettings, GimbalOutput, GimbalSettings, PayloadPlan, RadioSettings};
 pub use settings::{
     BatterySettings, Impairment, NoiseSettings, PortPlan, Px4Ports, SimSettings, VehicleStart, WindSettings,
 };
 pub use simulation::{SimError, Simulation, VehiclePorts};
+pub use skein_sim_payloads::{CameraSettings, GimbalOutput, GimbalSettings, PayloadPlan, RadioSettings};
 pub use truth::{CameraTruth, GimbalTruth, ModeCause, ModeChange, MoverTruth, RadioTruth, TruthFrame, VehicleTruth};

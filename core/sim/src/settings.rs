@@ -4,11 +4,11 @@ use crate::airframe::Airframe;
 use crate::faces::Faces;
 use crate::movers::Mover;
 use crate::parameter_value::ParameterValue;
-use crate::payloads::PayloadPlan;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use skein_domain::{Geodetic, PositionNed};
+use skein_sim_payloads::PayloadPlan;
 use std::net::SocketAddr;
 
 /// A simulation as it is started. The default is six vehicles, 5 m apart, on the ports of PX4's own simulation.

@@ -33,7 +33,6 @@ pub use channel::{LinkKind, Outbox};
 use crate::airframe::Airframe;
 use crate::faces::Face;
 use crate::settings::SimSettings;
-use crate::wander::Wander;
 use crate::wire::{CommandRequest, Sender};
 use battery::{Battery, BatteryLevel};
 use body::{Body, Drive, GRAVITY_M_S2};
@@ -54,6 +53,7 @@ use position_control::{PositionControl, Target};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use skein_domain::{FlightMode, Geodetic, LandedState, LocalFrame, PositionNed, SwarmFrame};
+use skein_sim_payloads::wander::Wander;
 use std::collections::VecDeque;
 use topics::Topics;
 

@@ -1,9 +1,9 @@
 //! The wind: steady, with gusts that all vehicles of a simulation share for the most part. Seeded; no clock.
 
 use crate::settings::WindSettings;
-use crate::wander::Wander;
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
+use skein_sim_payloads::wander::Wander;
 
 /// The wind that all vehicles share.
 #[derive(Debug, Clone)]

@@ -1,4 +1,4 @@
-//! The shared state: what the actors of a node share by reading instead of asking. Immutable snapshots of peers and intent, one cell
+//! The shared state: what the actors of a node share by reading instead of asking. Immutable snapshots of peers and intent, one record
 //! per vehicle that outlives its actor, the gate, the event log.
 //!
 //! Must never do: wait, or hold a lock across an await.
@@ -316,13 +316,13 @@ impl SharedState {
         ids.into_iter().collect()
     }
 
-    /// The vehicle's cell.
+    /// The record of the vehicle.
     #[must_use]
     pub fn record(&self, id: VehicleId) -> Option<Arc<VehicleRecord>> {
         self.records.read().get(&id).cloned()
     }
 
-    /// All cells by ascending id.
+    /// All records by ascending id.
     #[must_use]
     pub fn records(&self) -> Vec<Arc<VehicleRecord>> {
         self.records.read().values().cloned().collect()

@@ -3,7 +3,7 @@
 use crate::settings::Settings;
 use skein_domain::exchange::{OwnState, PayloadReport, PeerState};
 use skein_domain::payload::{CameraPose, GimbalState, PayloadKind};
-use skein_sim::scene::{Scene, SceneTarget, TargetKind};
+use skein_sim_payloads::scene::{Scene, SceneTarget, TargetKind};
 
 /// What the camera looks at.
 #[derive(Debug)]

@@ -1,10 +1,10 @@
 //! The simulation over real sockets on the loopback interface.
 
 use super::*;
-use crate::payloads::{PayloadPlan, RadioSettings};
 use crate::settings::{PortPlan, Px4Ports};
 use mavlink::dialects::common::MavMessage;
 use skein_domain::PositionNed;
+use skein_sim_payloads::{PayloadPlan, RadioSettings};
 use std::net::UdpSocket;
 use std::time::{Duration, Instant};
 

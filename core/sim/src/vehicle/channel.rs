@@ -1,10 +1,10 @@
 //! One link of a vehicle as PX4 keeps it: which messages go out how often, sequence numbers, and whether a ground station
 //! listens.
 
-use crate::payloads::{RADIO_COMPONENT, RADIO_SYSTEM};
 use crate::topics::Published;
 use crate::wire::{self, Sender};
 use mavlink::{MavHeader, MessageData};
+use skein_sim_payloads::{RADIO_COMPONENT, RADIO_SYSTEM};
 
 /// The two links of a vehicle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -4,9 +4,9 @@
 use super::body::Body;
 use super::gnss::Satellites;
 use crate::settings::NoiseSettings;
-use crate::wander::Wander;
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
+use skein_sim_payloads::wander::Wander;
 
 /// State as the vehicle's own controller sees it, in its own frame.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,9 +5,9 @@
 //! refused measurements, and a gate of five standard deviations of about 0.6 m. The drift is that of a low-cost inertial sensor.
 
 use crate::faults::Receiver;
-use crate::wander::normal;
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
+use skein_sim_payloads::wander::normal;
 
 /// Without any aid the horizontal position counts as valid for so long, in seconds.
 const NO_AID_S: f64 = 5.0;

@@ -1,5 +1,5 @@
 //! What the vehicle carries, on its links: which component answers what, and when each speaks. How the payloads behave is in
-//! [`crate::payloads`].
+//! [`skein_sim_payloads`].
 //!
 //! Must never do: answer for a component that is not there.
 
@@ -11,10 +11,6 @@ pub(super) use gimbal::{GIMBAL_CONFIGURE, GIMBAL_PITCHYAW};
 use super::SimVehicle;
 use super::channel::{AUTOPILOT_COMPONENT, Channel, LinkKind, Outbox, Stream};
 use super::commands::{REQUEST_MESSAGE, SET_MESSAGE_INTERVAL};
-use crate::payloads::camera::Camera;
-use crate::payloads::manager::{Carrier, Gimbal};
-use crate::payloads::radio::{Radio, sik_raw};
-use crate::payloads::{CAMERA_COMPONENT, GIMBAL_COMPONENT, GimbalOutput, GimbalSettings, PayloadPlan, RADIO_COMPONENT};
 use crate::truth::{CameraTruth, GimbalTruth, RadioTruth};
 use crate::wire::{CommandRequest, Sender};
 use mavlink::dialects::common::{
@@ -23,6 +19,12 @@ use mavlink::dialects::common::{
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use skein_domain::{Geodetic, PositionNed};
+use skein_sim_payloads::camera::Camera;
+use skein_sim_payloads::manager::{Carrier, Gimbal};
+use skein_sim_payloads::radio::{Radio, sik_raw};
+use skein_sim_payloads::{
+    CAMERA_COMPONENT, GIMBAL_COMPONENT, GimbalOutput, GimbalSettings, PayloadPlan, RADIO_COMPONENT,
+};
 
 const HEARTBEAT: u32 = 0;
 /// A signal does not change faster than is worth computing this often, in seconds.

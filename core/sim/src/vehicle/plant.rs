@@ -10,12 +10,12 @@ use super::parameters::Parameters;
 use super::position_control::{ControlLimits, PositionControl, Target};
 use crate::airframe::Airframe;
 use crate::settings::{NoiseSettings, WindSettings};
-use crate::wander::Wander;
 use crate::wind::Wind;
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use skein_domain::Setpoint;
+use skein_sim_payloads::wander::Wander;
 
 /// Turns in OFFBOARD are no faster than this, in radians per second.
 const YAW_RATE_MAX_RAD_S: f64 = 3.49;

@@ -5,7 +5,7 @@ use crate::workspace::{Package, Workspace};
 
 /// The crates of `core` from the binary to the words; each may depend on what stands below it.
 /// Names of crates that are not built yet keep their place.
-const ORDER: [&str; 29] = [
+const ORDER: [&str; 30] = [
     "skein",
     "skein-demo",
     "skein-node",
@@ -29,6 +29,7 @@ const ORDER: [&str; 29] = [
     "skein-plugin-sdk",
     "skein-plugin-abi",
     "skein-sim",
+    "skein-sim-payloads",
     "skein-config",
     "skein-realtime",
     "skein-failover",

@@ -10,7 +10,8 @@ use skein_domain::payload::{GimbalState, PayloadKind};
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{NodeTime, PositionNed, Refusal, VehicleId};
 use skein_plugin_sdk::Effects;
-use skein_sim::{PayloadPlan, scene};
+use skein_sim::PayloadPlan;
+use skein_sim_payloads::scene;
 
 fn at(seconds: f64) -> NodeTime {
     NodeTime::from_seconds(seconds)

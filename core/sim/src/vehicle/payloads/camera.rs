@@ -3,12 +3,12 @@
 use super::super::channel::{Channel, LinkKind, Outbox, Stream};
 use super::super::telemetry::{e7, mm};
 use super::super::{SimVehicle, telemetry};
-use crate::payloads::CAMERA_COMPONENT;
-use crate::payloads::camera::{Camera, Outcome, Picture, SENSOR_WIDTH_MM, ZoomAsk};
 use crate::wire::CommandRequest;
 use mavlink::dialects::common::*;
 use mavlink::types::CharArray;
 use nalgebra::{UnitQuaternion, Vector3};
+use skein_sim_payloads::CAMERA_COMPONENT;
+use skein_sim_payloads::camera::{Camera, Outcome, Picture, SENSOR_WIDTH_MM, ZoomAsk};
 
 const STREAM_RATE_HZ: f32 = 30.0;
 const STREAM_BIT_S: u32 = 4_000_000;
@@ -156,7 +156,7 @@ impl SimVehicle {
                 .payloads
                 .gimbal
                 .as_ref()
-                .map_or(0, |_| crate::payloads::GIMBAL_COMPONENT),
+                .map_or(0, |_| skein_sim_payloads::GIMBAL_COMPONENT),
             ..CAMERA_INFORMATION_DATA::default()
         }
     }

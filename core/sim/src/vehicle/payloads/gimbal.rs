@@ -3,13 +3,13 @@
 use super::super::SimVehicle;
 use super::super::channel::{AUTOPILOT_COMPONENT, Channel, Outbox};
 use super::super::telemetry::wire_quaternion;
-use crate::payloads::manager::{Asked, Party};
-use crate::payloads::{GIMBAL_COMPONENT, GimbalOutput, GimbalSettings};
 use crate::wire::{CommandRequest, Sender};
 use mavlink::dialects::common::*;
 use mavlink::types::CharArray;
 use nalgebra::UnitQuaternion;
 use skein_domain::Geodetic;
+use skein_sim_payloads::manager::{Asked, Party};
+use skein_sim_payloads::{GIMBAL_COMPONENT, GimbalOutput, GimbalSettings};
 use std::f64::consts::FRAC_PI_6;
 
 const DO_SET_ROI_LOCATION: u16 = 195;

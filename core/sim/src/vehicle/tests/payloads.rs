@@ -1,7 +1,6 @@
 //! Payloads over MAVLink: who answers what, and that the messages say what is really the case.
 
 use super::rig::{Rig, command_frame, quiet};
-use crate::payloads::{CameraSettings, GimbalOutput, GimbalSettings, PayloadPlan, RadioSettings};
 use crate::settings::SimSettings;
 use crate::truth::VehicleTruth;
 use crate::vehicle::LinkKind;
@@ -9,6 +8,7 @@ use mavlink::Message;
 use mavlink::dialects::common::*;
 use nalgebra::{Quaternion, UnitQuaternion};
 use skein_domain::PositionNed;
+use skein_sim_payloads::{CameraSettings, GimbalOutput, GimbalSettings, PayloadPlan, RadioSettings};
 use std::collections::BTreeMap;
 
 const OK: Option<MavResult> = Some(MavResult::MAV_RESULT_ACCEPTED);

@@ -7,13 +7,13 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 /// One draw from the normal distribution.
-pub(crate) fn normal(rng: &mut ChaCha8Rng) -> f64 {
+pub fn normal(rng: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(rng)
 }
 
 /// A quantity that wanders about zero: Ornstein-Uhlenbeck along three axes.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Wander {
+pub struct Wander {
     sigma: Vector3<f64>,
     time_s: f64,
     value: Vector3<f64>,
@@ -21,7 +21,7 @@ pub(crate) struct Wander {
 
 impl Wander {
     /// Starts anywhere within its spread.
-    pub(crate) fn new(sigma: Vector3<f64>, time_s: f64, rng: &mut ChaCha8Rng) -> Self {
+    pub fn new(sigma: Vector3<f64>, time_s: f64, rng: &mut ChaCha8Rng) -> Self {
         let value = sigma.map(|s| s * normal(rng));
         Self {
             sigma,
@@ -31,13 +31,13 @@ impl Wander {
     }
 
     /// Another spread and pace from now on; the value goes on and changes over.
-    pub(crate) fn change(&mut self, sigma: Vector3<f64>, time_s: f64) {
+    pub fn change(&mut self, sigma: Vector3<f64>, time_s: f64) {
         self.sigma = sigma;
         self.time_s = time_s.max(1e-3);
     }
 
     /// Lets `dt_s` pass.
-    pub(crate) fn step(&mut self, dt_s: f64, rng: &mut ChaCha8Rng) -> Vector3<f64> {
+    pub fn step(&mut self, dt_s: f64, rng: &mut ChaCha8Rng) -> Vector3<f64> {
         let keep = (-dt_s / self.time_s).exp();
         let draw = (1.0 - keep * keep).sqrt();
         for axis in 0..3 {
@@ -47,7 +47,7 @@ impl Wander {
     }
 
     /// The present value.
-    pub(crate) fn value(&self) -> Vector3<f64> {
+    pub fn value(&self) -> Vector3<f64> {
         self.value
     }
 }

@@ -77,13 +77,13 @@ impl RadioSettings {
 }
 
 /// How a SiK radio reports a strength: 1.9 per decibel, zero at -127 dBm; 255 would mean "not known".
-pub(crate) fn sik_raw(dbm: f64) -> u8 {
+pub fn sik_raw(dbm: f64) -> u8 {
     ((dbm + 127.0) * 1.9).round().clamp(0.0, 254.0) as u8
 }
 
 /// A radio at work.
 #[derive(Debug, Clone)]
-pub(crate) struct Radio {
+pub struct Radio {
     /// How it is built.
     pub settings: RadioSettings,
     shadowing: Wander,
@@ -98,7 +98,7 @@ pub(crate) struct Radio {
 
 impl Radio {
     /// Where the vehicle starts.
-    pub(crate) fn new(settings: RadioSettings, at: &PositionNed, rng: &mut ChaCha8Rng) -> Self {
+    pub fn new(settings: RadioSettings, at: &PositionNed, rng: &mut ChaCha8Rng) -> Self {
         // What is in the way is in the way of both directions; the antennas differ a little.
         let sigma = Vector3::new(settings.shadowing_db, 0.4 * settings.shadowing_db, 0.0);
         let mut radio = Self {
@@ -115,7 +115,7 @@ impl Radio {
     }
 
     /// Lets `dt_s` pass, the vehicle being at `at`.
-    pub(crate) fn step(&mut self, at: &PositionNed, dt_s: f64, rng: &mut ChaCha8Rng) {
+    pub fn step(&mut self, at: &PositionNed, dt_s: f64, rng: &mut ChaCha8Rng) {
         let shadow = self.shadowing.step(dt_s, rng);
         self.hear(at, &shadow);
         self.errors += self.loss * self.settings.packets_hz * dt_s;
@@ -129,7 +129,7 @@ impl Radio {
     }
 
     /// Packets lost since the start; wraps as the counter on the wire does.
-    pub(crate) fn errors(&self) -> u16 {
+    pub fn errors(&self) -> u16 {
         (self.errors as u64 & 0xFFFF) as u16
     }
 }

@@ -50,7 +50,7 @@ impl Default for GimbalSettings {
 
 /// What one axis is to do.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum AxisGoal {
+pub enum AxisGoal {
     /// Turn to this angle in radians and stay there.
     Angle(f64),
     /// Turn at this rate in radians per second.
@@ -59,7 +59,7 @@ pub(crate) enum AxisGoal {
 
 impl AxisGoal {
     /// The same angle, or so large a share of the rate.
-    pub(crate) fn slowed(self, share: f64) -> Self {
+    pub fn slowed(self, share: f64) -> Self {
         match self {
             Self::Angle(_) => self,
             Self::Rate(rate_rad_s) => Self::Rate(rate_rad_s * share),
@@ -69,7 +69,7 @@ impl AxisGoal {
 
 /// What one axis cannot exceed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct AxisLimits {
+pub struct AxisLimits {
     /// End stops in radians.
     pub min_rad: f64,
     /// See `min_rad`.
@@ -82,7 +82,7 @@ pub(crate) struct AxisLimits {
 
 /// One axis.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Axis {
+pub struct Axis {
     /// Radians.
     pub angle_rad: f64,
     /// Radians per second.
@@ -91,7 +91,7 @@ pub(crate) struct Axis {
 
 impl Axis {
     /// Lets `dt_s` pass. `drift_rad_s` is how fast the goal itself moves.
-    pub(crate) fn step(&mut self, goal: AxisGoal, drift_rad_s: f64, limits: &AxisLimits, dt_s: f64) {
+    pub fn step(&mut self, goal: AxisGoal, drift_rad_s: f64, limits: &AxisLimits, dt_s: f64) {
         let acceleration = limits.acceleration_rad_s2;
         let wanted = match goal {
             AxisGoal::Angle(angle_rad) => {
@@ -127,7 +127,7 @@ fn braking_rate(way_rad: f64, acceleration_rad_s2: f64, dt_s: f64) -> f64 {
 
 /// The head: pitch about the horizon, yaw from the vehicle's nose. Roll is level by itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Head {
+pub struct Head {
     /// How it is built.
     pub settings: GimbalSettings,
     /// Pitch about the horizon, upwards positive.
@@ -138,7 +138,7 @@ pub(crate) struct Head {
 
 impl Head {
     /// Level, looking ahead.
-    pub(crate) fn new(settings: GimbalSettings) -> Self {
+    pub fn new(settings: GimbalSettings) -> Self {
         Self {
             settings,
             pitch: Axis::default(),
@@ -147,14 +147,14 @@ impl Head {
     }
 
     /// Lets `dt_s` pass. `yaw_drift_rad_s` is how fast the yaw goal moves as seen from the vehicle.
-    pub(crate) fn step(&mut self, pitch: AxisGoal, yaw: AxisGoal, yaw_drift_rad_s: f64, dt_s: f64) {
+    pub fn step(&mut self, pitch: AxisGoal, yaw: AxisGoal, yaw_drift_rad_s: f64, dt_s: f64) {
         let (pitch_limits, yaw_limits) = self.limits();
         self.pitch.step(pitch, 0.0, &pitch_limits, dt_s);
         self.yaw.step(yaw, yaw_drift_rad_s, &yaw_limits, dt_s);
     }
 
     /// Limits of pitch and yaw.
-    pub(crate) fn limits(&self) -> (AxisLimits, AxisLimits) {
+    pub fn limits(&self) -> (AxisLimits, AxisLimits) {
         let of = |min_rad, max_rad| AxisLimits {
             min_rad,
             max_rad,

@@ -1,23 +1,32 @@
-//! What simulated vehicles carry: a gimbal, a camera on it, a telemetry radio. Here is how each behaves; what it says over MAVLink
-//! is the vehicle's.
+//! What simulated vehicles carry: a gimbal, a camera on it, a telemetry radio, and the scene that cameras see. Here is how each behaves; what
+//! it says over MAVLink is the vehicle's.
+//!
+//! * [`PayloadPlan`]: what each vehicle carries.
+//! * [`scene::Scene`]: what a camera sees from anywhere, and where in the picture a place lies.
+//! * [`wander::Wander`]: chance, from the generator that it is given.
 //!
 //! Must never do: know of messages, sockets or clocks; draw randomness from anywhere but what it is given.
+#![forbid(unsafe_code)]
 
-pub(crate) mod camera;
-pub(crate) mod gimbal;
-pub(crate) mod manager;
-pub(crate) mod radio;
+pub mod camera;
+pub mod gimbal;
+pub mod manager;
+pub mod radio;
+pub mod scene;
+pub mod wander;
 
 pub use camera::CameraSettings;
 pub use gimbal::{GimbalOutput, GimbalSettings};
 pub use radio::RadioSettings;
 
-/// Component id of a gimbal device, of a camera, and of a telemetry radio on a vehicle or beside it.
-pub(crate) const GIMBAL_COMPONENT: u8 = 154;
-pub(crate) const CAMERA_COMPONENT: u8 = 100;
-pub(crate) const RADIO_COMPONENT: u8 = 68;
+/// Component id of a gimbal device on a vehicle.
+pub const GIMBAL_COMPONENT: u8 = 154;
+/// Component id of a camera.
+pub const CAMERA_COMPONENT: u8 = 100;
+/// Component id of a telemetry radio.
+pub const RADIO_COMPONENT: u8 = 68;
 /// The system id every SiK radio uses, whatever vehicle it is on.
-pub(crate) const RADIO_SYSTEM: u8 = 51;
+pub const RADIO_SYSTEM: u8 = 51;
 
 /// What each vehicle carries. By default nothing, so that its traffic is that of a bare vehicle.
 #[derive(Debug, Clone, PartialEq, Default)]

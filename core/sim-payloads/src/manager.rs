@@ -12,21 +12,21 @@ use skein_domain::Geodetic;
 use skein_domain::frames::wrap_angle_rad;
 
 /// Flags of the manager that matter here; those of the device have the same values.
-pub(crate) mod flags {
+pub mod flags {
     /// Retracted: PX4 does not do it.
-    pub(crate) const RETRACT: u32 = 1;
+    pub const RETRACT: u32 = 1;
     /// Level and ahead.
-    pub(crate) const NEUTRAL: u32 = 2;
+    pub const NEUTRAL: u32 = 2;
     /// Roll and pitch count from the horizon: this head does nothing else.
-    pub(crate) const ROLL_LOCK: u32 = 4;
+    pub const ROLL_LOCK: u32 = 4;
     /// See `ROLL_LOCK`.
-    pub(crate) const PITCH_LOCK: u32 = 8;
+    pub const PITCH_LOCK: u32 = 8;
     /// Yaw stays where it is when the vehicle turns.
-    pub(crate) const YAW_LOCK: u32 = 16;
+    pub const YAW_LOCK: u32 = 16;
     /// The yaw given counts from the vehicle's nose.
-    pub(crate) const YAW_IN_VEHICLE_FRAME: u32 = 32;
+    pub const YAW_IN_VEHICLE_FRAME: u32 = 32;
     /// The yaw given counts from north.
-    pub(crate) const YAW_IN_EARTH_FRAME: u32 = 64;
+    pub const YAW_IN_EARTH_FRAME: u32 = 64;
 }
 
 /// Rates that nobody repeats end after this time, in seconds.
@@ -35,11 +35,11 @@ const RATES_LAST_S: f64 = 2.0;
 const SERVO_RATE_SHARE: f64 = 0.01 / (0.01 + 0.3);
 
 /// A system and one of its components.
-pub(crate) type Party = (u8, u8);
+pub type Party = (u8, u8);
 
 /// What is asked of a gimbal. What is not a number is left as it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Asked {
+pub struct Asked {
     /// Angles in radians.
     pub pitch_rad: f64,
     /// See `pitch_rad`.
@@ -54,7 +54,7 @@ pub(crate) struct Asked {
 
 impl Asked {
     /// From a quaternion (w, x, y, z) and an angular velocity.
-    pub(crate) fn from_attitude(q: [f32; 4], velocity_rad_s: [f32; 3], flags: u32) -> Self {
+    pub fn from_attitude(q: [f32; 4], velocity_rad_s: [f32; 3], flags: u32) -> Self {
         let [w, x, y, z] = q.map(f64::from);
         let [_, pitch_rad_s, yaw_rad_s] = velocity_rad_s.map(f64::from);
         let (pitch_rad, yaw_rad) =
@@ -90,7 +90,7 @@ enum Aim {
 
 /// How the vehicle that carries it turns.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Carrier {
+pub struct Carrier {
     /// Radians, clockwise from north.
     pub yaw_rad: f64,
     /// Radians per second.
@@ -99,7 +99,7 @@ pub(crate) struct Carrier {
 
 /// A gimbal and its manager.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Gimbal {
+pub struct Gimbal {
     /// The head.
     pub head: Head,
     /// Who has primary control; zeros: nobody.
@@ -113,7 +113,7 @@ pub(crate) struct Gimbal {
 
 impl Gimbal {
     /// At rest, steered by nobody.
-    pub(crate) fn new(settings: GimbalSettings) -> Self {
+    pub fn new(settings: GimbalSettings) -> Self {
         Self {
             head: Head::new(settings),
             owner: (0, 0),
@@ -124,13 +124,13 @@ impl Gimbal {
     }
 
     /// The manager starts anew: it has forgotten who was in control and what was asked.
-    pub(crate) fn restart_manager(&mut self) {
+    pub fn restart_manager(&mut self) {
         self.owner = (0, 0);
         self.rest();
     }
 
     /// Primary control is given: -1 leaves it, -2 the vehicle itself, -3 gives it back if the asking party has it; else an id.
-    pub(crate) fn configure(&mut self, by: Party, asked: (f32, f32), autopilot: Party) {
+    pub fn configure(&mut self, by: Party, asked: (f32, f32), autopilot: Party) {
         let pick = |asked: f32, now: u8, by: u8, own: u8| {
             let asked = asked.round();
             if asked == -2.0 {
@@ -150,7 +150,7 @@ impl Gimbal {
     }
 
     /// Does what is asked, if whoever asks is in control.
-    pub(crate) fn ask(&mut self, by: Party, asked: &Asked, carrier: &Carrier) -> bool {
+    pub fn ask(&mut self, by: Party, asked: &Asked, carrier: &Carrier) -> bool {
         if by != self.owner || by == (0, 0) {
             return false;
         }
@@ -204,7 +204,7 @@ impl Gimbal {
     }
 
     /// Looks at a place from now on, or ahead again.
-    pub(crate) fn region_of_interest(&mut self, place: Option<Geodetic>) {
+    pub fn region_of_interest(&mut self, place: Option<Geodetic>) {
         match place {
             Some(place) => self.aim = Aim::Place(place),
             None => self.rest(),
@@ -212,7 +212,7 @@ impl Gimbal {
     }
 
     /// Lets `dt_s` pass; `towards` gives the way from the camera to a place in metres north, east, down.
-    pub(crate) fn step(&mut self, carrier: &Carrier, towards: impl FnOnce(&Geodetic) -> Vector3<f64>, dt_s: f64) {
+    pub fn step(&mut self, carrier: &Carrier, towards: impl FnOnce(&Geodetic) -> Vector3<f64>, dt_s: f64) {
         self.unasked_s += dt_s;
         if let (Aim::Axes { pitch, yaw, .. }, true) = (&mut self.aim, self.unasked_s > RATES_LAST_S) {
             (*pitch, *yaw) = (pitch.slowed(0.0), yaw.slowed(0.0));
@@ -268,12 +268,12 @@ impl Gimbal {
     }
 
     /// Yaw from north in radians.
-    pub(crate) fn yaw_north_rad(&self, carrier: &Carrier) -> f64 {
+    pub fn yaw_north_rad(&self, carrier: &Carrier) -> f64 {
         wrap_angle_rad(carrier.yaw_rad + self.head.yaw.angle_rad)
     }
 
     /// Pitch and yaw as asked for, in radians, in the frame in which they are held: what PX4 says of servos, wherever those are.
-    pub(crate) fn asked_rad(&self, carrier: &Carrier) -> (f64, f64) {
+    pub fn asked_rad(&self, carrier: &Carrier) -> (f64, f64) {
         match &self.aim {
             Aim::Rest | Aim::Place(_) => (self.head.pitch.angle_rad, self.yaw_held_rad(carrier)),
             Aim::Axes { pitch, yaw, .. } => {
@@ -295,7 +295,7 @@ impl Gimbal {
     }
 
     /// Yaw in radians in the frame in which it is held.
-    pub(crate) fn yaw_held_rad(&self, carrier: &Carrier) -> f64 {
+    pub fn yaw_held_rad(&self, carrier: &Carrier) -> f64 {
         if self.is_yaw_locked() {
             self.yaw_north_rad(carrier)
         } else {
@@ -304,12 +304,12 @@ impl Gimbal {
     }
 
     /// Whether the yaw is held to north.
-    pub(crate) fn is_yaw_locked(&self) -> bool {
+    pub fn is_yaw_locked(&self) -> bool {
         matches!(self.aim, Aim::Axes { lock: true, .. } | Aim::Place(_))
     }
 
     /// The flags that are in force, of manager and device alike.
-    pub(crate) fn flags(&self) -> u32 {
+    pub fn flags(&self) -> u32 {
         let mut flags = flags::ROLL_LOCK | flags::PITCH_LOCK;
         if self.aim == Aim::Rest {
             flags |= flags::NEUTRAL;

@@ -1,10 +1,10 @@
 //! Draws what a simulated camera sees into a file, and says how long a picture takes.
 //!
-//! `cargo run --release -p skein-sim --example picture -- picture.ppm`
+//! `cargo run --release -p skein-sim-payloads --example picture -- picture.ppm`
 
 use skein_domain::PositionNed;
 use skein_domain::payload::CameraPose;
-use skein_sim::scene::{Scene, SceneTarget, TargetKind};
+use skein_sim_payloads::scene::{Scene, SceneTarget, TargetKind};
 use std::io::Write;
 use std::time::Instant;
 

@@ -42,7 +42,7 @@ impl Default for CameraSettings {
 }
 
 /// Width of the sensor in millimetres; with the field of view it gives the focal length.
-pub(crate) const SENSOR_WIDTH_MM: f64 = 6.17;
+pub const SENSOR_WIDTH_MM: f64 = 6.17;
 /// One step of zoom, and the fastest continuous zoom per second, as shares of the range in percent.
 const ZOOM_STEP: f64 = 10.0;
 const ZOOM_RATE_MAX: f64 = 40.0;
@@ -51,7 +51,7 @@ const ZOOM_TURN: f64 = 80.0;
 
 /// What came of a command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Outcome {
+pub enum Outcome {
     /// Done, or begun.
     Accepted,
     /// Not now.
@@ -64,7 +64,7 @@ pub(crate) enum Outcome {
 
 /// A picture that was taken or should have been.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Picture {
+pub struct Picture {
     /// Its number from zero; -1 if it failed.
     pub index: i32,
     /// Whether it is on the storage.
@@ -82,7 +82,7 @@ struct Series {
 
 /// How zoom is asked for, as MAVLink numbers the ways.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum ZoomAsk {
+pub enum ZoomAsk {
     /// Steps, in or out.
     Step(f64),
     /// Rate from -1 to 1; 0 stops.
@@ -97,7 +97,7 @@ pub(crate) enum ZoomAsk {
 
 /// A camera.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Camera {
+pub struct Camera {
     /// How it is built.
     pub settings: CameraSettings,
     /// Mode as MAVLink numbers it: 0 pictures, 1 video, 2 survey.
@@ -119,7 +119,7 @@ pub(crate) struct Camera {
 
 impl Camera {
     /// Switched on: at its widest, idle.
-    pub(crate) fn new(settings: CameraSettings) -> Self {
+    pub fn new(settings: CameraSettings) -> Self {
         Self {
             settings,
             mode: 0,
@@ -137,7 +137,7 @@ impl Camera {
     }
 
     /// Lets `dt_s` pass up to `now_s`.
-    pub(crate) fn step(&mut self, now_s: f64, dt_s: f64) {
+    pub fn step(&mut self, now_s: f64, dt_s: f64) {
         self.turn_lens(dt_s);
         if self.recording_since_s.is_some() {
             self.used_mib += self.settings.recording_mib_s * dt_s;
@@ -175,7 +175,7 @@ impl Camera {
 
     /// Takes pictures: so many (0: until told to stop) at an interval. A single one with a number is taken once, however often it
     /// is asked for.
-    pub(crate) fn start_pictures(&mut self, now_s: f64, interval_s: f64, count: f64, sequence: f64) -> Outcome {
+    pub fn start_pictures(&mut self, now_s: f64, interval_s: f64, count: f64, sequence: f64) -> Outcome {
         if !(count.is_finite() && count >= 0.0) || interval_s < 0.0 {
             return Outcome::Denied;
         }
@@ -199,13 +199,13 @@ impl Camera {
     }
 
     /// Takes no more pictures.
-    pub(crate) fn stop_pictures(&mut self) -> Outcome {
+    pub fn stop_pictures(&mut self) -> Outcome {
         self.series = None;
         Outcome::Accepted
     }
 
     /// Records.
-    pub(crate) fn start_recording(&mut self, now_s: f64) -> Outcome {
+    pub fn start_recording(&mut self, now_s: f64) -> Outcome {
         if self.available_mib() <= 0.0 {
             return Outcome::Failed;
         }
@@ -214,13 +214,13 @@ impl Camera {
     }
 
     /// Records no more.
-    pub(crate) fn stop_recording(&mut self) -> Outcome {
+    pub fn stop_recording(&mut self) -> Outcome {
         self.recording_since_s = None;
         Outcome::Accepted
     }
 
     /// Changes the mode; not while it records.
-    pub(crate) fn set_mode(&mut self, mode: f64) -> Outcome {
+    pub fn set_mode(&mut self, mode: f64) -> Outcome {
         if ![0.0, 1.0, 2.0].contains(&mode) {
             return Outcome::Denied;
         }
@@ -232,7 +232,7 @@ impl Camera {
     }
 
     /// Zooms.
-    pub(crate) fn zoom(&mut self, ask: ZoomAsk) -> Outcome {
+    pub fn zoom(&mut self, ask: ZoomAsk) -> Outcome {
         let factor_percent = |factor: f64| (factor - 1.0) / (self.settings.zoom_max - 1.0).max(1e-6) * 100.0;
         let goal = match ask {
             ZoomAsk::Step(steps) => self.zoom_goal_percent + ZOOM_STEP * steps,
@@ -257,7 +257,7 @@ impl Camera {
     }
 
     /// Empties the storage, or forgets the numbers of its pictures only.
-    pub(crate) fn format(&mut self, storage: f64, format: bool, reset_log: bool) -> Outcome {
+    pub fn format(&mut self, storage: f64, format: bool, reset_log: bool) -> Outcome {
         if ![0.0, 1.0].contains(&storage) {
             return Outcome::Denied;
         }
@@ -274,7 +274,7 @@ impl Camera {
     }
 
     /// As it was when it was switched on; what is on the storage stays.
-    pub(crate) fn reset_settings(&mut self) -> Outcome {
+    pub fn reset_settings(&mut self) -> Outcome {
         if self.recording_since_s.is_some() {
             return Outcome::Rejected;
         }
@@ -283,37 +283,37 @@ impl Camera {
     }
 
     /// Pictures since the last call.
-    pub(crate) fn take_pictures(&mut self) -> Vec<Picture> {
+    pub fn take_pictures(&mut self) -> Vec<Picture> {
         std::mem::take(&mut self.taken)
     }
 
     /// The interval of pictures being taken, in seconds.
-    pub(crate) fn interval_s(&self) -> Option<f64> {
+    pub fn interval_s(&self) -> Option<f64> {
         self.series.map(|series| series.interval_s)
     }
 
     /// For how long it records, in seconds.
-    pub(crate) fn recording_s(&self, now_s: f64) -> Option<f64> {
+    pub fn recording_s(&self, now_s: f64) -> Option<f64> {
         self.recording_since_s.map(|since_s| now_s - since_s)
     }
 
     /// Zoom in percent of the range.
-    pub(crate) fn zoom_percent(&self) -> f64 {
+    pub fn zoom_percent(&self) -> f64 {
         self.zoom_percent
     }
 
     /// Zoom as a factor, 1 being the widest.
-    pub(crate) fn zoom_factor(&self) -> f64 {
+    pub fn zoom_factor(&self) -> f64 {
         1.0 + self.zoom_percent / 100.0 * (self.settings.zoom_max - 1.0)
     }
 
     /// Horizontal field of view in radians.
-    pub(crate) fn field_of_view_rad(&self) -> f64 {
+    pub fn field_of_view_rad(&self) -> f64 {
         2.0 * ((0.5 * self.settings.field_of_view_rad).tan() / self.zoom_factor()).atan()
     }
 
     /// Focal length in millimetres.
-    pub(crate) fn focal_length_mm(&self) -> f64 {
+    pub fn focal_length_mm(&self) -> f64 {
         self.widest_focal_mm() * self.zoom_factor()
     }
 
@@ -322,12 +322,12 @@ impl Camera {
     }
 
     /// Room left on the storage in mebibytes.
-    pub(crate) fn available_mib(&self) -> f64 {
+    pub fn available_mib(&self) -> f64 {
         self.settings.storage_mib - self.used_mib
     }
 
     /// What is on the storage in mebibytes.
-    pub(crate) fn used_mib(&self) -> f64 {
+    pub fn used_mib(&self) -> f64 {
         self.used_mib
     }
 }
