@@ -110,6 +110,27 @@ pub fn check_documents(workspace: &Workspace) -> Result<()> {
     Ok(())
 }
 
+/// Packages with a block of code in their documentation: only these are asked for examples that run, since each asked costs a second.
+pub fn with_examples(workspace: &Workspace) -> Result<Vec<&str>> {
+    let files = files(workspace)?;
+    let is_fence = |line: &str| {
+        ["/// ```", "//! ```"]
+            .iter()
+            .any(|fence| line.trim().starts_with(fence))
+    };
+    let with_fence: Vec<&str> = (files.iter())
+        .filter(|file| file.is("rs") && file.text.lines().any(is_fence))
+        .map(|file| file.path.as_str())
+        .collect();
+    let has = |folder: &str| {
+        with_fence
+            .iter()
+            .any(|path| path.starts_with(&format!("{folder}/src/")))
+    };
+    let packages = workspace.packages.iter().filter(|package| has(&package.folder));
+    Ok(packages.map(|package| package.name.as_str()).collect())
+}
+
 /// Folders that builds and tests make. The list follows `.gitignore`; git itself may be missing where this runs.
 const MADE: [&str; 6] = ["target", "node_modules", "dist", "test-results", "corpus", "artifacts"];
 

@@ -281,13 +281,16 @@ fn unit<'r>(workspace: &'r Workspace, report: &mut Report<'r>, built: &'r Built)
     report.same_each_time("unit: crates", &advice, crates(&at_a_time), move |names| {
         crates(&alone(names))
     });
-    let mut examples = workspace.cargo();
-    examples.args(["test", "--workspace", "--doc", "--no-fail-fast"]);
-    report.step(
-        "unit: examples in the documentation",
-        &advice,
-        Step::tests(examples, Runner::CargoTest),
-    );
+    let documented = "unit: examples in the documentation";
+    match tidy::with_examples(workspace) {
+        Ok(packages) => {
+            let mut examples = workspace.cargo();
+            examples.args(["test", "--doc", "--no-fail-fast"]);
+            examples.args(packages.iter().flat_map(|name| ["-p", *name]));
+            report.step(documented, &advice, Step::tests(examples, Runner::CargoTest));
+        }
+        Err(error) => drop(report.check(documented, &advice, || Err(error))),
+    }
     let types = Step::new(ui::npm(workspace, &["run", "check"]));
     report.step("unit: dashboard types", "run `npm run check` in web-ui", types);
     let tests = Step::tests(ui::npm(workspace, &["run", "test"]), Runner::Vitest);
