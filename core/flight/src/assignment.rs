@@ -1,4 +1,4 @@
-//! Who takes which slot: the least longest way first and then the least total, or the least total alone.
+//! Who takes which slot: with the shortest longest distance first and then the smallest sum of distances, or the smallest sum alone.
 //!
 //! As many vehicles as possible get a slot before anything else counts; pairs can be forbidden or made dearer.
 

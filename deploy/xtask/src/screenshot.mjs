@@ -1,5 +1,6 @@
 // Takes pictures of the dashboard: node screenshot.mjs ADDRESS SECONDS FOLDER, run in web-ui. Every page and panel that there is, at three
-// widths, light and dark, some in sunlight and in German, as small WebP files in FOLDER/pages; and two PNG files of the whole console.
+// widths, light and dark, some in sunlight and in German, as small WebP files in FOLDER/pages; two PNG files of the whole console; and the
+// flight itself as a moving picture, FOLDER/flight.webp.
 import { createRequire } from 'node:module';
 import { mkdirSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
@@ -159,6 +160,58 @@ async function console_(browser, name, width, height) {
   await page.close();
 }
 
+const MOVING = { frames: 45, every_ms: 400, shown_ms: 150, width: 1200, height: 750, scale: 0.75, quality: 20 };
+
+const number = (value, bytes) => {
+  const into = Buffer.alloc(bytes);
+  into.writeUIntLE(value, 0, bytes);
+  return into;
+};
+
+/** A chunk of a WebP file; of odd length it is padded. */
+const chunk = (name, ...parts) => {
+  const data = Buffer.concat(parts);
+  return Buffer.concat([Buffer.from(name), number(data.length, 4), data, Buffer.alloc(data.length % 2)]);
+};
+
+/** What is drawn in a WebP file of one picture: its lossy or lossless chunk. */
+function drawn(file) {
+  for (let at = 12; at < file.length; at += 8 + file.readUInt32LE(at + 4) + (file.readUInt32LE(at + 4) % 2)) {
+    const name = file.toString('latin1', at, at + 4);
+    if (name === 'VP8 ' || name === 'VP8L') return chunk(name, file.subarray(at + 8, at + 8 + file.readUInt32LE(at + 4)));
+  }
+  throw new Error('no picture in a WebP file');
+}
+
+/** Pictures one after another, over and over: https://developers.google.com/speed/webp/docs/riff_container. */
+function animation(files, width, height, shown_ms) {
+  const size = [number(width - 1, 3), number(height - 1, 3)];
+  const frames = files.map((file) => chunk('ANMF', number(0, 6), ...size, number(shown_ms, 3), number(2, 1), drawn(file)));
+  const body = Buffer.concat([Buffer.from('WEBP'), chunk('VP8X', number(2, 4), ...size), chunk('ANIM', number(0, 6)), ...frames]);
+  return Buffer.concat([Buffer.from('RIFF'), number(body.length, 4), body]);
+}
+
+/** The swarm on its route, faster than it flies. */
+async function moving(browser) {
+  const { frames, every_ms, shown_ms, width, height, scale, quality } = MOVING;
+  const page = await browser.newPage({ viewport: { width, height }, colorScheme: 'dark' });
+  const cdp = await page.context().newCDPSession(page);
+  await page.goto(address);
+  await page.waitForFunction(() => (window.__skein?.positions().length ?? 0) > 0);
+  await wait(SETTLE_MS);
+  const files = [];
+  for (let k = 0; k < frames; k++) {
+    const next = wait(every_ms);
+    const { data } = await cdp.send('Page.captureScreenshot', { format: 'webp', quality, clip: { x: 0, y: 0, width, height, scale } });
+    files.push(Buffer.from(data, 'base64'));
+    await next;
+  }
+  const file = animation(files, width * scale, height * scale, shown_ms);
+  writeFileSync(join(folder, 'flight.webp'), file);
+  console.log(`flight.webp ${(file.length / 1000).toFixed(0)} kB`);
+  await page.close();
+}
+
 const browser = await chromium.launch({
   executablePath: process.env.SKEIN_CHROMIUM,
   args: ['--enable-unsafe-swiftshader', '--no-sandbox'],
@@ -168,6 +221,7 @@ try {
   mkdirSync(pages, { recursive: true });
   await fly();
   await wait(Number(seconds) * 1000);
+  await moving(browser);
   await console_(browser, 'console', 1440, 900);
   await console_(browser, 'console-tablet', 820, 1180);
   for (const [width, height] of SIZES) {

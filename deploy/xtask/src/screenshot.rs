@@ -16,29 +16,20 @@ const SCRIPT: &str = include_str!("screenshot.mjs");
 const BINARY: &str = "SKEIN_BINARY";
 const PLUGINS: &str = "SKEIN_PLUGINS";
 
-/// Those that are in the repository, in this folder, where they are found without flying. All others are made when somebody wants to see them.
+/// Those that the documents show: they are in the repository, in this folder. All others are made when somebody wants to see them.
 const KEPT_IN: &str = "web-ui/screenshots";
-const KEPT: [&str; 20] = [
+const KEPT: [&str; 11] = [
+    "flight.webp",
     "console.png",
-    "console-tablet.png",
-    "pages/1920-dark-map.webp",
     "pages/1920-dark-formation.webp",
     "pages/1920-dark-space.webp",
-    "pages/1920-dark-page-fleet.webp",
     "pages/1920-dark-page-vehicle.webp",
-    "pages/1920-dark-page-plugins.webp",
-    "pages/1920-dark-page-links.webp",
-    "pages/1024-light-map.webp",
     "pages/1024-light-commands.webp",
     "pages/1024-light-by-hand.webp",
     "pages/1024-light-fences.webp",
     "pages/1024-light-emergency-stop.webp",
     "pages/1024-light-page-preflight.webp",
-    "pages/1024-sunlight-map.webp",
     "pages/1024-sunlight-german.webp",
-    "pages/390-dark-map.webp",
-    "pages/390-dark-fleet.webp",
-    "pages/390-dark-commands.webp",
 ];
 
 /// Takes all pictures, and renews those that are kept if that is asked for.

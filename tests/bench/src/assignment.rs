@@ -40,7 +40,7 @@ pub struct AssignmentFigures {
     pub scipy_ms: f64,
     /// How many times as long the least sum of squares takes as SciPy's.
     pub total_ratio: f64,
-    /// The same for the least longest way.
+    /// The same for the shortest longest distance.
     pub longest_ratio: f64,
 }
 

@@ -1,4 +1,4 @@
-//! The least longest way: a search for the smallest length under which as many get a slot as can at all (Garfinkel, *An improved
+//! Bottleneck assignment, whose longest distance is as short as possible: a search for the smallest length under which as many get a slot as can at all (Garfinkel, *An improved
 //! algorithm for the bottleneck assignment problem*, Operations Research 19, 1971), with maximum matchings by augmenting paths
 //! (Hopcroft, Karp, SIAM J. Comput. 2, 1973) over sets of bits.
 

@@ -154,7 +154,7 @@ impl Task {
     /// The ends of all members in every assignment worth trying.
     pub fn candidates(&self) -> Vec<Vec<Vector3<f64>>> {
         // Least squares: pairs of followers cannot cross, only the leader may be in the way. The other has ways around the leader
-        // preferred; that pays where a detour over it would be too steep. The least longest way is often the quickest.
+        // preferred; that pays where a detour over it would be too steep. The assignment with the shortest longest distance is often the quickest.
         let plain = self.costs(false);
         let mut found = vec![
             least_total(&plain, Total::Squares),
