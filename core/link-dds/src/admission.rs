@@ -306,7 +306,7 @@ impl Admission {
             .into_iter()
             .filter(|topic| match (topic.need(), self.topics.get(topic)) {
                 (Need::Optional, _) => false,
-                (Need::SeenMessage, seen) => seen.is_none_or(|seen| seen.good < GOOD_SAMPLES),
+                (Need::Seen, seen) => seen.is_none_or(|seen| seen.good < GOOD_SAMPLES),
             });
         let unread = Command::ALL
             .into_iter()

@@ -6,7 +6,7 @@
 mod payloads;
 mod probation;
 
-pub use payloads::{payload_cell, payload_kind};
+pub use payloads::{payload_kind, payload_record};
 
 use crate::vehicle::{VehicleActor, VehicleArguments};
 use payloads::{PayloadKey, SupervisedPayload};
@@ -49,7 +49,7 @@ pub enum FleetMessage {
 
 /// Whose actor a child is.
 enum Child {
-    VehicleActor(VehicleId),
+    Vehicle(VehicleId),
     Payload(PayloadKey),
 }
 
@@ -69,13 +69,13 @@ pub struct Discovery {
 pub struct FleetState {
     shared: Arc<SharedState>,
     children: HashMap<ActorId, Child>,
-    records: BTreeMap<VehicleId, Record>,
-    payload_records: BTreeMap<PayloadKey, SupervisedPayload>,
+    supervised: BTreeMap<VehicleId, Supervised>,
+    supervised_payloads: BTreeMap<PayloadKey, SupervisedPayload>,
     probation: Probation,
 }
 
 #[derive(Default)]
-struct Record {
+struct Supervised {
     incarnation: Incarnation,
     history: RestartHistory,
 }
@@ -93,18 +93,18 @@ impl Actor for Fleet {
         let mut state = FleetState {
             shared,
             children: HashMap::new(),
-            records: BTreeMap::new(),
-            payload_records: BTreeMap::new(),
+            supervised: BTreeMap::new(),
+            supervised_payloads: BTreeMap::new(),
             probation: Probation::default(),
         };
         // After a restart of the fleet itself, its vehicles are in the shared state.
         for record in state.shared.records() {
             let incarnation = record.state.lock().actor.incarnation;
-            state.records.insert(
+            state.supervised.insert(
                 record.id,
-                Record {
+                Supervised {
                     incarnation,
-                    ..Record::default()
+                    ..Supervised::default()
                 },
             );
             state.start(&myself, record.clone()).await;
@@ -146,13 +146,13 @@ impl Actor for Fleet {
         event: SupervisionEvent,
         state: &mut FleetState,
     ) -> Result<(), ActorProcessingErr> {
-        let (record, error) = match event {
-            SupervisionEvent::ActorFailed(record, error) => (record, error.to_string()),
-            SupervisionEvent::ActorTerminated(record, _, reason) => (record, reason.unwrap_or_else(|| "ended".into())),
+        let (actor, error) = match event {
+            SupervisionEvent::ActorFailed(actor, error) => (actor, error.to_string()),
+            SupervisionEvent::ActorTerminated(actor, _, reason) => (actor, reason.unwrap_or_else(|| "ended".into())),
             _ => return Ok(()),
         };
-        match state.children.remove(&record.get_id()) {
-            Some(Child::VehicleActor(id)) => state.ended(&myself, id, &error).await,
+        match state.children.remove(&actor.get_id()) {
+            Some(Child::Vehicle(id)) => state.ended(&myself, id, &error).await,
             Some(Child::Payload(key)) => state.payload_ended(&myself, key, &error),
             None => {}
         }
@@ -236,7 +236,7 @@ impl FleetState {
             .replace("{system_id}", &system_id.to_string())
             .replace("{vehicle_id}", &id.to_string());
         let link = self.link_of(id, discovery, rule);
-        let record = self.new_cell(id, name, link, plugin, rule)?;
+        let record = self.new_record(id, name, link, plugin, rule)?;
         self.shared
             .unadopted
             .lock()
@@ -248,12 +248,12 @@ impl FleetState {
         self.shared
             .events
             .record(now, Some(id), Severity::Info, EventKind::Adopted, text);
-        self.shared.insert_cell(record.clone());
+        self.shared.insert_record(record.clone());
         // Heard before it was ours, it would be kept away from as a stranger in its own place.
         self.shared
             .sightings
             .forget(&skein_link_mavlink::sighting::source_of(system_id.0));
-        self.records.insert(id, Record::default());
+        self.supervised.insert(id, Supervised::default());
         self.start(myself, record.clone()).await;
         self.start_payloads(myself, &record).await;
         Ok(())
@@ -299,7 +299,7 @@ impl FleetState {
     }
 
     /// A vehicle with what it carries, as its rule says.
-    fn new_cell(
+    fn new_record(
         &self,
         id: VehicleId,
         name: String,
@@ -325,7 +325,7 @@ impl FleetState {
             link,
         ));
         for payload in &rule.payloads {
-            let payload = payload_cell(&self.shared, &record, payload).map_err(|refusal| refusal.to_string())?;
+            let payload = payload_record(&self.shared, &record, payload).map_err(|refusal| refusal.to_string())?;
             record.payloads.write().insert(payload.name.clone(), Arc::new(payload));
         }
         Ok(record)
@@ -347,16 +347,16 @@ impl FleetState {
     /// Starts the next incarnation of a vehicle's actor. Its `pre_start` only takes what lies ready, so that nothing is waited for.
     async fn start(&mut self, myself: &ActorRef<FleetMessage>, record: Arc<VehicleRecord>) {
         let id = record.id;
-        let record = self.records.entry(id).or_default();
-        record.incarnation = record.incarnation.next();
+        let supervised = self.supervised.entry(id).or_default();
+        supervised.incarnation = supervised.incarnation.next();
         let arguments = VehicleArguments {
             shared: self.shared.clone(),
             record,
-            incarnation: record.incarnation,
+            incarnation: supervised.incarnation,
         };
         match VehicleActor::spawn_linked(None, VehicleActor, arguments, myself.get_cell()).await {
             Ok((actor, _)) => {
-                self.children.insert(actor.get_id(), Child::VehicleActor(id));
+                self.children.insert(actor.get_id(), Child::Vehicle(id));
             }
             Err(error) => self.ended(myself, id, &error.to_string()).await,
         }
@@ -366,8 +366,8 @@ impl FleetState {
         let Some(record) = self.shared.record(id) else { return };
         let now = self.shared.now();
         record.actor.store(None);
-        let record = self.records.entry(id).or_default();
-        let decision = record
+        let supervised = self.supervised.entry(id).or_default();
+        let decision = supervised
             .history
             .decide(&VEHICLE_LIMITS, now, (now.0 % 1_000) as f64 / 1_000.0);
         let status = match decision {

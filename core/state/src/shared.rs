@@ -329,7 +329,7 @@ impl SharedState {
     }
 
     /// Adds a vehicle; the one with the same id, if any, is replaced.
-    pub fn insert_cell(&self, record: Arc<VehicleRecord>) {
+    pub fn insert_record(&self, record: Arc<VehicleRecord>) {
         self.records.write().insert(record.id, record);
     }
 }

@@ -4,10 +4,10 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
 use skein_bus::bus::Bus;
+use skein_bus::envelope::{Boot, SwarmKey};
 use skein_bus::latest::Key;
 use skein_bus::local::{Hub, Local};
 use skein_bus::radio::{Air, AirSettings, Radio};
-use skein_bus::seal::{Boot, SwarmKey};
 use skein_bus::{BusSettings, Event, pump};
 use skein_domain::{NodeId, NodeTime};
 use skein_failover::{Beacon, LeaderMonitor, LeaderMonitorSettings, Leadership, Term, Turn};

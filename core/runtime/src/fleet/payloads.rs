@@ -47,7 +47,7 @@ pub fn payload_kind(kind: PluginKind) -> Option<PayloadKind> {
 ///
 /// # Errors
 /// What of the rule cannot be, in a sentence.
-pub fn payload_cell(
+pub fn payload_record(
     shared: &SharedState,
     vehicle: &VehicleRecord,
     rule: &PayloadRule,
@@ -112,7 +112,7 @@ impl FleetState {
                 detail: format!("vehicle {vehicle} has a payload \"{}\" already", rule.name),
             });
         }
-        let payload = Arc::new(payload_cell(&self.shared, &record, rule)?);
+        let payload = Arc::new(payload_record(&self.shared, &record, rule)?);
         record.payloads.write().insert(rule.name.clone(), payload);
         self.tell(
             &record,
@@ -135,7 +135,7 @@ impl FleetState {
                 vehicle,
                 payload: name.to_owned(),
             })?;
-        self.payload_records.remove(&(vehicle, name.to_owned()));
+        self.supervised_payloads.remove(&(vehicle, name.to_owned()));
         if let Some(actor) = payload.actor.swap(None) {
             self.children.remove(&actor.get_id());
             actor.stop(Some("detached".into()));
@@ -148,7 +148,8 @@ impl FleetState {
     pub(super) async fn start_payloads(&mut self, myself: &ActorRef<FleetMessage>, record: &VehicleRecord) {
         for payload in record.payloads() {
             let key = (record.id, payload.name.clone());
-            self.payload_records.entry(key.clone()).or_default().incarnation = payload.state.lock().actor.incarnation;
+            self.supervised_payloads.entry(key.clone()).or_default().incarnation =
+                payload.state.lock().actor.incarnation;
             self.start_payload(myself, key).await;
         }
     }
@@ -159,13 +160,13 @@ impl FleetState {
             return;
         };
         let Some(record) = vehicle.payload(&key.1) else { return };
-        let record = self.payload_records.entry(key.clone()).or_default();
-        record.incarnation = record.incarnation.next();
+        let supervised = self.supervised_payloads.entry(key.clone()).or_default();
+        supervised.incarnation = supervised.incarnation.next();
         let arguments = PayloadArguments {
             shared: self.shared.clone(),
             vehicle,
             record,
-            incarnation: record.incarnation,
+            incarnation: supervised.incarnation,
         };
         match Payload::spawn_linked(None, Payload, arguments, myself.get_cell()).await {
             Ok((actor, _)) => {
@@ -183,8 +184,8 @@ impl FleetState {
         let Some(record) = vehicle.payload(&key.1) else { return };
         let now = self.shared.now();
         record.actor.store(None);
-        let record = self.payload_records.entry(key.clone()).or_default();
-        let decision = record.history.decide(&PAYLOAD_LIMITS, now, fraction(now));
+        let supervised = self.supervised_payloads.entry(key.clone()).or_default();
+        let decision = supervised.history.decide(&PAYLOAD_LIMITS, now, fraction(now));
         let (status, severity, text) = match decision {
             Decision::RestartAfter(_) => (
                 ActorStatus::Restarting,

@@ -38,14 +38,13 @@ pub(super) fn is_camera_command(command: u16) -> bool {
         || matches!(command, 526 | 529 | 530 | 531 | 2000 | 2001 | 2500 | 2501 | 2502 | 2503)
 }
 
-impl From<Outcome> for MavResult {
-    fn from(outcome: Outcome) -> Self {
-        match outcome {
-            Outcome::Accepted => Self::MAV_RESULT_ACCEPTED,
-            Outcome::Rejected => Self::MAV_RESULT_TEMPORARILY_REJECTED,
-            Outcome::Denied => Self::MAV_RESULT_DENIED,
-            Outcome::Failed => Self::MAV_RESULT_FAILED,
-        }
+/// The acknowledgement of what a camera said to a command.
+fn acknowledged(outcome: Outcome) -> MavResult {
+    match outcome {
+        Outcome::Accepted => MavResult::MAV_RESULT_ACCEPTED,
+        Outcome::Rejected => MavResult::MAV_RESULT_TEMPORARILY_REJECTED,
+        Outcome::Denied => MavResult::MAV_RESULT_DENIED,
+        Outcome::Failed => MavResult::MAV_RESULT_FAILED,
     }
 }
 
@@ -83,7 +82,7 @@ impl SimVehicle {
         if outcome == Outcome::Accepted {
             self.adapt_status_rate(link, c);
         }
-        outcome.into()
+        acknowledged(outcome)
     }
 
     /// Whoever starts a recording says how often it wants to hear how that goes.
