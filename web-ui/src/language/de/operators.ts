@@ -4,7 +4,7 @@ export const operators = {
   // settings
   'Your name, as other operators see it': 'Ihr Name, wie andere Bediener ihn sehen', 'as {name}': 'als {name}', 'Change your name in the settings': 'Ihren Namen in den Einstellungen ändern',
   // whose a vehicle is
-  'Control': 'Steuerhoheit', 'Whose commands it takes': 'Wessen Befehle es annimmt', you: 'Sie', asked: 'angefragt', 'under the control of {name}': 'unter der Kontrolle von {name}', 'by operator': 'nach Bediener',
+  'Controlled by': 'Gesteuert von', 'Whose commands it takes': 'Wessen Befehle es annimmt', you: 'Sie', asked: 'angefragt', 'under the control of {name}': 'unter der Kontrolle von {name}', 'by operator': 'nach Bediener',
   "Under nobody's control": 'Unter niemandes Kontrolle', 'Under the control of {name}': 'Unter der Kontrolle von {name}', 'Under your control': 'Unter Ihrer Kontrolle',
   "under another operator's control": 'unter der Kontrolle eines anderen Bedieners', 'the same, and not heard': 'ebenso, und nicht gehört',
   // the targets

@@ -91,11 +91,6 @@ reaction: Reaction,
 report_only: ReportOnly | null, };
 
 /**
- * Whom a node obeys.
- */
-export type AllegianceKind = "nobody" | "led" | "awaiting" | "unled";
-
-/**
  * What floor and ceiling of a zone count from.
  */
 export type AltitudeReference = "origin" | "amsl";
@@ -528,7 +523,7 @@ console: Console,
 since: NodeTime, };
 
 /**
- * Who has which vehicles in hand.
+ * Who has control authority over which vehicles.
  */
 export type ControlState = { 
 /**
@@ -769,11 +764,11 @@ progress: CommandProgress, } | { "kind": "refused",
 /**
  * Why.
  */
-refusal: Refusal, } | { "kind": "ladder", 
+refusal: Refusal, } | { "kind": "failsafe", 
 /**
  * What.
  */
-event: LadderEvent, } | { "kind": "avoidance" } | { "kind": "fences" } | { "kind": "preflight" } | { "kind": "emergency_stop" } | { "kind": "parameter", 
+event: FailsafeEvent, } | { "kind": "avoidance" } | { "kind": "fences" } | { "kind": "preflight" } | { "kind": "emergency_stop" } | { "kind": "parameter", 
 /**
  * Its name.
  */
@@ -856,6 +851,69 @@ kind: EventKind,
  * One sentence for the operator.
  */
 text: string, };
+
+/**
+ * One thing that the failsafe policy of a vehicle noticed or did.
+ */
+export type FailsafeEvent = { 
+/**
+ * What it says.
+ */
+kind: FailsafeEventKind, 
+/**
+ * Because of what.
+ */
+trigger: Trigger, 
+/**
+ * The measured value, in `unit`.
+ */
+value: number, 
+/**
+ * The limit that it is beyond, in `unit`.
+ */
+limit: number, 
+/**
+ * Unit of value and limit: `s`, `m`, or empty.
+ */
+unit: string, 
+/**
+ * Since when it has been so.
+ */
+since: NodeTime, 
+/**
+ * When this was decided.
+ */
+at: NodeTime, 
+/**
+ * The reaction of this step; of an `ordered` one what is to be done.
+ */
+reaction: Reaction, 
+/**
+ * Why nothing is done about it; absent if something is.
+ */
+report_only: ReportOnly | null, 
+/**
+ * The sentence an operator reads.
+ */
+reason: string, };
+
+/**
+ * What an event of the failsafe policy says.
+ */
+export type FailsafeEventKind = "raised" | "escalated" | "ordered" | "effective" | "ineffective" | "cleared" | "ended" | "taken_up";
+
+/**
+ * How far the failsafe policy of a vehicle has come, for screens.
+ */
+export type FailsafeState = { 
+/**
+ * What lasts, in the order of the written table.
+ */
+alarms: Array<Alarm>, 
+/**
+ * What it is under; nothing if it flies freely.
+ */
+order: Order | null, };
 
 /**
  * A fault to inject, where the configuration permits it. A plugin is the vehicle's UAV model, or with a name its payload.
@@ -1674,72 +1732,14 @@ vehicle: VehicleId,
 waypoints: Array<PositionNed>, };
 
 /**
- * One thing that happened on the ladder of a vehicle.
- */
-export type LadderEvent = { 
-/**
- * What it says.
- */
-kind: LadderEventKind, 
-/**
- * Because of what.
- */
-trigger: Trigger, 
-/**
- * The measured value, in `unit`.
- */
-value: number, 
-/**
- * The limit that it is beyond, in `unit`.
- */
-limit: number, 
-/**
- * Unit of value and limit: `s`, `m`, or empty.
- */
-unit: string, 
-/**
- * Since when it has been so.
- */
-since: NodeTime, 
-/**
- * When this was decided.
- */
-at: NodeTime, 
-/**
- * The reaction of this step; of an `ordered` one what is to be done.
- */
-reaction: Reaction, 
-/**
- * Why nothing is done about it; absent if something is.
- */
-report_only: ReportOnly | null, 
-/**
- * The sentence an operator reads.
- */
-reason: string, };
-
-/**
- * What an event of the ladder says.
- */
-export type LadderEventKind = "raised" | "escalated" | "ordered" | "effective" | "ineffective" | "cleared" | "ended" | "taken_up";
-
-/**
- * Where a vehicle stands on its ladder, for screens.
- */
-export type LadderState = { 
-/**
- * What lasts, in the order of the written table.
- */
-alarms: Array<Alarm>, 
-/**
- * What it is under; nothing if it flies freely.
- */
-order: Order | null, };
-
-/**
  * Whether the vehicle stands on the ground, as its own detector says.
  */
 export type LandedState = "unknown" | "on_ground" | "in_air" | "taking_off" | "landing";
+
+/**
+ * Whom a node obeys.
+ */
+export type LeaderStateKind = "nobody" | "led" | "awaiting" | "unled";
 
 /**
  * A vehicle that was not taken back after a restart of the node.
@@ -2689,7 +2689,7 @@ name: string, } | { "reason": "clock",
 /**
  * Which, and what would be right.
  */
-detail: string, } | { "reason": "in_other_hands", 
+detail: string, } | { "reason": "no_control_authority", 
 /**
  * The vehicle.
  */
@@ -2983,7 +2983,7 @@ roles: Array<NodeRole>,
 /**
  * Whom it obeys.
  */
-allegiance: AllegianceKind, 
+leader_state: LeaderStateKind, 
 /**
  * The term it obeys.
  */
@@ -3057,7 +3057,7 @@ track: number, };
 export type Targets = "all" | { "vehicles": Array<VehicleId> };
 
 /**
- * A term of office.
+ * A term of the leadership.
  */
 export type TermSnapshot = { 
 /**
@@ -3346,7 +3346,7 @@ height_m: number | null, } | { "command": "look_at",
 target: Target, } | { "command": "stop_observing" } | { "command": "steer" };
 
 /**
- * Who has a vehicle in hand.
+ * Who has control authority over a vehicle.
  */
 export type VehicleControl = { 
 /**
@@ -3510,7 +3510,7 @@ id: VehicleId,
 /**
  * What is wrong with it in flight and what is done about it; absent if nothing is.
  */
-ladder: LadderState | null, 
+failsafe: FailsafeState | null, 
 /**
  * Its charge against its way home; absent as long as one of them is not known.
  */
@@ -3651,7 +3651,7 @@ avoiding: Avoidance | null,
 /**
  * What is wrong with it in flight and what is done about it; absent if nothing is.
  */
-ladder: LadderState | null, 
+failsafe: FailsafeState | null, 
 /**
  * Its charge against its way home; absent as long as one of them is not known.
  */
