@@ -35,7 +35,7 @@ impl OperatorState {
     #[must_use]
     pub fn of(shared: &SharedState) -> Self {
         let (control, consoles) = {
-            let table = shared.control.lock();
+            let table = shared.operators.control();
             let entries = table.entries().iter();
             (
                 entries.map(|(id, entry)| (*id, entry.clone())).collect(),
@@ -45,10 +45,10 @@ impl OperatorState {
         Self {
             control,
             consoles,
-            operator_heard: shared.operator_heard_here(),
-            references: shared.references.told_here(),
-            tracks: shared.tracks_here(),
-            overrides: shared.overrides_here.lock().clone(),
+            operator_heard: shared.operators.heard_here(),
+            references: shared.observed.references.told_here(),
+            tracks: shared.observed.tracks_here(),
+            overrides: shared.operators.overrides_here(),
         }
     }
 
@@ -57,23 +57,22 @@ impl OperatorState {
         let Some(ahead_us) = ahead_us else { return };
         let now = shared.now();
         if let Some(heard) = self.operator_heard {
-            shared.hear_operator_elsewhere(heard.on_clock_ahead_by(ahead_us).min(now));
+            shared.operators.hear_elsewhere(heard.on_clock_ahead_by(ahead_us).min(now));
         }
         for (name, report, at) in self.references {
             // One that is out of order says nothing new.
-            let _ = shared
-                .references
+            let _ = shared.observed.references
                 .hear(&name, report, at.on_clock_ahead_by(ahead_us).min(now));
         }
         if let Some(mut tracks) = self.tracks {
             for track in &mut tracks {
                 track.time = track.time.on_clock_ahead_by(ahead_us).min(now);
             }
-            shared.hear_tracks(tracks);
+            shared.observed.hear_tracks(tracks);
         }
         let here = |at: NodeTime| at.on_clock_ahead_by(ahead_us).min(now);
         {
-            let mut table = shared.control.lock();
+            let mut table = shared.operators.change_control();
             for (console, at) in &self.consoles {
                 table.hear_elsewhere(console, here(*at));
             }
@@ -83,18 +82,11 @@ impl OperatorState {
                     .map(|(vehicle, entry)| (vehicle, entry.timed(here))),
             );
         }
-        let mut overrides = shared.overrides.lock();
-        for mut given in self.overrides {
-            given.given_at = given.given_at.on_clock_ahead_by(ahead_us).min(now);
-            let known = |o: &PreflightOverride| {
-                let same = (&o.operator, &o.items, o.vehicle) == (&given.operator, &given.items, given.vehicle);
-                // The measured offset of the clocks wavers a little.
-                same && o.given_at.seconds_since(given.given_at).abs() < 1.0
-            };
-            if !overrides.iter().any(known) {
-                overrides.push(given);
-            }
-        }
+        let told = self.overrides.into_iter().map(|given| PreflightOverride {
+            given_at: here(given.given_at),
+            ..given
+        });
+        shared.operators.hear_overrides(told);
     }
 }
 

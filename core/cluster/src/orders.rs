@@ -32,8 +32,8 @@ impl Orders {
     pub fn of(shared: &SharedState, term: Term, recalled: &BTreeMap<VehicleId, u32>) -> Self {
         Self {
             term,
-            intent: shared.intent.load().as_ref().clone(),
-            coordination: shared.coordination.lock().clone(),
+            intent: shared.coordination.intent().as_ref().clone(),
+            coordination: shared.coordination.read().clone(),
             recalled: recalled.clone(),
             frame: shared.frame(),
         }
@@ -53,19 +53,11 @@ impl Orders {
             recalled,
             ..
         } = self;
-        let former = shared.intent.load().leader;
-        let records = shared.records();
-        {
-            let mut withdrawn = shared.withdrawn.lock();
-            for record in &records {
-                if recalled.get(&record.id) == Some(&record.withdrawals()) {
-                    withdrawn.remove(&record.id);
-                }
-                // Decided before it was known that an operator had taken the vehicle out.
-                if withdrawn.contains(&record.id) {
-                    intent.tasks.remove(&record.id);
-                }
-            }
+        let former = shared.coordination.intent().leader;
+        let records = shared.vehicles.records();
+        // What it decided before it knew that an operator had taken a vehicle out.
+        for withdrawn in shared.vehicles.obey_recalls(&recalled) {
+            intent.tasks.remove(&withdrawn);
         }
         if former != intent.leader {
             // The anchor of a former leader must not be followed.
@@ -73,7 +65,6 @@ impl Orders {
                 record.state.lock().anchor = None;
             }
         }
-        *shared.coordination.lock() = coordination;
-        shared.intent.store(Arc::new(intent));
+        shared.coordination.obey(intent, coordination);
     }
 }

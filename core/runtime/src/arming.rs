@@ -34,7 +34,7 @@ pub fn own_items(plugin: &str, items: Vec<PreflightItem>) -> Vec<PreflightItem> 
 /// [`Refusal::Preflight`] with the red items.
 pub fn may_arm(shared: &SharedState, record: &VehicleRecord) -> Result<(), Refusal> {
     let now = shared.now();
-    let overrides = shared.overrides.lock().clone();
+    let overrides = shared.operators.overrides();
     let reports = [vehicle_report(shared, record, now), swarm_report(shared, now)];
     for report in &reports {
         preflight::may_arm(report, &overrides, now)?;
@@ -58,7 +58,7 @@ pub fn may_arm(shared: &SharedState, record: &VehicleRecord) -> Result<(), Refus
 }
 
 pub(crate) fn vehicle_report(shared: &SharedState, record: &VehicleRecord, now: NodeTime) -> PreflightReport {
-    let peers = shared.peers.load();
+    let peers = shared.peers();
     let settings = &shared.config.safety.preflight;
     let Some(entry) = peers.entry(record.id) else {
         return PreflightReport {
@@ -112,7 +112,7 @@ fn system_id_use(shared: &SharedState, record: &VehicleRecord) -> SystemIdUse {
     if record.link.load().0.is_shared() {
         return SystemIdUse::Shared;
     }
-    let others = shared.unadopted.lock();
+    let others = shared.vehicles.unadopted();
     if others.iter().any(|other| other.system_id == record.system_id) {
         SystemIdUse::Elsewhere
     } else {
@@ -121,15 +121,14 @@ fn system_id_use(shared: &SharedState, record: &VehicleRecord) -> SystemIdUse {
 }
 
 pub(crate) fn swarm_report(shared: &SharedState, now: NodeTime) -> PreflightReport {
-    let peers = shared.peers.load();
+    let peers = shared.peers();
     let gate = shared.gate();
     let fences = gate.fences();
     let heard = || peers.entries.iter().filter(|e| e.link.connected);
     let standing = |e: &&PeerEntry| !e.airborne && e.telemetry.landed == LandedState::OnGround;
     let home_is_outside = |home: &PositionNed| fences.landing(home).is_err();
     let coordinator_age_s = now.seconds_since(shared.coordinator_seen());
-    let capable = shared
-        .records()
+    let capable = shared.vehicles.records()
         .iter()
         .filter(|record| record.state.lock().capability.is_some_and(|c| c.capable))
         .count();

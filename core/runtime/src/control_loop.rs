@@ -70,7 +70,7 @@ impl Actor for ControlLoop {
     ) -> Result<(), ActorProcessingErr> {
         let (shared, now) = (&state.shared, state.shared.now());
         let period_s = 1.0 / shared.config.node.control_rate_hz;
-        let told = shared.overrun.lock().tick(now, period_s);
+        let told = shared.note_tick(now, period_s);
         if let Some((severity, kind, text)) = told {
             shared.events.record(now, None, severity, kind, text);
         }
@@ -82,7 +82,7 @@ impl Actor for ControlLoop {
 /// One control period of the node.
 fn tick(shared: &SharedState) {
     let now = shared.now();
-    let records = shared.records();
+    let records = shared.vehicles.records();
     let mut entries = Vec::with_capacity(records.len());
     for record in &records {
         let (mut telemetry, link) = record.link.load().0.read(now);
@@ -176,24 +176,18 @@ fn wake(payload: &PayloadRecord, now: NodeTime) {
 
 fn publish(shared: &SharedState, entries: Vec<PeerEntry>, now: NodeTime) {
     let surroundings = surroundings::surroundings(shared, &entries, now);
-    let anchor = {
-        let plan = shared.intent.load().anchor.clone();
-        let led = entries.iter().find_map(|e| e.anchor);
-        let mut keeper = shared.anchor.lock();
-        let was_held = keeper.is_held();
-        let gate = shared.gate();
-        let anchor = keeper.at(plan.as_ref(), led.as_ref(), &shared.references, gate.fences(), now);
-        if keeper.is_held() != was_held {
-            tell_held(shared, keeper.is_held(), now);
-        }
-        anchor
-    };
-    shared.peers.store(Arc::new(PeerSnapshot {
+    let led = entries.iter().find_map(|e| e.anchor);
+    let (references, gate) = (&shared.observed.references, shared.gate());
+    let (anchor, held) = (shared.coordination).work_out_anchor(led.as_ref(), references, gate.fences(), now);
+    if let Some(is_held) = held {
+        tell_held(shared, is_held, now);
+    }
+    shared.publish_peers(PeerSnapshot {
         made: now,
         entries,
         surroundings,
         anchor,
-    }));
+    });
 }
 
 /// Tells that a formation waits at a fence, or no longer.

@@ -99,7 +99,7 @@ impl Actor for Coordinator {
         let period = Duration::from_secs_f64(1.0 / shared.config.node.control_rate_hz);
         myself.send_interval(period, || CoordinatorMessage::Watch);
         myself.send_after(REVIEW_PERIOD, || CoordinatorMessage::Review);
-        let settled = is_settled(&shared.coordination.lock(), shared.now());
+        let settled = is_settled(&shared.coordination.read(), shared.now());
         Ok(CoordinatorState {
             shared,
             generation: 0,
@@ -133,7 +133,7 @@ impl Actor for Coordinator {
                 Err(refusal) => drop(reply.send(Err(refusal))),
             },
             CoordinatorMessage::Dissolve(reply) => {
-                state.shared.coordination.lock().interrupted = None;
+                state.shared.coordination.change().interrupted = None;
                 state.dissolve();
                 let _ = reply.send(Ok(()));
             }
@@ -173,7 +173,7 @@ impl CoordinatorState {
     fn fly(&mut self, formation: Formation, severity: Severity, text: String) {
         let view_blocked = formation.view_blocked.clone();
         self.leave_trajectories(&formation.members);
-        let leader_changed = self.shared.coordination.lock().take_up(formation);
+        let leader_changed = self.shared.coordination.change().take_up(formation);
         self.generation += 1;
         if leader_changed {
             self.clear_anchors();
@@ -194,14 +194,8 @@ impl CoordinatorState {
 
     /// The anchor of a former leader must not be followed.
     fn clear_anchors(&self) {
-        let leader = self
-            .shared
-            .coordination
-            .lock()
-            .formation
-            .as_ref()
-            .and_then(|f| f.leader);
-        for record in self.shared.records() {
+        let leader = self.shared.coordination.read().formation.as_ref().and_then(|f| f.leader);
+        for record in self.shared.vehicles.records() {
             if Some(record.id) != leader {
                 record.state.lock().anchor = None;
             }
@@ -217,19 +211,19 @@ impl CoordinatorState {
 
     fn publish(&mut self) {
         let now = self.shared.now();
-        let coordination = self.shared.coordination.lock();
+        let coordination = self.shared.coordination.read();
         self.settled = is_settled(&coordination, now);
-        let before = self.shared.intent.load();
-        let withdrawn = self.shared.withdrawn.lock().clone();
+        let before = self.shared.coordination.intent();
+        let withdrawn = self.shared.vehicles.withdrawn();
         let intent = coordination::intent(&before, &coordination, &withdrawn, now);
         drop(coordination);
         let intent = self.with_holds(intent, &before, &withdrawn);
-        self.shared.intent.store(Arc::new(self.outranking(intent)));
+        self.shared.coordination.publish(self.outranking(intent));
     }
 
     fn dissolve(&mut self) {
         {
-            let mut coordination = self.shared.coordination.lock();
+            let mut coordination = self.shared.coordination.change();
             coordination.formation = None;
             coordination.route = None;
             coordination.unheard.clear();
@@ -244,16 +238,12 @@ impl CoordinatorState {
 
     /// Has the leader fly a route, as fast and as wide as the formation can; gives it as it is flown.
     fn set_route(&mut self, route: Route) -> Result<Route, Refusal> {
-        let peers = self.shared.peers.load_full();
+        let peers = self.shared.peers();
         let asked_m_s = route.speed_m_s;
         let (limits, gate) = (self.plan_limits(), self.shared.gate());
-        let fitted = self
-            .shared
-            .coordination
-            .lock()
-            .set_route(route, &peers, &limits, &gate)?;
+        let fitted = (self.shared.coordination.change()).set_route(route, &peers, &limits, &gate)?;
         let slower = fitted.speed_m_s < asked_m_s;
-        for record in self.shared.records() {
+        for record in self.shared.vehicles.records() {
             record.state.lock().route_finished = None;
         }
         self.publish();
@@ -276,12 +266,12 @@ impl CoordinatorState {
         if !self.is_leading() {
             return;
         }
-        self.shared.see_coordinator();
-        let Some(formation) = self.shared.coordination.lock().formation.clone() else {
+        self.shared.coordination.see_coordinator(self.shared.now());
+        let Some(formation) = self.shared.coordination.formation() else {
             return;
         };
-        let peers = self.shared.peers.load_full();
-        let withdrawn = self.shared.withdrawn.lock().clone();
+        let peers = self.shared.peers();
+        let withdrawn = self.shared.vehicles.withdrawn();
         if let Some(lost) = self.judging(&peers, &withdrawn, now).lost_leader(&formation) {
             let order = self.plan_limits().leader_order;
             if let Some(next) = coordination::succeed(&formation, lost, now, &order, &peers) {
@@ -316,12 +306,12 @@ impl CoordinatorState {
             // Who has just lost the lead still shows the state it had: the next review sees who is left.
             return;
         }
-        let peers = self.shared.peers.load_full();
+        let peers = self.shared.peers();
         self.review_trajectories(&peers);
         let now = self.shared.now();
         let finished = |leader| self.has_finished_route(leader);
         let (newcomers, formation) = {
-            let mut coordination = self.shared.coordination.lock();
+            let mut coordination = self.shared.coordination.change();
             coordination.follow_route(&peers, finished);
             (coordination.newcomers(&peers), coordination.formation.clone())
         };
@@ -339,7 +329,7 @@ impl CoordinatorState {
         if self.regrouping || now < self.not_before {
             return;
         }
-        let withdrawn = self.shared.withdrawn.lock().clone();
+        let withdrawn = self.shared.vehicles.withdrawn();
         let judging = self.judging(&peers, &withdrawn, now);
         if let Some(changed) = judging.changed(&formation, &self.joins, self.reshape) {
             self.note_unheard(&peers, &changed.gone);

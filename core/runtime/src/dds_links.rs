@@ -107,7 +107,7 @@ fn noticed(shared: &SharedState, parts: &Parts, event: DdsEvent) {
         } => {
             tracing::info!(namespace = %link.namespace(), ?releases, "messages of a vehicle fit");
             let endpoint = named(link.namespace());
-            shared.unadopted.lock().retain(|u| u.endpoint != endpoint);
+            shared.vehicles.forget_unadopted(|u| u.endpoint == endpoint);
             return tell(
                 parts,
                 FleetMessage::Discovered(Discovery {
@@ -128,7 +128,7 @@ fn noticed(shared: &SharedState, parts: &Parts, event: DdsEvent) {
         }
         DdsEvent::DuplicateCleared { namespace, system_id } => {
             let endpoint = named(&namespace);
-            shared.unadopted.lock().retain(|u| u.endpoint != endpoint);
+            shared.vehicles.forget_unadopted(|u| u.endpoint == endpoint);
             let text = format!("system id {system_id} is unique again on {endpoint}");
             (Severity::Advisory, text)
         }

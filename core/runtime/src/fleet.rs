@@ -98,7 +98,7 @@ impl Actor for Fleet {
             probation: Probation::default(),
         };
         // After a restart of the fleet itself, its vehicles are in the shared state.
-        for record in state.shared.records() {
+        for record in state.shared.vehicles.records() {
             let incarnation = record.state.lock().actor.incarnation;
             state.supervised.insert(
                 record.id,
@@ -124,7 +124,7 @@ impl Actor for Fleet {
             FleetMessage::Trouble(trouble) => state.not_adopted(trouble),
             FleetMessage::LookAtNewcomers => state.look_at_newcomers(&myself).await,
             FleetMessage::Restart(id) => {
-                if let Some(record) = state.shared.record(id) {
+                if let Some(record) = state.shared.vehicles.record(id) {
                     state.start(&myself, record).await;
                 }
             }
@@ -195,7 +195,7 @@ impl FleetState {
                 .before()
                 .is_some_and(|flown| flown.vehicles.contains_key(&id))
         };
-        let known = self.shared.record(id).is_some() || flown_before();
+        let known = self.shared.vehicles.record(id).is_some() || flown_before();
         let now = if known {
             Some(discovery)
         } else {
@@ -222,12 +222,11 @@ impl FleetState {
         let (endpoint, system_id) = (&discovery.endpoint, discovery.system_id);
         let id = vehicle_id(discovery, rule);
         let now = self.shared.now();
-        if let Some(known) = self.shared.record(id) {
+        if let Some(known) = self.shared.vehicles.record(id) {
             return self.heard_again(&known, discovery);
         }
         let plugin = self
-            .shared
-            .catalog
+            .shared.plugins.catalog
             .get(&rule.model)
             .filter(|plugin| plugin.manifest().kind == PluginKind::UAV_MODEL)
             .ok_or_else(|| format!("its UAV model \"{}\" is not among the plugins found", rule.model))?;
@@ -237,10 +236,8 @@ impl FleetState {
             .replace("{vehicle_id}", &id.to_string());
         let link = self.link_of(id, discovery, rule);
         let record = self.new_record(id, name, link, plugin, rule)?;
-        self.shared
-            .unadopted
-            .lock()
-            .retain(|u| u.system_id != system_id || u.endpoint != *endpoint);
+        let is_it = |u: &UnadoptedVehicle| u.system_id == system_id && u.endpoint == *endpoint;
+        self.shared.vehicles.forget_unadopted(is_it);
         let text = format!(
             "{} adopted: system id {system_id} on {endpoint}, model {}",
             record.name, rule.model
@@ -248,10 +245,9 @@ impl FleetState {
         self.shared
             .events
             .record(now, Some(id), Severity::Info, EventKind::Adopted, text);
-        self.shared.insert_record(record.clone());
+        self.shared.vehicles.adopt(record.clone());
         // Heard before it was ours, it would be kept away from as a stranger in its own place.
-        self.shared
-            .sightings
+        self.shared.observed.sightings
             .forget(&skein_link_mavlink::sighting::source_of(system_id.0));
         self.supervised.insert(id, Supervised::default());
         self.start(myself, record.clone()).await;
@@ -266,7 +262,7 @@ impl FleetState {
             endpoint, kind, link, ..
         } = discovery;
         let (id, name) = (known.id, &known.name);
-        if let Some(pair) = self.shared.pairs.lock().get(&id) {
+        if let Some(pair) = self.shared.vehicles.pair(id) {
             let attached = pair.attach(now, *kind, link.clone());
             return attached.then_some(()).ok_or_else(|| {
                 let active = pair.active();
@@ -291,7 +287,7 @@ impl FleetState {
         match rule.links.as_slice() {
             [first, second] => {
                 let pair = Arc::new(PairedLink::new([*first, *second], discovery.kind, link));
-                self.shared.pairs.lock().insert(id, pair.clone());
+                self.shared.vehicles.note_pair(id, pair.clone());
                 pair
             }
             _ => link,
@@ -339,9 +335,7 @@ impl FleetState {
         self.shared
             .events
             .record(self.shared.now(), None, Severity::Warning, EventKind::NotAdopted, text);
-        let mut unadopted = self.shared.unadopted.lock();
-        unadopted.retain(|u| u.system_id != trouble.system_id || u.endpoint != trouble.endpoint);
-        unadopted.push(trouble);
+        self.shared.vehicles.note_unadopted(trouble);
     }
 
     /// Starts the next incarnation of a vehicle's actor. Its `pre_start` only takes what lies ready, so that nothing is waited for.
@@ -363,7 +357,7 @@ impl FleetState {
     }
 
     async fn ended(&mut self, myself: &ActorRef<FleetMessage>, id: VehicleId, error: &str) {
-        let Some(record) = self.shared.record(id) else { return };
+        let Some(record) = self.shared.vehicles.record(id) else { return };
         let now = self.shared.now();
         record.actor.store(None);
         let supervised = self.supervised.entry(id).or_default();
@@ -403,9 +397,7 @@ impl FleetState {
 /// Nobody steers the vehicle any more: its autopilot is told to hold by itself.
 fn give_up(shared: &SharedState, record: &VehicleRecord) {
     let now = shared.now();
-    if shared
-        .peers
-        .load()
+    if shared.peers()
         .entry(record.id)
         .is_some_and(|e| e.telemetry.mode == FlightMode::Offboard && e.airborne)
     {

@@ -162,7 +162,7 @@ impl NodeHandle {
     /// The newest picture of the fleet.
     #[must_use]
     pub fn snapshot(&self) -> Arc<FleetSnapshot> {
-        self.shared.picture.load_full()
+        self.shared.picture()
     }
 
     /// Waits for a picture that was begun from now on: who has changed something, and then looks, is not to see what was before.
@@ -212,8 +212,8 @@ impl NodeHandle {
     /// Where each follower belongs relative to its leader at this moment, and the anchor: what a referee compares with the truth.
     #[must_use]
     pub fn slots(&self) -> Option<FormationSlots> {
-        let formation = self.shared.coordination.lock().formation.clone()?;
-        let peers = self.shared.peers.load_full();
+        let formation = self.shared.coordination.formation()?;
+        let peers = self.shared.peers();
         let anchor = match formation.leader {
             Some(leader) => peers.entry(leader).and_then(|e| e.anchor),
             None => peers.anchor,
@@ -229,13 +229,13 @@ impl NodeHandle {
 
     /// An operator gives a sign of life: the dead man's switch, where the configuration has it on, counts from the last one.
     pub fn hear_operator(&self) {
-        self.shared.hear_operator();
+        self.shared.operators.hear(self.now());
     }
 
     /// When an operator last gave a sign of life, if ever.
     #[must_use]
     pub fn operator_heard(&self) -> Option<NodeTime> {
-        self.shared.operator_heard()
+        self.shared.operators.heard()
     }
 
     /// Tells where a reference is that formations may be anchored to.
@@ -243,7 +243,7 @@ impl NodeHandle {
     /// # Errors
     /// For a name or a number that is of no use.
     pub fn tell_reference(&self, name: &str, report: ReferenceReport) -> Result<(), Refusal> {
-        self.shared.references.tell(name, report, self.now())
+        self.shared.observed.references.tell(name, report, self.now())
     }
 
     /// Forgets a reference.
@@ -251,7 +251,7 @@ impl NodeHandle {
     /// # Errors
     /// If none of that name is known.
     pub fn forget_reference(&self, name: &str) -> Result<(), Refusal> {
-        let known = self.shared.references.forget(name);
+        let known = self.shared.observed.references.forget(name);
         known
             .then_some(())
             .ok_or_else(|| Refusal::UnknownReference { name: name.to_owned() })
@@ -260,7 +260,7 @@ impl NodeHandle {
     /// All references.
     #[must_use]
     pub fn references(&self) -> Vec<ReferenceSnapshot> {
-        self.shared.references.list(self.now())
+        self.shared.observed.references.list(self.now())
     }
 
     /// Injects a fault.
@@ -278,7 +278,7 @@ impl NodeHandle {
             .events
             .record(self.now(), None, Severity::Advisory, EventKind::Notice, text);
         let actor_of = |vehicle: VehicleId| {
-            let record = self.shared.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+            let record = self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
             record.actor.load_full().ok_or(Refusal::NotRunning {
                 what: format!("actor of vehicle {vehicle}"),
             })
@@ -305,7 +305,7 @@ impl NodeHandle {
                 Ok(())
             }
             Fault::CoordinatorAway { away } => {
-                self.shared.coordinator_away.store(away, Ordering::Release);
+                self.shared.coordination.drill_absence(away);
                 if let Some(coordinator) = self.parts.coordinator.load_full().filter(|_| away) {
                     coordinator.kill();
                 }

@@ -34,9 +34,9 @@ impl ReferenceSink for Sighted {
                 heading_rad: sighting.heading_rad,
             };
             // One that is out of order says nothing new.
-            let _ = shared.references.tell(&sighting.source, report, sighting.time);
+            let _ = shared.observed.references.tell(&sighting.source, report, sighting.time);
         }
-        shared.sightings.sighted(sighting);
+        shared.observed.sightings.sighted(sighting);
     }
 }
 
@@ -81,7 +81,7 @@ fn noticed(shared: &SharedState, parts: &Parts, event: EndpointEvent) {
             (Severity::Warning, format!("endpoint {endpoint} is down: {reason}"))
         }
         EndpointEvent::DuplicateCleared { system_id, remaining } => {
-            shared.unadopted.lock().retain(|u| u.system_id.0 != system_id);
+            shared.vehicles.forget_unadopted(|u| u.system_id.0 == system_id);
             (
                 Severity::Advisory,
                 format!("system id {system_id} is unique again, heard from {remaining}"),

@@ -284,7 +284,7 @@ impl NodeState {
 
     /// A drill keeps it from being started.
     fn coordinator_is_away(&self) -> bool {
-        self.arguments.handle.shared().coordinator_away.load(Ordering::Acquire)
+        self.arguments.handle.shared().coordination.is_coordinator_away()
     }
 
     /// Starts a part and puts it on record.
@@ -368,14 +368,8 @@ impl NodeState {
         }
     }
 
-    fn publish(&self, name: String, mut health: ActorHealth) {
-        let mut actors = self.arguments.handle.shared().actors.lock();
-        if health.last_error.is_empty()
-            && let Some(before) = actors.get(&name)
-        {
-            health.last_error.clone_from(&before.last_error);
-        }
-        actors.insert(name, health);
+    fn publish(&self, name: String, health: ActorHealth) {
+        self.arguments.handle.shared().note_actor(name, health);
     }
 
     fn ended(&mut self, myself: &ActorRef<NodeMessage>, part: Part, error: &str) {

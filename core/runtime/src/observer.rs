@@ -53,7 +53,7 @@ impl Actor for Observer {
                 }
             }
         });
-        let sequence = shared.picture.load().sequence;
+        let sequence = shared.picture().sequence;
         Ok(ObserverState {
             shared,
             sequence,
@@ -63,30 +63,27 @@ impl Actor for Observer {
 
     async fn handle(&self, _: ActorRef<Look>, _: Look, state: &mut ObserverState) -> Result<(), ActorProcessingErr> {
         state.sequence += 1;
-        state
-            .shared
-            .picture
-            .store(Arc::new(fleet(&state.shared, state.sequence)));
+        state.shared.publish_picture(fleet(&state.shared, state.sequence));
         Ok(())
     }
 }
 
 fn fleet(shared: &SharedState, sequence: u64) -> FleetSnapshot {
     let now = shared.now();
-    let peers = shared.peers.load_full();
-    let coordination = shared.coordination.lock().clone();
-    let intent_version = shared.intent.load().version;
+    let peers = shared.peers();
+    let coordination = shared.coordination.read().clone();
+    let intent_version = shared.coordination.intent().version;
     let leader = coordination.formation.as_ref().and_then(|f| f.leader);
-    let actors: Vec<ActorHealth> = shared.actors.lock().values().cloned().collect();
+    let actors: Vec<ActorHealth> = shared.actors();
     FleetSnapshot {
         time: now,
         sequence,
         frame: shared.frame(),
         vehicles: vehicles(shared, &peers, leader, now),
-        unadopted: shared.unadopted.lock().clone(),
+        unadopted: shared.vehicles.unadopted(),
         formation: formation(&coordination, &peers, intent_version, now),
         actors,
-        tracks: shared.tracks.load().as_ref().clone(),
+        tracks: shared.observed.tracks().as_ref().clone(),
         swarm: shared.swarm.as_ref().map(|swarm| swarm.picture.load().as_ref().clone()),
         resume: shared.resume.question(),
     }
@@ -100,7 +97,7 @@ fn vehicles(
     now: NodeTime,
 ) -> Vec<VehicleSnapshot> {
     let node = shared.swarm.as_ref().map(|swarm| swarm.role.load().node);
-    let records = shared.records();
+    let records = shared.vehicles.records();
     let mut all: Vec<VehicleSnapshot> = records
         .iter()
         .filter_map(|record| picture::vehicle(shared, record, peers, leader, now))
@@ -108,7 +105,7 @@ fn vehicles(
         .collect();
     if let Some(swarm) = &shared.swarm {
         let remote = swarm.vehicles.read();
-        let others = remote.iter().filter(|(id, _)| shared.record(**id).is_none());
+        let others = remote.iter().filter(|(id, _)| shared.vehicles.record(**id).is_none());
         all.extend(others.filter_map(|(id, remote)| remote.snapshot(peers.entry(*id)?, leader, now)));
         all.sort_by_key(|vehicle| vehicle.id);
     }

@@ -265,11 +265,11 @@ pub fn escalate(shared: &SharedState, vehicle: &VehicleRecord, record: &PayloadR
     );
     let now = shared.now();
     shared.events.record(now, Some(vehicle.id), severity, kind, text);
-    let flying = shared.peers.load().entry(vehicle.id).is_some_and(|e| e.airborne);
+    let flying = shared.peers().entry(vehicle.id).is_some_and(|e| e.airborne);
     let Some(command) = command.filter(|_| flying) else {
         return;
     };
-    shared.withdraw(vehicle);
+    shared.vehicles.withdraw(vehicle);
     if let Some(actor) = vehicle.actor.load_full() {
         let message = VehicleMessage::Command {
             id: shared.next_command_id(),

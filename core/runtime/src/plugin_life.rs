@@ -15,9 +15,6 @@ use skein_view::{ActorStatus, EventKind, RestartRecord, Restored};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Restarts that are kept for reports.
-const KEPT_RESTARTS: usize = 4_096;
-
 /// What a call came to.
 #[derive(Debug)]
 pub enum Called {
@@ -128,10 +125,7 @@ impl PluginLife {
             payload: record.payload.clone(),
             system_id: Some(record.system_id),
         };
-        let runners = match record.payload {
-            None => &self.shared.runners,
-            Some(_) => &self.shared.payload_runners,
-        };
+        let runners = self.shared.plugins.runners_of(record);
         let instance = runners.create(plugin, isolation, create).await?;
         let restored = match snapshot {
             None => Restored::Fresh,
@@ -177,13 +171,10 @@ impl PluginLife {
     }
 
     fn keep_restart(&self, time: NodeTime, took_s: f64, backoff_s: f64, restored: Restored) {
-        let mut restarts = self.shared.restarts.lock();
-        if restarts.len() == KEPT_RESTARTS {
-            restarts.pop_front();
-        }
-        restarts.push_back(RestartRecord {
+        let name = self.record.health.lock().name.clone();
+        self.shared.plugins.note_restart(RestartRecord {
             time,
-            name: self.record.health.lock().name.clone(),
+            name,
             isolation: self.record.isolation,
             took_s,
             backoff_s,

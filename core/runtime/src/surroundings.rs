@@ -18,15 +18,7 @@ const SIGHTING_KEPT_S: f64 = 15.0;
 pub(crate) fn surroundings(shared: &SharedState, entries: &[PeerEntry], now: NodeTime) -> Surroundings {
     let settings = shared.gate().avoidance();
     let mut all: Vec<Neighbour> = entries.iter().flat_map(|entry| vehicle(entry, now)).collect();
-    let tracks = shared.tracks.load();
-    all.extend(
-        shared
-            .own_tracks
-            .lock()
-            .strangers(&tracks, entries, now)
-            .into_iter()
-            .map(track),
-    );
+    all.extend(shared.observed.strange_tracks(entries, now).iter().map(track));
     all.extend(sighted(shared, now));
     Surroundings::new(&all, &settings, now)
 }
@@ -34,8 +26,7 @@ pub(crate) fn surroundings(shared: &SharedState, entries: &[PeerEntry], now: Nod
 /// Aircraft and movers that were sighted. Those on the ground cannot be told from those in the air: all are kept away from.
 fn sighted(shared: &SharedState, now: NodeTime) -> Vec<Neighbour> {
     let Some(frame) = shared.frame() else { return Vec::new() };
-    shared
-        .sightings
+    shared.observed.sightings
         .since(now.plus_seconds(-SIGHTING_KEPT_S))
         .into_iter()
         .map(|sighting| {

@@ -199,7 +199,7 @@ impl VehicleState {
         };
         self.commands.insert(flown_id, flown.name());
         let was_pilot = std::mem::replace(&mut self.pilot, false);
-        let peers = self.shared.peers.load_full();
+        let peers = self.shared.peers();
         let mut events = self.gather(&peers);
         events.push(Event::Command {
             id: flown_id,
@@ -240,7 +240,7 @@ impl VehicleState {
             });
         }
         if self.record.state.lock().flight_state != FlightState::Leading {
-            self.shared.withdraw(&self.record);
+            self.shared.vehicles.withdraw(&self.record);
         }
         Ok(())
     }
@@ -267,7 +267,7 @@ impl VehicleState {
 
     /// What can be said of a command before the model sees it.
     fn admit(&self, command: &VehicleCommand) -> Result<(), Refusal> {
-        let peers = self.shared.peers.load();
+        let peers = self.shared.peers();
         let entry = peers.entry(self.record.id);
         if !entry.is_some_and(|e| e.link.connected) {
             return Err(Refusal::LinkLost {

@@ -1,20 +1,11 @@
-//! What is known of an emergency stop: that it is unlocked, and why nothing is done with a vehicle that was stopped.
+//! What all know of an emergency stop: its request, and why nothing is done with a vehicle that was stopped.
 //!
 //! Must never do: stop anything.
 
-use skein_domain::{NodeTime, Refusal, RequestId};
+use skein_domain::{Refusal, RequestId};
 
 /// Request id of the stop itself, beyond what models and actors use.
 pub const EMERGENCY_REQUEST: RequestId = RequestId(u32::MAX - 1);
-
-/// The stop, unlocked.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct EmergencyUnlock {
-    /// The key of the second step.
-    pub key: String,
-    /// Until then it is good.
-    pub until: NodeTime,
-}
 
 /// Why nothing is done with a vehicle whose motors were stopped.
 pub fn stopped() -> Refusal {

@@ -8,27 +8,37 @@
 pub mod asks;
 pub mod by_hand;
 pub mod cluster;
+mod coordination;
 pub mod emergency;
 mod failsafe;
 mod held_route;
 mod mailbox;
+mod observed;
+mod operators;
 mod overrun;
 mod payload;
 pub mod picture;
 mod plugin;
+mod plugins;
 pub mod restart;
 pub mod resume;
 mod shared;
 mod vehicle;
+mod vehicles;
 pub mod whole_file;
 
+pub use coordination::SharedCoordination;
 pub use failsafe::{FailsafeMonitor, Holding};
 pub use held_route::{HeldRoute, UploadEnd, is_upload};
 pub use mailbox::{
     Asker, ExchangeReply, ParameterOrder, ParameterOutcome, PayloadMessage, SwarmMessage, VehicleMessage, asking,
 };
-pub use overrun::Overrun;
+pub use observed::Observed;
+pub use operators::Operators;
+pub use overrun::{Overrun, OverrunEvent};
 pub use payload::{PayloadPublished, PayloadRecord, Report, TransportAddress};
 pub use plugin::{PluginIdentity, PluginRecord};
+pub use plugins::Plugins;
 pub use shared::SharedState;
 pub use vehicle::{Itinerary, LinkSlot, PublishedState, VehicleRecord};
+pub use vehicles::Vehicles;

@@ -3,30 +3,27 @@
 //!
 //! Must never do: wait, or hold a lock across an await.
 
-use crate::by_hand::Relays;
 use crate::cluster::share::SwarmShare;
-use crate::emergency::EmergencyUnlock;
-use crate::overrun::Overrun;
+use crate::coordination::SharedCoordination;
+use crate::observed::Observed;
+use crate::operators::Operators;
+use crate::overrun::{Overrun, OverrunEvent};
+use crate::plugins::Plugins;
 use crate::resume::Resume;
-use crate::vehicle::VehicleRecord;
+use crate::vehicles::Vehicles;
 use arc_swap::{ArcSwap, ArcSwapOption};
-use parking_lot::{Mutex, RwLock};
+use parking_lot::Mutex;
 use skein_config::NodeConfig;
-use skein_coordination::{AnchorKeeper, Coordination, OwnTracks, References};
 use skein_domain::fence::FencePlan;
-use skein_domain::payload::Track;
-use skein_domain::preflight::PreflightOverride;
-use skein_domain::{Clock, Geodetic, Intent, NodeId, NodeTime, SwarmFrame, VehicleId};
-use skein_link_mavlink::Sightings;
-use skein_plugin_host::{Catalog, Runners};
-use skein_px4::PairedLink;
+use skein_domain::{Clock, Geodetic, NodeId, NodeTime, SwarmFrame, VehicleId};
+use skein_plugin_host::Catalog;
 use skein_safety::control::ControlTable;
 use skein_safety::{FencePlanError, Fences, Gate};
-use skein_view::{ActorHealth, EventLog, FleetSnapshot, PeerSnapshot, RestartRecord, UnadoptedVehicle};
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use skein_view::{ActorHealth, EventLog, FleetSnapshot, PeerSnapshot};
+use std::collections::BTreeMap;
+use std::ops::Deref;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::Duration;
 
 /// Everything the actors of one node share.
 pub struct SharedState {
@@ -34,81 +31,38 @@ pub struct SharedState {
     pub config: NodeConfig,
     /// The node's clock.
     pub clock: Arc<dyn Clock>,
+    /// Events.
+    pub events: EventLog,
+    /// What operators have told.
+    pub operators: Operators,
+    /// This node's vehicles.
+    pub vehicles: Vehicles,
+    /// Its plugins.
+    pub plugins: Plugins,
+    /// What the coordinator wants.
+    pub coordination: SharedCoordination,
+    /// What is known of others than the swarm's vehicles.
+    pub observed: Observed,
+    /// What was flown when the node was killed, and who of it is taken back.
+    pub resume: Resume,
+    /// The swarm this node is part of, if any.
+    pub swarm: Option<SwarmShare>,
     /// The safety gate; replaced as a whole when the fences change.
     gate: ArcSwap<Gate>,
     /// The fences as they were described.
-    pub fence_plan: Mutex<FencePlan>,
-    /// Events.
-    pub events: EventLog,
-    /// Plugins found.
-    pub catalog: Catalog,
-    /// Threads that UAV models' calls run on.
-    pub runners: Arc<Runners>,
-    /// Threads that payloads' calls run on: a camera that draws a picture must keep no vehicle waiting.
-    pub payload_runners: Arc<Runners>,
+    fence_plan: Mutex<FencePlan>,
     /// The swarm's common frame, once known. Set once: positions given before must keep their meaning.
     frame: ArcSwapOption<SwarmFrame>,
     /// Peers of the present control period.
-    pub peers: ArcSwap<PeerSnapshot>,
-    /// What the coordinator wants.
-    pub intent: ArcSwap<Intent>,
-    /// What the coordinator must find again after a restart.
-    pub coordination: Mutex<Coordination>,
-    /// Vehicles that an operator's command took out of the formation. Written before the command is sent, so that no regrouping can
-    /// come between and call them back.
-    pub withdrawn: Mutex<BTreeSet<VehicleId>>,
-    /// Vehicles by id.
-    records: RwLock<BTreeMap<VehicleId, Arc<VehicleRecord>>>,
-    /// Vehicles that are flown over two links.
-    pub pairs: Mutex<BTreeMap<VehicleId, Arc<PairedLink>>>,
-    /// Vehicles heard but not flown.
-    pub unadopted: Mutex<Vec<UnadoptedVehicle>>,
-    /// Health of the node's own actors by name.
-    pub actors: Mutex<BTreeMap<String, ActorHealth>>,
-    /// Restarts of plugin instances, the newest last; as many as are kept.
-    pub restarts: Mutex<VecDeque<RestartRecord>>,
-    /// Whether this computer's control loop comes in time.
-    pub overrun: Mutex<Overrun>,
-    /// Held while the instances of a plugin are exchanged for another version.
-    pub exchanging: tokio::sync::Mutex<()>,
-    /// Aircraft and movers that were sighted over MAVLink.
-    pub sightings: Sightings,
-    /// Things that formations may be anchored to.
-    pub references: References,
-    /// Which console has control authority over which vehicles.
-    pub control: Mutex<ControlTable>,
-    /// Sticks on their way to vehicles of other nodes that are flown by hand.
-    pub relays: Relays,
-    /// Works out the anchor of a formation that follows no vehicle.
-    pub anchor: Mutex<AnchorKeeper>,
-    /// Which tracks are of our own vehicles.
-    pub own_tracks: Mutex<OwnTracks>,
-    /// When the coordinator last looked at its formation, in microseconds of node time.
-    coordinator_seen_us: AtomicU64,
-    /// When an operator last gave a sign of life, in microseconds of node time; 0 if none ever did.
-    operator_heard_us: AtomicU64,
-    /// The same at another node of the swarm.
-    operator_elsewhere_us: AtomicU64,
-    /// What is tracked was told at this node last.
-    tracks_are_ours: AtomicBool,
-    /// Red items that somebody took upon himself at this node.
-    pub overrides_here: Mutex<Vec<PreflightOverride>>,
-    /// Red items of preflight reports that somebody takes upon himself.
-    pub overrides: Mutex<Vec<PreflightOverride>>,
-    /// The emergency stop, while it is unlocked.
-    pub emergency: Mutex<Option<EmergencyUnlock>>,
-    /// A drill: the coordinator is not started again as long as this is set.
-    pub coordinator_away: AtomicBool,
-    /// The node is stopping: nobody goes into OFFBOARD any more.
-    pub stopping: AtomicBool,
-    /// What was flown when the node was killed, and who of it is taken back.
-    pub resume: Resume,
-    /// What is tracked; replaced as a whole.
-    pub tracks: ArcSwap<Vec<Track>>,
+    peers: ArcSwap<PeerSnapshot>,
     /// The picture for screens.
-    pub picture: ArcSwap<FleetSnapshot>,
-    /// The swarm this node is part of, if any.
-    pub swarm: Option<SwarmShare>,
+    picture: ArcSwap<FleetSnapshot>,
+    /// Health of the node's own actors by name.
+    actors: Mutex<BTreeMap<String, ActorHealth>>,
+    /// Whether this computer's control loop comes in time.
+    overrun: Mutex<Overrun>,
+    /// The node is stopping: nobody goes into OFFBOARD any more.
+    stopping: AtomicBool,
     next_command: AtomicU64,
 }
 
@@ -116,13 +70,7 @@ impl SharedState {
     /// An empty one.
     #[must_use]
     pub fn new(config: NodeConfig, clock: Arc<dyn Clock>, gate: Gate, fence_plan: FencePlan, catalog: Catalog) -> Self {
-        let runners = || {
-            let deadline = Duration::from_secs_f64(config.plugins.call_deadline_s);
-            Runners::new(config.plugins.runner_threads, deadline)
-        };
         let frame = config.swarm.origin.map(|origin| Arc::new(SwarmFrame::new(origin)));
-        let (runners, payload_runners) = (runners(), runners());
-        let max_speed_m_s = config.safety.max_speed_m_s;
         let node = config.swarm.id.as_ref().and(config.swarm.node).map(NodeId);
         let swarm = node.map(|node| SwarmShare::new(node, config.swarm.observer));
         let (events, now) = (EventLog::default(), clock.now());
@@ -130,6 +78,11 @@ impl SharedState {
         let mut control = ControlTable::new(node.unwrap_or(NodeId(0)));
         resume.hand_back(&mut control, now);
         Self {
+            operators: Operators::new(control),
+            vehicles: Vehicles::default(),
+            plugins: Plugins::new(catalog, &config.plugins),
+            coordination: SharedCoordination::default(),
+            observed: Observed::new(config.safety.max_speed_m_s),
             swarm,
             config,
             clock,
@@ -137,38 +90,12 @@ impl SharedState {
             fence_plan: Mutex::new(fence_plan),
             events,
             resume,
-            catalog,
-            runners,
-            payload_runners,
             frame: ArcSwapOption::from(frame),
             peers: ArcSwap::default(),
-            intent: ArcSwap::default(),
-            coordination: Mutex::default(),
-            withdrawn: Mutex::default(),
-            records: RwLock::default(),
-            pairs: Mutex::default(),
-            unadopted: Mutex::default(),
-            actors: Mutex::default(),
-            restarts: Mutex::default(),
-            overrun: Mutex::default(),
-            exchanging: tokio::sync::Mutex::default(),
-            sightings: Sightings::new(),
-            references: References::new(max_speed_m_s),
-            control: Mutex::new(control),
-            relays: Relays::default(),
-            anchor: Mutex::default(),
-            own_tracks: Mutex::default(),
-            coordinator_seen_us: AtomicU64::new(0),
-            operator_heard_us: AtomicU64::new(0),
-            operator_elsewhere_us: AtomicU64::new(0),
-            tracks_are_ours: AtomicBool::new(false),
-            overrides_here: Mutex::default(),
-            overrides: Mutex::default(),
-            emergency: Mutex::default(),
-            coordinator_away: AtomicBool::new(false),
-            stopping: AtomicBool::new(false),
-            tracks: ArcSwap::default(),
             picture: ArcSwap::default(),
+            actors: Mutex::default(),
+            overrun: Mutex::default(),
+            stopping: AtomicBool::new(false),
             // Each node of a swarm counts from elsewhere, so that a command can be told from another node's.
             next_command: AtomicU64::new(node.map_or(0, |node| node.0 & 0x1FFF) << 40 | 1),
         }
@@ -180,62 +107,10 @@ impl SharedState {
         self.gate.load_full()
     }
 
-    /// The coordinator gives a sign of life.
-    pub fn see_coordinator(&self) {
-        self.coordinator_seen_us.store(self.now().0, Ordering::Relaxed);
-    }
-
-    /// When the coordinator last gave a sign of life.
+    /// The fences as they were described.
     #[must_use]
-    pub fn coordinator_seen(&self) -> NodeTime {
-        if let Some(seen) = self.swarm.as_ref().and_then(|swarm| swarm.role.load().coordinator_seen) {
-            return seen;
-        }
-        NodeTime(self.coordinator_seen_us.load(Ordering::Relaxed))
-    }
-
-    /// An operator gave a sign of life at another node.
-    pub fn hear_operator_elsewhere(&self, at: NodeTime) {
-        self.operator_elsewhere_us.fetch_max(at.0, Ordering::Relaxed);
-    }
-
-    /// When an operator last gave a sign of life at this node, if ever.
-    #[must_use]
-    pub fn operator_heard_here(&self) -> Option<NodeTime> {
-        let heard_us = self.operator_heard_us.load(Ordering::Relaxed);
-        (heard_us > 0).then_some(NodeTime(heard_us))
-    }
-
-    /// What is tracked, as it was told here.
-    pub fn tell_tracks(&self, tracks: Vec<Track>) {
-        self.tracks_are_ours.store(true, Ordering::Release);
-        self.tracks.store(Arc::new(tracks));
-    }
-
-    /// What is tracked, as it was told at another node.
-    pub fn hear_tracks(&self, tracks: Vec<Track>) {
-        self.tracks_are_ours.store(false, Ordering::Release);
-        self.tracks.store(Arc::new(tracks));
-    }
-
-    /// What is tracked, if it was told here last.
-    #[must_use]
-    pub fn tracks_here(&self) -> Option<Vec<Track>> {
-        let ours = self.tracks_are_ours.load(Ordering::Acquire);
-        ours.then(|| self.tracks.load().as_ref().clone())
-    }
-
-    /// An operator gives a sign of life.
-    pub fn hear_operator(&self) {
-        self.operator_heard_us.store(self.now().0.max(1), Ordering::Relaxed);
-    }
-
-    /// When an operator last gave a sign of life, if ever.
-    #[must_use]
-    pub fn operator_heard(&self) -> Option<NodeTime> {
-        let elsewhere_us = self.operator_elsewhere_us.load(Ordering::Relaxed);
-        let heard_us = self.operator_heard_us.load(Ordering::Relaxed).max(elsewhere_us);
-        (heard_us > 0).then_some(NodeTime(heard_us))
+    pub fn fence_plan(&self) -> FencePlan {
+        self.fence_plan.lock().clone()
     }
 
     /// Other fences from now on.
@@ -248,6 +123,74 @@ impl SharedState {
         *self.fence_plan.lock() = plan;
         self.gate.store(Arc::new(gate));
         Ok(())
+    }
+
+    /// All vehicles at the present control period.
+    #[must_use]
+    pub fn peers(&self) -> Arc<PeerSnapshot> {
+        self.peers.load_full()
+    }
+
+    /// The control loop has read all links.
+    pub fn publish_peers(&self, peers: PeerSnapshot) {
+        self.peers.store(Arc::new(peers));
+    }
+
+    /// The newest picture for screens.
+    #[must_use]
+    pub fn picture(&self) -> Arc<FleetSnapshot> {
+        self.picture.load_full()
+    }
+
+    /// The observer has made a picture.
+    pub fn publish_picture(&self, picture: FleetSnapshot) {
+        self.picture.store(Arc::new(picture));
+    }
+
+    /// Health of the node's own actors.
+    #[must_use]
+    pub fn actors(&self) -> Vec<ActorHealth> {
+        self.actors.lock().values().cloned().collect()
+    }
+
+    /// The node says how one of its actors is; without an error the last one stays known.
+    pub fn note_actor(&self, name: String, mut health: ActorHealth) {
+        let mut actors = self.actors.lock();
+        if health.last_error.is_empty()
+            && let Some(before) = actors.get(&name)
+        {
+            health.last_error.clone_from(&before.last_error);
+        }
+        actors.insert(name, health);
+    }
+
+    /// The control loop ticks; what there is to tell of that.
+    pub fn note_tick(&self, now: NodeTime, period_s: f64) -> Option<OverrunEvent> {
+        self.overrun.lock().tick(now, period_s)
+    }
+
+    /// Whether the control loop comes in time, to be read.
+    pub fn overrun(&self) -> impl Deref<Target = Overrun> {
+        self.overrun.lock()
+    }
+
+    /// The node is stopping from now on: nobody goes into OFFBOARD any more, and nothing is kept for a restart.
+    pub fn begin_stopping(&self) {
+        self.stopping.store(true, Ordering::Release);
+    }
+
+    /// Whether the node is stopping.
+    #[must_use]
+    pub fn is_stopping(&self) -> bool {
+        self.stopping.load(Ordering::Acquire)
+    }
+
+    /// When the coordinator that this node obeys last gave a sign of life.
+    #[must_use]
+    pub fn coordinator_seen(&self) -> NodeTime {
+        let swarm = self.swarm.as_ref();
+        let elsewhere = swarm.and_then(|swarm| swarm.role.load().coordinator_seen);
+        elsewhere.unwrap_or_else(|| self.coordination.coordinator_seen())
     }
 
     /// Now.
@@ -291,16 +234,10 @@ impl SharedState {
         swarm.is_none_or(|swarm| swarm.role.load().is_undisputed(now))
     }
 
-    /// Takes one of this node's vehicles out of the formation; tells whether it was in it.
-    pub fn withdraw(&self, record: &VehicleRecord) -> bool {
-        record.note_withdrawal();
-        self.withdrawn.lock().insert(record.id)
-    }
-
     /// Which other node flies a vehicle; none if this one does, or nobody.
     #[must_use]
     pub fn host(&self, vehicle: VehicleId) -> Option<NodeId> {
-        if self.records.read().contains_key(&vehicle) {
+        if self.vehicles.has(vehicle) {
             return None;
         }
         self.swarm.as_ref()?.host(vehicle)
@@ -309,27 +246,10 @@ impl SharedState {
     /// All vehicles of the swarm, this node's and others', by ascending id.
     #[must_use]
     pub fn vehicle_ids(&self) -> Vec<VehicleId> {
-        let mut ids: BTreeSet<VehicleId> = self.records.read().keys().copied().collect();
+        let mut ids = self.vehicles.ids();
         if let Some(swarm) = &self.swarm {
             ids.extend(swarm.vehicles.read().keys());
         }
         ids.into_iter().collect()
-    }
-
-    /// The record of the vehicle.
-    #[must_use]
-    pub fn record(&self, id: VehicleId) -> Option<Arc<VehicleRecord>> {
-        self.records.read().get(&id).cloned()
-    }
-
-    /// All records by ascending id.
-    #[must_use]
-    pub fn records(&self) -> Vec<Arc<VehicleRecord>> {
-        self.records.read().values().cloned().collect()
-    }
-
-    /// Adds a vehicle; the one with the same id, if any, is replaced.
-    pub fn insert_record(&self, record: Arc<VehicleRecord>) {
-        self.records.write().insert(record.id, record);
     }
 }

@@ -246,12 +246,7 @@ impl SwarmState {
         if was == is {
             return;
         }
-        let mut withdrawn = self.shared.withdrawn.lock();
-        if is.is_some() {
-            withdrawn.insert(report.id);
-        } else {
-            withdrawn.remove(&report.id);
-        }
+        self.shared.vehicles.mirror_withdrawals([(report.id, is.is_some())]);
     }
 
     fn sheet(&mut self, from: NodeId, sheet: VehicleSnapshot) {

@@ -45,7 +45,7 @@ impl SwarmState {
 
     /// How suited this node is: as configured, unless all of its vehicles say that they cannot host a coordinator.
     fn priority(&self) -> Option<u8> {
-        let records = self.shared.records();
+        let records = self.shared.vehicles.records();
         let told: Vec<bool> = records
             .iter()
             .filter_map(|record| record.state.lock().capability.map(|c| c.capable))
@@ -90,17 +90,9 @@ impl SwarmState {
             vehicles.values().map(|v| (v.report.id, withdrawn(v))).collect()
         };
         let acting = self.leadership.acting();
-        {
-            // Of others' vehicles only the coordinator keeps count here.
-            let mut withdrawn = self.shared.withdrawn.lock();
-            for (id, is) in remote {
-                if is && acting.is_some() {
-                    withdrawn.insert(id);
-                } else {
-                    withdrawn.remove(&id);
-                }
-            }
-        }
+        // Of others' vehicles only the coordinator keeps count here.
+        let told = remote.into_iter().map(|(id, is)| (id, is && acting.is_some()));
+        self.shared.vehicles.mirror_withdrawals(told);
         match (before, acting) {
             (None, Some(term)) => {
                 tracing::info!(term = term.number, "coordinates");
@@ -142,7 +134,7 @@ impl SwarmState {
         };
         if role.acting.is_some() && before.acting.is_none() {
             // What it decides comes a moment later: until then nobody is to think that there is no coordinator.
-            self.shared.see_coordinator();
+            self.shared.coordination.see_coordinator(self.shared.now());
         }
         if role != before {
             swarm.role.store(Arc::new(role));
@@ -269,10 +261,10 @@ impl SwarmState {
 /// Nobody is heard: whatever the others do now, they expect those that they do not hear to stop. Trajectories go on: they were proven for
 /// all who fly them, over time.
 fn hold_here(shared: &SharedState) {
-    let mut intent = shared.intent.load().as_ref().clone();
+    let mut intent = shared.coordination.intent().as_ref().clone();
     // Coordinators publish even versions: the next one outranks this.
     let version = intent.version | 1;
-    for record in shared.records() {
+    for record in shared.vehicles.records() {
         if let Some(task) = intent.tasks.get_mut(&record.id)
             && matches!(task.task, Task::Lead { .. } | Task::Follow { .. } | Task::Keep(_))
         {
@@ -282,7 +274,7 @@ fn hold_here(shared: &SharedState) {
             };
         }
     }
-    shared.intent.store(Arc::new(intent));
+    shared.coordination.publish(intent);
 }
 
 fn told(term: Term) -> TermSnapshot {

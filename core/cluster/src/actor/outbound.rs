@@ -142,7 +142,7 @@ impl SwarmState {
             name: self.shared.config.node.name.clone(),
             roles: NodeRole::to_bits(&roles(&self.shared)),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            vehicles: self.shared.records().iter().map(|record| record.id).take(256).collect(),
+            vehicles: self.shared.vehicles.records().iter().map(|record| record.id).take(256).collect(),
             origin: origin_of(self.shared.frame()),
         };
         if self.told.card.as_ref() != Some(&card) {
@@ -153,13 +153,13 @@ impl SwarmState {
 
     /// Tells where its vehicles are; whether one flies.
     fn tell_vehicles(&mut self, now: NodeTime) -> bool {
-        let peers = self.shared.peers.load_full();
-        let withdrawn = self.shared.withdrawn.lock().clone();
+        let peers = self.shared.peers();
+        let withdrawn = self.shared.vehicles.withdrawn();
         let report = |record: &Arc<VehicleRecord>| {
             let entry = peers.entry(record.id)?;
             Some(VehicleReport::of(record, entry, withdrawn.contains(&record.id), now))
         };
-        let reports: Vec<VehicleReport> = self.shared.records().iter().filter_map(report).collect();
+        let reports: Vec<VehicleReport> = self.shared.vehicles.records().iter().filter_map(report).collect();
         let flies = reports.iter().any(|r| r.has(skein_state::cluster::report::ARMED));
         let mut count = 0;
         for chunk in reports.chunks(PER_BATCH) {
@@ -179,8 +179,8 @@ impl SwarmState {
 
     /// Tells what screens show of its vehicles, where that has changed.
     fn tell_sheets(&mut self, now: NodeTime) {
-        let peers = self.shared.peers.load_full();
-        for record in self.shared.records() {
+        let peers = self.shared.peers();
+        for record in self.shared.vehicles.records() {
             let Some(sheet) = picture::vehicle(&self.shared, &record, &peers, None, now) else {
                 continue;
             };
@@ -208,7 +208,7 @@ impl SwarmState {
             return;
         };
         // The coordinator of this node takes its leadership up first: what is in the shared state is of a former term until then.
-        let intent = self.shared.intent.load_full();
+        let intent = self.shared.coordination.intent();
         if intent.version < skein_state::cluster::share::first_version(term) {
             return;
         }
@@ -238,7 +238,7 @@ impl SwarmState {
         let Some(swarm) = &self.shared.swarm else {
             return BTreeMap::new();
         };
-        let withdrawn = self.shared.withdrawn.lock();
+        let withdrawn = self.shared.vehicles.withdrawn();
         let mut recalled = swarm.recalled.lock();
         for (id, remote) in swarm.vehicles.read().iter() {
             if remote.report.has(skein_state::cluster::report::WITHDRAWN) && !withdrawn.contains(id) {
@@ -260,7 +260,7 @@ impl SwarmState {
         let revision = *swarm.fence_revision.lock();
         // Everybody tells the newest it knows: they outlive whoever set them.
         if revision > self.told.fence_revision {
-            let plan = self.shared.fence_plan.lock().clone();
+            let plan = self.shared.fence_plan();
             if let Ok(packed) = pack(&FencesTold { revision, plan }) {
                 self.tell_parts(now, Kind::Fences, 0, &packed);
             }

@@ -64,11 +64,11 @@ impl CoordinatorState {
             return false;
         }
         self.joins.clear();
-        self.settled = is_settled(&self.shared.coordination.lock(), self.shared.now());
+        self.settled = is_settled(&self.shared.coordination.read(), self.shared.now());
         // Two may have claimed one term at once, and the one who keeps the leadership renews it: whom it succeeded is missed all the same.
         if let Some(missed) = role.lost_leader.filter(|_| had_none) {
             let since = self.shared.now();
-            let formation = self.shared.coordination.lock().formation.clone();
+            let formation = self.shared.coordination.formation();
             let members = formation.map(|formation| formation.members).unwrap_or_default();
             self.interrupt_if_apart(&members, &[missed]);
             self.lost_leader = Some(LostLeader { missed, since, members });
@@ -89,7 +89,7 @@ impl CoordinatorState {
         let Some(swarm) = &self.shared.swarm else { return };
         // As old as the picture is, which is made anew several times a second.
         let longest_s = now.seconds_since(since) + TOGETHER_S;
-        let overrun = self.shared.overrun.lock();
+        let overrun = self.shared.overrun();
         let silence_s = |heard_s: f64| overrun.silence_s(now.plus_seconds(-heard_s), now);
         let mut gone: Vec<NodeId> = (swarm.picture.load().nodes.iter())
             .filter(|node| silence_s(node.heard_s) > LOOK_AGAIN_S && node.heard_s < longest_s)
@@ -113,7 +113,7 @@ impl CoordinatorState {
 
     /// Version of the task that a vehicle has taken up last.
     fn taken(&self, id: VehicleId) -> u64 {
-        if let Some(record) = self.shared.record(id) {
+        if let Some(record) = self.shared.vehicles.record(id) {
             return record.state.lock().task_version;
         }
         let swarm = self.shared.swarm.as_ref();
@@ -139,7 +139,7 @@ impl CoordinatorState {
     /// unseen; who would fly on here with what is left of the formation could meet them. Everyone here holds until they are back, which is
     /// what the others expect of those that they do not hear.
     fn interrupt_if_apart(&mut self, members: &[VehicleId], gone: &[NodeId]) {
-        let Some(mut formation) = self.shared.coordination.lock().formation.clone() else {
+        let Some(mut formation) = self.shared.coordination.formation() else {
             return;
         };
         // Who led has been succeeded since, and is to be back like the others.
@@ -161,7 +161,7 @@ impl CoordinatorState {
     /// The holder itself hears nobody any more, and flies vehicles of a formation with others'. To those its computer has failed: they
     /// have a new coordinator and fly on, unseen from here, so that what is flown here must stop.
     fn interrupt_if_cut_off(&mut self) {
-        let Some(formation) = self.shared.coordination.lock().formation.clone() else {
+        let Some(formation) = self.shared.coordination.formation() else {
             return;
         };
         let elsewhere = |id: &&VehicleId| self.shared.host(**id).is_some();
@@ -186,7 +186,7 @@ impl CoordinatorState {
             ..formation.request.clone()
         };
         {
-            let mut coordination = self.shared.coordination.lock();
+            let mut coordination = self.shared.coordination.change();
             coordination.interrupted = Some(Interrupted {
                 request,
                 route: coordination
@@ -202,8 +202,8 @@ impl CoordinatorState {
     }
 
     fn missing(&self, members: &[VehicleId]) -> Vec<VehicleId> {
-        let (peers, now) = (self.shared.peers.load(), self.shared.now());
-        let overrun = self.shared.overrun.lock();
+        let (peers, now) = (self.shared.peers(), self.shared.now());
+        let overrun = self.shared.overrun();
         let heard = |id: &VehicleId| {
             let entry = peers.entry(*id);
             entry.is_some_and(|e| e.link.connected && overrun.silence_s(e.link.last_heard, now) < MISSING_S)
@@ -255,7 +255,7 @@ impl CoordinatorState {
             node.is_some_and(|node| silent(*id) || has_started(node))
         });
         let unheard: Vec<VehicleId> = unheard.collect();
-        self.shared.coordination.lock().unheard.extend(unheard);
+        self.shared.coordination.change().unheard.extend(unheard);
     }
 
     /// A leader is passed over before its link counts as lost. One that was only silent for a moment is taken back when it is heard; one
@@ -265,20 +265,20 @@ impl CoordinatorState {
             .entry(leader)
             .is_some_and(|entry| !entry.under_order && entry.flight_state.is_available_in_air());
         if only_silent {
-            self.shared.coordination.lock().unheard.insert(leader);
+            self.shared.coordination.change().unheard.insert(leader);
         }
     }
 
     /// Takes those back who had left only because nothing was heard of them, and who can be flown again.
     pub(super) fn take_back_heard(&mut self, peers: &PeerSnapshot) {
         let able = coordination::available(peers);
-        let unheard: Vec<VehicleId> = self.shared.coordination.lock().unheard.iter().copied().collect();
+        let unheard: Vec<VehicleId> = self.shared.coordination.read().unheard.iter().copied().collect();
         let missing = self.missing(&unheard);
         for id in unheard
             .into_iter()
             .filter(|id| able.contains(id) && !missing.contains(id))
         {
-            self.shared.coordination.lock().unheard.remove(&id);
+            self.shared.coordination.change().unheard.remove(&id);
             if !self.joins.contains(&id) {
                 self.joins.push(id);
             }
@@ -287,7 +287,7 @@ impl CoordinatorState {
 
     /// A formation that was interrupted is flown again once those who were missing are back and can.
     pub(super) fn resume(&mut self, myself: &ActorRef<CoordinatorMessage>, peers: &PeerSnapshot) {
-        let interrupted = self.shared.coordination.lock().interrupted.clone();
+        let interrupted = self.shared.coordination.read().interrupted.clone();
         let Some(interrupted) = interrupted else { return };
         if self.regrouping || self.shared.now() < self.not_before {
             return;
@@ -302,7 +302,7 @@ impl CoordinatorState {
         let mut request = interrupted.request;
         let named = request.members.is_some();
         // Whom an operator has taken out stays out.
-        let withdrawn = self.shared.withdrawn.lock().clone();
+        let withdrawn = self.shared.vehicles.withdrawn();
         let others = || {
             coordination::available(&self.without_flights(peers))
                 .into_iter()
@@ -315,7 +315,7 @@ impl CoordinatorState {
 
     /// An interrupted formation is about to fly again, with what was left of its route.
     pub(super) fn take_route_back(&mut self) {
-        let mut coordination = self.shared.coordination.lock();
+        let mut coordination = self.shared.coordination.change();
         if let Some(interrupted) = coordination.interrupted.take()
             && coordination.route.is_none()
         {
@@ -329,7 +329,7 @@ impl CoordinatorState {
 
     /// The version of the task whose route a vehicle has flown to the end.
     pub(super) fn route_finished(&self, vehicle: VehicleId) -> Option<u64> {
-        if let Some(record) = self.shared.record(vehicle) {
+        if let Some(record) = self.shared.vehicles.record(vehicle) {
             return record.state.lock().route_finished;
         }
         let vehicles = self.shared.swarm.as_ref()?.vehicles.read();
@@ -338,7 +338,7 @@ impl CoordinatorState {
 
     /// Whether the leader has flown its present route to the end.
     pub(super) fn has_finished_route(&self, leader: VehicleId) -> bool {
-        let intent = self.shared.intent.load();
+        let intent = self.shared.coordination.intent();
         let task = intent.tasks.get(&leader).map(|task| task.version);
         let finished = self.route_finished(leader);
         // Of this node's own vehicles what was told of a former route is forgotten when a new one is set.

@@ -57,7 +57,7 @@ impl CoordinatorState {
             self.regrouping = true;
         }
         let (generation, input) = (self.generation, self.plan_input(request.clone(), &purpose));
-        let mut peers = self.shared.peers.load_full();
+        let mut peers = self.shared.peers();
         if request.members.is_none() {
             peers = Arc::new(self.without_flights(&peers));
         }
@@ -86,10 +86,10 @@ impl CoordinatorState {
     }
 
     fn plan_input(&self, request: FormationRequest, purpose: &Purpose) -> PlanInput {
-        let coordination = self.shared.coordination.lock().clone();
+        let coordination = self.shared.coordination.read().clone();
         let now = self.shared.now();
         let reference = match &request.anchor {
-            FormationAnchor::Reference { name } => self.shared.references.anchor(name, now),
+            FormationAnchor::Reference { name } => self.shared.observed.references.anchor(name, now),
             _ => None,
         };
         let (route_speed_m_s, under_way) = coordination.way(&request);
@@ -161,11 +161,8 @@ impl CoordinatorState {
 
     fn fly_asked(&mut self, formation: Formation) -> FormationReceipt {
         // The operator calls them back.
-        self.shared
-            .withdrawn
-            .lock()
-            .retain(|id| !formation.members.contains(id));
-        self.shared.coordination.lock().interrupted = None;
+        self.shared.vehicles.call_back(&formation.members);
+        self.shared.coordination.change().interrupted = None;
         let receipt = receipt(&formation);
         let behind = formation
             .leader

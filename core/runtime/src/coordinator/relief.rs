@@ -16,7 +16,7 @@ impl CoordinatorState {
     /// Takes those back whose failsafe policy held them and whose trouble is over.
     pub(super) fn take_back(&mut self, peers: &PeerSnapshot) {
         for entry in peers.entries.iter().filter(|e| e.may_rejoin) {
-            if self.shared.withdrawn.lock().remove(&entry.id) && !self.joins.contains(&entry.id) {
+            if self.shared.vehicles.call_back(&[entry.id]) && !self.joins.contains(&entry.id) {
                 self.joins.push(entry.id);
             }
         }
@@ -30,7 +30,7 @@ impl CoordinatorState {
             let Some(energy) = energy.filter(|e| e.level == EnergyLevel::ReplanSoon) else {
                 continue;
             };
-            if !self.shared.withdrawn.lock().insert(*id) {
+            if !self.shared.vehicles.leave_out(*id) {
                 continue;
             }
             let text = format!(
@@ -43,7 +43,7 @@ impl CoordinatorState {
                 .record(now, Some(*id), Severity::Advisory, EventKind::Formation, text);
             let command = VehicleCommand::Return;
             let legs =
-                ways::legs(self.shared.gate().fences(), &self.shared.peers.load(), *id, &command).unwrap_or_default();
+                ways::legs(self.shared.gate().fences(), &self.shared.peers(), *id, &command).unwrap_or_default();
             if let Some(node) = self.shared.host(*id) {
                 let order = Order {
                     vehicle: *id,
@@ -63,7 +63,7 @@ impl CoordinatorState {
                 reply: None,
             };
             // Without its actor it goes on as it is; its failsafe policy is looked at by the next incarnation.
-            if let Some(actor) = self.shared.record(*id).and_then(|record| record.actor.load_full()) {
+            if let Some(actor) = self.shared.vehicles.record(*id).and_then(|record| record.actor.load_full()) {
                 let _ = actor.cast(message);
             }
         }

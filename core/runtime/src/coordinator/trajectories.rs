@@ -71,7 +71,7 @@ impl CoordinatorState {
             Err(objections) => return drop(ask.reply.send(Err(objections))),
         };
         let (made_for, made_at) = ((self.generation, self.flights_version), input.now);
-        let peers = self.shared.peers.load_full();
+        let peers = self.shared.peers();
         let myself = myself.clone();
         tokio::spawn(async move {
             let planned = tokio::task::spawn_blocking(move || coordination::plan_trajectories(&input, &peers)).await;
@@ -110,9 +110,9 @@ impl CoordinatorState {
             )));
         }
         let frame = self.shared.frame().ok_or_else(|| of_all(Refusal::NoSwarmFrame))?;
-        let coordination = self.shared.coordination.lock().clone();
+        let coordination = self.shared.coordination.read().clone();
         let (mut held, mut clock_faults) = (BTreeMap::new(), std::collections::BTreeSet::new());
-        for record in self.shared.records() {
+        for record in self.shared.vehicles.records() {
             let published = record.state.lock();
             let holds = published.flight_state == FlightState::Holding;
             if let Some(place) = published.setpoint.and_then(|s| s.position).filter(|_| holds) {
@@ -178,7 +178,7 @@ impl CoordinatorState {
     /// Whether a former trajectory of one of them begins between planning and publishing: it was taken for one that stands, and may move.
     fn begins_meanwhile(&self, flown: &PlannedFlights, from: NodeTime, to: NodeTime) -> bool {
         let window = from.plus_seconds(-LEAD_TIME_S)..=to.plus_seconds(LEAD_TIME_S);
-        let coordination = self.shared.coordination.lock();
+        let coordination = self.shared.coordination.read();
         let former = |id| coordination.flights.get(id).filter(|f| f.is_on());
         flown
             .flights
@@ -191,12 +191,12 @@ impl CoordinatorState {
         let PlannedFlights { plan, flights, routes } = flown;
         let ids: Vec<VehicleId> = flights.keys().copied().collect();
         // The operator calls them back.
-        self.shared.withdrawn.lock().retain(|id| !ids.contains(id));
-        self.shared.coordination.lock().flights.extend(flights);
+        self.shared.vehicles.call_back(&ids);
+        self.shared.coordination.change().flights.extend(flights);
         self.flights_version += 1;
         self.publish();
         for (id, points) in routes {
-            let actor = self.shared.record(id).and_then(|record| record.actor.load_full());
+            let actor = self.shared.vehicles.record(id).and_then(|record| record.actor.load_full());
             if let Some(node) = self.shared.host(id) {
                 self.ask_elsewhere(node, Ask::Upload(vec![(id, points)]));
             } else if let Some(actor) = actor {
@@ -218,7 +218,7 @@ impl CoordinatorState {
     /// Ends all trajectories; who flew one holds.
     pub(super) fn end_trajectories(&mut self) -> Vec<VehicleId> {
         let mut ended = Vec::new();
-        for (id, flight) in &mut self.shared.coordination.lock().flights {
+        for (id, flight) in &mut self.shared.coordination.change().flights {
             if flight.is_on() {
                 flight.ended = Some("ended by an operator".to_owned());
                 ended.push(*id);
@@ -234,7 +234,7 @@ impl CoordinatorState {
 
     /// Members of a formation fly no trajectory of their own.
     pub(super) fn leave_trajectories(&mut self, members: &[VehicleId]) {
-        let mut coordination = self.shared.coordination.lock();
+        let mut coordination = self.shared.coordination.change();
         for id in members {
             if let Some(flight) = coordination.flights.get_mut(id).filter(|f| f.is_on()) {
                 flight.ended = Some("taken into the formation".to_owned());
@@ -245,7 +245,7 @@ impl CoordinatorState {
 
     /// The vehicles without those that are on their way along a trajectory: who is not named is not called away from it.
     pub(super) fn without_flights(&self, peers: &PeerSnapshot) -> PeerSnapshot {
-        let coordination = self.shared.coordination.lock();
+        let coordination = self.shared.coordination.read();
         let flies = |id: &VehicleId| coordination.flights.get(id).is_some_and(|f| f.is_on() && !f.finished);
         let mut left = peers.clone();
         left.entries.retain(|e| !flies(&e.id));
@@ -255,10 +255,10 @@ impl CoordinatorState {
     /// Notes who has come to the end, and who does something else by now.
     pub(super) fn review_trajectories(&mut self, peers: &PeerSnapshot) {
         let now = self.shared.now();
-        let withdrawn = self.shared.withdrawn.lock().clone();
-        let intent = self.shared.intent.load();
+        let withdrawn = self.shared.vehicles.withdrawn();
+        let intent = self.shared.coordination.intent();
         let mut left = Vec::new();
-        for (id, flight) in &mut self.shared.coordination.lock().flights {
+        for (id, flight) in &mut self.shared.coordination.change().flights {
             if !flight.is_on() {
                 continue;
             }

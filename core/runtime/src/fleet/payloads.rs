@@ -56,8 +56,7 @@ pub fn payload_record(
         detail: format!("payload {:?}: {detail}", rule.name),
     };
     rule.check().map_err(invalid)?;
-    let plugin = shared
-        .catalog
+    let plugin = shared.plugins.catalog
         .get(&rule.plugin)
         .ok_or_else(|| invalid(format!("the plugin \"{}\" is not among those found", rule.plugin)))?;
     let kind = payload_kind(plugin.manifest().kind).ok_or_else(|| {
@@ -106,7 +105,7 @@ impl FleetState {
         vehicle: VehicleId,
         rule: &PayloadRule,
     ) -> Result<(), Refusal> {
-        let record = self.shared.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+        let record = self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
         if record.payload(&rule.name).is_some() {
             return Err(Refusal::InvalidValue {
                 detail: format!("vehicle {vehicle} has a payload \"{}\" already", rule.name),
@@ -126,7 +125,7 @@ impl FleetState {
 
     /// Takes a payload off its vehicle and ends it.
     pub(super) fn detach(&mut self, vehicle: VehicleId, name: &str) -> Result<(), Refusal> {
-        let record = self.shared.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+        let record = self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
         let payload = record
             .payloads
             .write()
@@ -156,7 +155,7 @@ impl FleetState {
 
     /// Starts the next incarnation of a payload's actor.
     pub(super) async fn start_payload(&mut self, myself: &ActorRef<FleetMessage>, key: PayloadKey) {
-        let Some(vehicle) = self.shared.record(key.0) else {
+        let Some(vehicle) = self.shared.vehicles.record(key.0) else {
             return;
         };
         let Some(record) = vehicle.payload(&key.1) else { return };
@@ -178,7 +177,7 @@ impl FleetState {
 
     /// A payload's actor ended by itself.
     pub(super) fn payload_ended(&mut self, myself: &ActorRef<FleetMessage>, key: PayloadKey, error: &str) {
-        let Some(vehicle) = self.shared.record(key.0) else {
+        let Some(vehicle) = self.shared.vehicles.record(key.0) else {
             return;
         };
         let Some(record) = vehicle.payload(&key.1) else { return };

@@ -49,7 +49,7 @@ impl Candidate {
 
 impl FleetState {
     fn somebody_flies(&self) -> bool {
-        self.shared.peers.load().entries.iter().any(|entry| entry.airborne)
+        self.shared.peers().entries.iter().any(|entry| entry.airborne)
     }
 
     /// Whether it has to show first that it is there. If so it waits.

@@ -87,7 +87,7 @@ impl NodeHandle {
         };
         let mut legs = match command {
             VehicleCommand::Return if ids.len() > 1 => {
-                let (gate, peers) = (self.shared.gate(), self.shared.peers.load());
+                let (gate, peers) = (self.shared.gate(), self.shared.peers());
                 returns::legs(&gate, &peers, &self.shared.config.safety.returning, ids)
             }
             _ => BTreeMap::new(),
@@ -157,11 +157,8 @@ impl NodeHandle {
             }));
         }
         // Who did not take the command up goes on as before; the coordinator takes it back in.
-        let mut withdrawn = self.shared.withdrawn.lock();
-        for receipt in receipts.iter().filter(|r| r.refusal.is_some()) {
-            withdrawn.remove(&receipt.vehicle);
-        }
-        drop(withdrawn);
+        let refused = receipts.iter().filter(|r| r.refusal.is_some());
+        self.shared.vehicles.call_back(&refused.map(|r| r.vehicle).collect::<Vec<_>>());
         receipts
     }
 
@@ -175,7 +172,7 @@ impl NodeHandle {
             | VehicleCommand::Disarm
             | VehicleCommand::LookAt { .. }
             | VehicleCommand::StopObserving => {}
-            VehicleCommand::TakeOff { .. } => self.shared.withdrawn.lock().retain(|id| !ids.contains(id)),
+            VehicleCommand::TakeOff { .. } => drop(self.shared.vehicles.call_back(ids)),
             VehicleCommand::Land
             | VehicleCommand::LandAt { .. }
             | VehicleCommand::Hold
@@ -183,9 +180,9 @@ impl NodeHandle {
             | VehicleCommand::Observe { .. }
             | VehicleCommand::GoTo { .. } => {
                 for id in ids {
-                    match self.shared.record(*id) {
-                        Some(record) => drop(self.shared.withdraw(&record)),
-                        None => drop(self.shared.withdrawn.lock().insert(*id)),
+                    match self.shared.vehicles.record(*id) {
+                        Some(record) => drop(self.shared.vehicles.withdraw(&record)),
+                        None => drop(self.shared.vehicles.leave_out(*id)),
                     }
                 }
             }
@@ -207,7 +204,7 @@ impl NodeHandle {
             id,
             refusal: Some(refusal),
         };
-        let Some(record) = self.shared.record(vehicle) else {
+        let Some(record) = self.shared.vehicles.record(vehicle) else {
             return refused(Refusal::UnknownVehicle { vehicle });
         };
         let not_running = Refusal::NotRunning {
@@ -251,7 +248,7 @@ fn legs_of(
     command: &VehicleCommand,
     legs: VecDeque<VehicleCommand>,
 ) -> Result<VecDeque<VehicleCommand>, Refusal> {
-    match ways::legs(shared.gate().fences(), &shared.peers.load(), vehicle, command) {
+    match ways::legs(shared.gate().fences(), &shared.peers(), vehicle, command) {
         Ok(around) if legs.is_empty() => Ok(around),
         Ok(_) => Ok(legs),
         // A return that finds no way is better begun than not; the gate stops it where it must.

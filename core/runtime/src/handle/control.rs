@@ -39,12 +39,12 @@ impl NodeHandle {
     /// Who has control authority over which vehicles, by ascending id; the others are under nobody's.
     #[must_use]
     pub fn control(&self) -> Vec<VehicleControl> {
-        self.shared.control.lock().picture(self.now())
+        self.shared.operators.control().picture(self.now())
     }
 
     /// A console gives a sign of life.
     pub fn hear_console(&self, console: &str) {
-        self.shared.control.lock().hear(console, self.now());
+        self.shared.operators.change_control().hear(console, self.now());
     }
 
     /// A console takes, asks for, hands over or lets go vehicles.
@@ -79,7 +79,7 @@ impl NodeHandle {
         }
         let now = self.now();
         let (before, after) = {
-            let mut table = self.shared.control.lock();
+            let mut table = self.shared.operators.change_control();
             let before = table.holder(vehicle).map(|holder| holder.name.clone());
             match action {
                 ControlAction::Take => table.take(vehicle, console, now),
@@ -109,7 +109,7 @@ impl NodeHandle {
     /// # Errors
     /// The first of them over which another one has control authority.
     pub fn may_command(&self, console: Option<&str>, vehicles: &[VehicleId]) -> Result<(), Refusal> {
-        let (table, now) = (self.shared.control.lock(), self.shared.now());
+        let (table, now) = (self.shared.operators.control(), self.shared.now());
         vehicles
             .iter()
             .try_for_each(|vehicle| table.may(*vehicle, console, now))

@@ -154,7 +154,7 @@ impl NodeHandle {
     pub(super) async fn picture_of_now(&self) {
         let asked = self.shared.now();
         let fresh = async {
-            while self.shared.peers.load().made < asked {
+            while self.shared.peers().made < asked {
                 tokio::time::sleep(PICTURE_POLL).await;
             }
         };

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use skein_domain::exchange::Severity;
 use skein_domain::{NodeId, NodeTime, Refusal, VehicleId};
 use skein_state::asks::{Answer, Ask};
-use skein_state::emergency::{EMERGENCY_REQUEST, EmergencyUnlock};
+use skein_state::emergency::EMERGENCY_REQUEST;
 use skein_view::{CommandReceipt, EventKind};
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -32,10 +32,8 @@ impl NodeHandle {
         let now = self.now();
         // No secret: it only shows that somebody took the first step just now.
         let key = format!("{:08x}", now.0.wrapping_mul(0x9E37_79B9) & 0xFFFF_FFFF);
-        *self.shared().emergency.lock() = Some(EmergencyUnlock {
-            key: key.clone(),
-            until: now.plus_seconds(UNLOCKED_S),
-        });
+        let until = now.plus_seconds(UNLOCKED_S);
+        self.shared().operators.unlock_emergency_stop(key.clone(), until);
         let text = format!("emergency stop unlocked for {UNLOCKED_S:.0} s");
         self.shared()
             .events
@@ -53,8 +51,7 @@ impl NodeHandle {
     /// Without the key of a first step that is not too long ago. Each vehicle answers for itself otherwise.
     pub async fn emergency_stop(&self, key: &str, targets: &Targets) -> Result<Vec<CommandReceipt>, Refusal> {
         let now = self.now();
-        let unlocked = self.shared().emergency.lock().clone();
-        if !unlocked.is_some_and(|u| u.key == key && now <= u.until) {
+        if !self.shared().operators.is_emergency_key(key, now) {
             return Err(Refusal::NotPermitted {
                 detail: format!("emergency stop without the key of an unlocking in the last {UNLOCKED_S:.0} s"),
             });
@@ -108,14 +105,14 @@ impl NodeHandle {
 
     fn stop_motors(&self, vehicle: VehicleId, now: NodeTime) -> CommandReceipt {
         let id = self.shared().next_command_id();
-        let Some(record) = self.shared().record(vehicle) else {
+        let Some(record) = self.shared().vehicles.record(vehicle) else {
             let refusal = Some(Refusal::UnknownVehicle { vehicle });
             return CommandReceipt { vehicle, id, refusal };
         };
         record.set_stopped(true);
         // Also to a vehicle that is not heard: it may hear.
         let refusal = record.link.load().0.stop_motors(now, EMERGENCY_REQUEST).err();
-        self.shared().withdraw(&record);
+        self.shared().vehicles.withdraw(&record);
         let text = match &refusal {
             None => format!("{}: EMERGENCY STOP sent", record.name),
             Some(refusal) => format!("{}: EMERGENCY STOP: {refusal}", record.name),

@@ -26,13 +26,13 @@ impl NodeHandle {
     pub fn fences(&self) -> FenceAnswer {
         let shared = self.shared();
         let gate = shared.gate();
-        let peers = shared.peers.load();
+        let peers = shared.peers();
         let outside = |e: &&skein_view::PeerEntry| {
             let place = e.kinematics.map(|k| k.position);
             e.airborne && place.is_some_and(|at| gate.fences().breach(&at).is_some())
         };
         FenceAnswer {
-            plan: shared.fence_plan.lock().clone(),
+            plan: shared.fence_plan(),
             outside: peers.entries.iter().filter(outside).map(|e| e.id).collect(),
         }
     }

@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 
 /// Who can be flown now.
 pub fn under_control(shared: &SharedState) -> BTreeSet<VehicleId> {
-    available(&shared.peers.load()).into_iter().collect()
+    available(&shared.peers()).into_iter().collect()
 }
 
 /// Says what became of the vehicles.
@@ -41,10 +41,10 @@ pub async fn fly_on(handle: &NodeHandle) -> bool {
     let taken = shared.resume.taken();
     let Some(flown) = shared.resume.end() else { return false };
     if let Some(formation) = flown.formation {
-        let withdrawn = shared.withdrawn.lock().clone();
+        let withdrawn = shared.vehicles.withdrawn();
         let mut who = under_control(shared);
         who.retain(|id| !withdrawn.contains(id));
-        let mut coordination = shared.coordination.lock();
+        let mut coordination = shared.coordination.change();
         if coordination.formation.is_none() && coordination.interrupted.is_none() {
             coordination.interrupted = of(formation, &who);
         }

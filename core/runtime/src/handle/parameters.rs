@@ -32,7 +32,7 @@ pub struct ParameterReceipt {
 
 impl NodeHandle {
     fn cell_of(&self, vehicle: VehicleId) -> Result<Arc<VehicleRecord>, Refusal> {
-        self.shared.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })
+        self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })
     }
 
     /// What is known of the parameters of one of this node's vehicles and has changed since a revision; 0 for all.
@@ -105,7 +105,7 @@ impl NodeHandle {
     /// What a console is called in the event log.
     fn called(&self, console: Option<&str>, vehicle: VehicleId) -> String {
         let Some(id) = console else { return String::new() };
-        let table = self.shared.control.lock();
+        let table = self.shared.operators.control();
         match table.holder(vehicle).filter(|holder| holder.id == id) {
             Some(holder) => holder.name.clone(),
             None => format!("console {}", id.chars().take(SHOWN_OF_ID).collect::<String>()),

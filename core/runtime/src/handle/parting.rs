@@ -31,15 +31,14 @@ impl NodeHandle {
             events.record(self.now(), None, severity, EventKind::Notice, text);
         };
         let in_air: Vec<Arc<VehicleRecord>> = self
-            .shared
-            .records()
+            .shared.vehicles.records()
             .into_iter()
             .filter(|record| self.is_in_air(record))
             .collect();
         if in_air.is_empty() {
             return;
         }
-        self.shared.stopping.store(true, Ordering::Release);
+        self.shared.begin_stopping();
         let on_stop = self.shared.config.node.on_stop;
         let asked: Vec<(Arc<VehicleRecord>, FlightMode)> = in_air
             .iter()
@@ -72,7 +71,7 @@ impl NodeHandle {
         );
         let (command, mode) = parting(on_stop, self.mode(record)).filter(|_| !others && !record.is_stopped())?;
         // So that no regrouping calls it back, and those of other nodes close up.
-        self.shared.withdraw(record);
+        self.shared.vehicles.withdraw(record);
         self.shared.gate().autopilot(&command, true).ok()?;
         record.link.load().0.request(self.now(), PARTING_REQUEST, command);
         Some(mode)

@@ -137,8 +137,7 @@ impl NodeHandle {
     /// Plugins found, by name.
     #[must_use]
     pub fn plugins(&self) -> Vec<PluginInfo> {
-        self.shared
-            .catalog
+        self.shared.plugins.catalog
             .plugins()
             .iter()
             .map(|plugin| self.info(plugin))
@@ -148,13 +147,12 @@ impl NodeHandle {
     /// The program that is started with `plugin-host` for an instance in a child process; this one unless it is told. For programs
     /// that are not `skein` but run a node, such as tests.
     pub fn set_plugin_host_program(&self, program: PathBuf) {
-        self.shared.runners.set_host_program(program.clone());
-        self.shared.payload_runners.set_host_program(program);
+        self.shared.plugins.set_host_program(program);
     }
 
     fn info(&self, plugin: &Arc<Plugin>) -> PluginInfo {
         let manifest = plugin.manifest();
-        let catalog = &self.shared.catalog;
+        let catalog = &self.shared.plugins.catalog;
         let version = |p: &Arc<Plugin>| p.manifest().version.clone();
         PluginInfo {
             name: manifest.name.clone(),
@@ -178,13 +176,13 @@ impl NodeHandle {
     /// Files in the plugin directories that were not taken, and why.
     #[must_use]
     pub fn plugin_problems(&self) -> Vec<String> {
-        self.shared.catalog.problems().iter().map(ToString::to_string).collect()
+        self.shared.plugins.catalog.problems().iter().map(ToString::to_string).collect()
     }
 
     /// The restarts of plugin instances that are kept, oldest first.
     #[must_use]
     pub fn restarts(&self) -> Vec<RestartRecord> {
-        self.shared.restarts.lock().iter().cloned().collect()
+        self.shared.plugins.restarts()
     }
 
     /// Looks for new and changed libraries. A new plugin can be used at once; a new version of a known one waits for
@@ -192,7 +190,7 @@ impl NodeHandle {
     pub async fn rescan_plugins(&self) -> Vec<PluginInfo> {
         let shared = self.shared.clone();
         // Loading runs constructors of libraries, for milliseconds each.
-        let found = tokio::task::spawn_blocking(move || shared.catalog.rescan()).await;
+        let found = tokio::task::spawn_blocking(move || shared.plugins.catalog.rescan()).await;
         let found = found.unwrap_or_default();
         for plugin in &found {
             let manifest = plugin.manifest();
@@ -233,7 +231,7 @@ impl NodeHandle {
         payload: Option<&str>,
         order: PluginOrder,
     ) -> Result<(), Refusal> {
-        let record = self.shared.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+        let record = self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
         let sent = match payload {
             None => record.actor.load_full().map(|actor| {
                 actor

@@ -7,8 +7,7 @@ use crate::arming::{swarm_report, vehicle_report};
 use serde::Serialize;
 use skein_domain::exchange::Severity;
 use skein_domain::preflight::{PreflightOverride, PreflightReport};
-use skein_domain::{NodeId, NodeTime, Refusal};
-use skein_state::SharedState;
+use skein_domain::{NodeId, Refusal};
 use skein_state::asks::{Answer, Ask};
 use skein_view::EventKind;
 use std::collections::BTreeSet;
@@ -44,12 +43,11 @@ impl NodeHandle {
         let (shared, now) = (self.shared(), self.now());
         PreflightAnswer {
             swarm: swarm_report(shared, now),
-            vehicles: shared
-                .records()
+            vehicles: shared.vehicles.records()
                 .iter()
                 .map(|record| vehicle_report(shared, record, now))
                 .collect(),
-            overrides: holding(shared, now),
+            overrides: shared.operators.overrides_holding(now),
         }
     }
 
@@ -93,11 +91,9 @@ impl NodeHandle {
         if let Some(vehicle) = given.vehicle.filter(|id| !shared.vehicle_ids().contains(id)) {
             return Err(Refusal::UnknownVehicle { vehicle });
         }
-        let mut holding = holding(shared, now);
-        holding.push(given.clone());
-        *shared.overrides.lock() = holding;
+        shared.operators.override_items(given.clone(), now);
         if shared.swarm.is_some() {
-            shared.overrides_here.lock().push(given.clone());
+            shared.operators.pass_override_on(given.clone());
         }
         let text = format!(
             "preflight items overridden by {} for {:.0} s: {} ({})",
@@ -111,10 +107,4 @@ impl NodeHandle {
             .record(now, given.vehicle, Severity::Warning, EventKind::Preflight, text);
         Ok(given)
     }
-}
-
-fn holding(shared: &SharedState, now: NodeTime) -> Vec<PreflightOverride> {
-    let all = shared.overrides.lock();
-    let holds = |o: &&PreflightOverride| now.seconds_since(o.given_at) <= o.valid_s;
-    all.iter().filter(holds).cloned().collect()
 }

@@ -28,7 +28,7 @@ impl NodeHandle {
     }
 
     fn stick_here(&self, vehicle: VehicleId, stick: Stick) -> Result<(), Refusal> {
-        let record = self.shared.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+        let record = self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
         if record.hand.lock().put(stick, self.now()) {
             return Ok(());
         }
@@ -40,7 +40,7 @@ impl NodeHandle {
     }
 
     fn stick_elsewhere(&self, node: NodeId, vehicle: VehicleId, stick: Stick) -> Result<(), Refusal> {
-        let (begins, last) = self.shared.relays.put(vehicle, stick, self.now());
+        let (begins, last) = self.shared.operators.relays.put(vehicle, stick, self.now());
         if begins {
             tokio::spawn(self.clone().relay(node, vehicle));
         }
@@ -49,14 +49,14 @@ impl NodeHandle {
 
     /// Tells another node the newest stick, one after the other, as long as there are some.
     async fn relay(self, node: NodeId, vehicle: VehicleId) {
-        while let Some((stick, told)) = self.shared.relays.next(vehicle) {
+        while let Some((stick, told)) = self.shared.operators.relays.next(vehicle) {
             let ask = Ask::Stick { vehicle, stick, told };
             let outcome = match self.ask(node, ask, ANSWERED_WITHIN).await {
                 Ok(Answer::Done(outcome)) => outcome,
                 Ok(_) => Ok(()),
                 Err(refusal) => Err(refusal),
             };
-            self.shared.relays.answered(vehicle, outcome, self.now());
+            self.shared.operators.relays.answered(vehicle, outcome, self.now());
         }
     }
 

@@ -97,7 +97,7 @@ impl NodeHandle {
     /// Puts routes on the autopilots of this node's own vehicles.
     pub(crate) fn upload_here(&self, routes: Vec<(VehicleId, Vec<RoutePoint>)>) -> Result<(), Refusal> {
         for (vehicle, points) in routes {
-            let record = self.shared.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+            let record = self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
             if let Some(actor) = record.actor.load_full() {
                 // What becomes of it is told as an event.
                 let _ = actor.cast(VehicleMessage::UploadRoute(points));
@@ -110,8 +110,8 @@ impl NodeHandle {
     #[must_use]
     pub fn trajectories(&self) -> Vec<TrajectoryStatus> {
         let now = self.now();
-        let flights = self.shared.coordination.lock().flights.clone();
-        let upload = |id| self.shared.record(id).and_then(|record| record.route.lock().state());
+        let flights = self.shared.coordination.read().flights.clone();
+        let upload = |id| self.shared.vehicles.record(id).and_then(|record| record.route.lock().state());
         flights
             .into_iter()
             .map(|(id, flight)| status(flight, upload(id), now))

@@ -31,13 +31,13 @@ impl PayloadState {
     /// Surroundings first, then what the device said, then commands and drills.
     fn gather(&mut self) -> Vec<Event> {
         let mut events = Vec::new();
-        let peers = self.shared.peers.load_full();
+        let peers = self.shared.peers();
         if let Some(entry) = peers.entry(self.vehicle.id) {
             events.push(Event::Own(own_state(entry, self.shared.frame())));
         }
         events.push(Event::Peers(others(&peers, self.vehicle.id)));
         self.gather_siblings(&mut events);
-        let tracks = self.shared.tracks.load_full();
+        let tracks = self.shared.observed.tracks();
         if !Arc::ptr_eq(&tracks, &self.tracks) {
             events.push(Event::Tracks(tracks.as_ref().clone()));
             self.tracks = tracks;

@@ -16,7 +16,7 @@ pub(super) fn flown_now(shared: &SharedState, before: Option<Flown>, path: Optio
     let mut vehicles = before
         .as_ref()
         .map_or_else(BTreeMap::new, |before| before.vehicles.clone());
-    for record in shared.records() {
+    for record in shared.vehicles.records() {
         let (telemetry, _) = record.link.load().0.read(now);
         let state = record.state.lock().flight_state;
         let others = matches!(
@@ -28,12 +28,12 @@ pub(super) fn flown_now(shared: &SharedState, before: Option<Flown>, path: Optio
             vehicles.entry(record.id).or_insert(command);
         }
     }
-    let formation = formation(&shared.coordination.lock(), path);
+    let formation = formation(&shared.coordination.read(), path);
     Flown {
         origin: shared.frame().map(|frame| frame.origin),
         formation: formation.or(before.and_then(|before| before.formation)),
-        withdrawn: shared.withdrawn.lock().clone(),
-        control: shared.control.lock().entries().clone(),
+        withdrawn: shared.vehicles.withdrawn(),
+        control: shared.operators.control().entries().clone(),
         vehicles,
     }
 }

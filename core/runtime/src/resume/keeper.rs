@@ -91,7 +91,7 @@ impl KeeperState {
         let (shared, now) = (self.shared.clone(), self.shared.now());
         let Some(before) = shared.resume.before() else { return };
         if shared.resume.is_asking() {
-            if shared.coordination.lock().formation.is_some() {
+            if shared.coordination.read().formation.is_some() {
                 shared.resume.end();
             }
             return;
@@ -178,7 +178,7 @@ impl KeeperState {
 
     /// Notes how far the anchor of a formation on a path has come.
     fn follow_path(&mut self) {
-        let coordination = self.shared.coordination.lock();
+        let coordination = self.shared.coordination.read();
         let request = coordination.formation.as_ref().map(|formation| &formation.request);
         let route = match request.map(|request| &request.anchor) {
             Some(FormationAnchor::Path { route }) => route.clone(),
@@ -195,7 +195,7 @@ impl KeeperState {
                 finished: false,
             });
         }
-        if let (Some(path), Some(anchor)) = (&mut self.path, self.shared.peers.load().anchor) {
+        if let (Some(path), Some(anchor)) = (&mut self.path, self.shared.peers().anchor) {
             path.advance(&anchor.position);
         }
     }
@@ -205,7 +205,7 @@ impl KeeperState {
 fn write(shared: &SharedState, path: &Path, kept: &Kept) -> Result<(), String> {
     let bytes = file::encode(kept).map_err(|fault| fault.to_string())?;
     let _writing = shared.resume.writing();
-    if shared.stopping.load(Ordering::Acquire) {
+    if shared.is_stopping() {
         return Ok(());
     }
     whole_file::replace(path, &bytes).map_err(|error| format!("{}: {error}", path.display()))

@@ -169,14 +169,12 @@ impl VehicleState {
         let now = self.shared.now();
         let link = self.record.link.load_full();
         let airborne = self
-            .shared
-            .peers
-            .load()
+            .shared.peers()
             .entry(self.record.id)
             .is_some_and(|entry| entry.airborne);
         let checked = if self.pilot && command == AutopilotCommand::EnterOffboard {
             Err(Refusal::PilotInControl)
-        } else if self.shared.stopping.load(Ordering::Acquire) && command == AutopilotCommand::EnterOffboard {
+        } else if self.shared.is_stopping() && command == AutopilotCommand::EnterOffboard {
             Err(Refusal::NotPermitted {
                 detail: "the node is stopping".into(),
             })
@@ -222,7 +220,7 @@ impl VehicleState {
         if self.record.is_stopped() {
             return Err(emergency::stopped());
         }
-        let peers = self.shared.peers.load();
+        let peers = self.shared.peers();
         let entry = peers.entry(self.record.id).ok_or(Refusal::NoPosition)?;
         if !entry.link.connected {
             return Err(Refusal::LinkLost {
@@ -283,7 +281,7 @@ impl VehicleState {
 
     fn to_local(&self, setpoint: &Setpoint) -> Result<LocalSetpoint, Refusal> {
         let frame = self.shared.frame().ok_or(Refusal::NoSwarmFrame)?;
-        let peers = self.shared.peers.load();
+        let peers = self.shared.peers();
         let local_frame = peers
             .entry(self.record.id)
             .and_then(|e| e.telemetry.local_frame)
@@ -304,7 +302,7 @@ impl VehicleState {
         if !matches!(refusal, Refusal::LinkLost { .. } | Refusal::PilotInControl) {
             self.tell_refusal(now, &refusal);
         }
-        let peers = self.shared.peers.load_full();
+        let peers = self.shared.peers();
         let entry = peers.entry(self.record.id);
         if steering::is_answered_by_holding(&refusal)
             && let Some(entry) = entry

@@ -77,7 +77,7 @@ impl VehicleState {
                 .and_then(|at| gate.fences().breach(&at).as_ref().map(FenceBreach::from))
                 .filter(|breach| breach.outside_m > FENCE_NOISE_M),
             coordinator_heard: self.needs_coordinator().then(|| self.shared.coordinator_seen()),
-            operator_heard: self.shared.operator_heard(),
+            operator_heard: self.shared.operators.heard(),
             energy,
             ..observed
         }
@@ -85,7 +85,7 @@ impl VehicleState {
 
     /// Whether it does something that a coordinator has to look after. Members that keep their places by their neighbours need none.
     fn needs_coordinator(&self) -> bool {
-        let intent = self.shared.intent.load();
+        let intent = self.shared.coordination.intent();
         let by_neighbours = intent.tasks.values().any(|t| matches!(t.task, Task::Keep(_)));
         let task = intent.tasks.get(&self.record.id);
         !by_neighbours && task.is_some_and(|t| matches!(t.task, Task::Lead { .. } | Task::Follow { .. }))
@@ -115,12 +115,12 @@ impl VehicleState {
             Reaction::Land => (VehicleCommand::Land, AutopilotCommand::Land),
             Reaction::Release => return self.release(now),
         };
-        let withdrew = self.shared.withdraw(&self.record);
+        let withdrew = self.shared.vehicles.withdraw(&self.record);
         self.record.failsafe.lock().reacted(withdrew);
         let id = self.shared.next_command_id();
         let legs = ways::legs(
             self.shared.gate().fences(),
-            &self.shared.peers.load(),
+            &self.shared.peers(),
             self.record.id,
             &command,
         )
@@ -133,7 +133,7 @@ impl VehicleState {
 
     /// Stops the stream on purpose, so that the autopilot's own failsafe acts. It is out of our control until an operator commands it.
     fn release(&mut self, now: NodeTime) {
-        self.shared.withdraw(&self.record);
+        self.shared.vehicles.withdraw(&self.record);
         self.pilot = true;
         self.released = true;
         self.record.link.load().0.stop_stream(now);

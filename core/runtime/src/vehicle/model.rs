@@ -100,9 +100,7 @@ impl VehicleState {
     fn hand_to_autopilot(&mut self, now: NodeTime) {
         let link = self.record.link.load_full();
         let flying = self
-            .shared
-            .peers
-            .load()
+            .shared.peers()
             .entry(self.record.id)
             .is_some_and(|e| e.airborne);
         if flying && !self.pilot {

@@ -14,7 +14,7 @@ use std::sync::Arc;
 impl VehicleState {
     /// The whole period.
     pub(super) async fn period(&mut self) {
-        let peers = self.shared.peers.load_full();
+        let peers = self.shared.peers();
         let running = self.ensure_model().await;
         if self.takes_back(&peers) {
             return;
@@ -54,7 +54,7 @@ impl VehicleState {
         }
         events.push(Event::Own(own));
         self.gather_surroundings(peers, &mut events);
-        let intent = self.shared.intent.load();
+        let intent = self.shared.coordination.intent();
         let task = intent.tasks.get(&self.record.id);
         let is_new = task.is_some_and(|task| task.version > self.task_version);
         // Not against a reaction that is in force.
@@ -79,14 +79,14 @@ impl VehicleState {
 
     /// What a model that carries or observes something wants to know. A vehicle without payloads is spared it.
     fn gather_surroundings(&mut self, peers: &PeerSnapshot, events: &mut Vec<Event>) {
-        let tracks = self.shared.tracks.load_full();
+        let tracks = self.shared.observed.tracks();
         if !Arc::ptr_eq(&tracks, &self.model.tracks) {
             events.push(Event::Tracks(tracks.as_ref().clone()));
             self.model.tracks = tracks;
         }
         let payloads = self.record.payloads();
         let keeps = {
-            let intent = self.shared.intent.load();
+            let intent = self.shared.coordination.intent();
             let task = intent.tasks.get(&self.record.id);
             task.is_some_and(|task| matches!(task.task, Task::Keep(_)))
         };

@@ -33,7 +33,7 @@ impl VehicleState {
                 self.refused_at = None;
                 let before = self.shared.resume.before();
                 if before.is_some_and(|before| before.withdrawn.contains(&id)) {
-                    self.shared.withdraw(&self.record);
+                    self.shared.vehicles.withdraw(&self.record);
                 }
                 let text = format!("{}: taken back, it holds", self.record.name);
                 self.record(Severity::Advisory, EventKind::Notice, text);

@@ -39,7 +39,7 @@ impl NodeHandle {
         payload: &str,
         command: &serde_json::Value,
     ) -> Result<CommandReceipt, Refusal> {
-        let record = self.shared.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+        let record = self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
         let actor = self.payload(&record, payload)?.actor.load_full();
         let actor = actor.ok_or_else(|| not_running(vehicle, Some(payload)))?;
         let command_json = command.to_string();
@@ -95,7 +95,7 @@ impl NodeHandle {
     /// # Errors
     /// When there is no such vehicle or payload.
     pub fn payload_frame(&self, vehicle: VehicleId, payload: &str) -> Result<Option<Arc<Frame>>, Refusal> {
-        let record = self.shared.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+        let record = self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
         Ok(self.payload(&record, payload)?.frame.load_full())
     }
 
@@ -117,7 +117,7 @@ impl NodeHandle {
                 });
             }
         }
-        self.shared.tell_tracks(tracks);
+        self.shared.observed.tell_tracks(tracks);
         Ok(())
     }
 }

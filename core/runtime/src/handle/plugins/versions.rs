@@ -62,7 +62,7 @@ impl NodeHandle {
     /// All instances of a plugin.
     pub(super) fn holders(&self, plugin: &str) -> Vec<Holder> {
         let mut holders = Vec::new();
-        for record in self.shared.records() {
+        for record in self.shared.vehicles.records() {
             for payload in record.payloads() {
                 if payload.life.plugin.load().manifest().name == plugin {
                     holders.push(Holder::Payload(payload));
@@ -82,10 +82,9 @@ impl NodeHandle {
     pub async fn upgrade_plugin(&self, name: &str) -> Result<UpgradeReceipt, PluginRefusal> {
         self.rescan_plugins().await;
         let unknown = || PluginRefusal::Unknown { name: name.to_owned() };
-        let old = self.shared.catalog.get(name).ok_or_else(unknown)?;
+        let old = self.shared.plugins.catalog.get(name).ok_or_else(unknown)?;
         let new = self
-            .shared
-            .catalog
+            .shared.plugins.catalog
             .candidate(name)
             .ok_or_else(|| PluginRefusal::NothingNewer { name: name.to_owned() })?;
         Ok(self.go_over(name, &old, &new).await)
@@ -97,10 +96,9 @@ impl NodeHandle {
     /// When there is no such plugin or no former version.
     pub async fn roll_back_plugin(&self, name: &str) -> Result<UpgradeReceipt, PluginRefusal> {
         let unknown = || PluginRefusal::Unknown { name: name.to_owned() };
-        let old = self.shared.catalog.get(name).ok_or_else(unknown)?;
+        let old = self.shared.plugins.catalog.get(name).ok_or_else(unknown)?;
         let new = self
-            .shared
-            .catalog
+            .shared.plugins.catalog
             .previous(name)
             .ok_or_else(|| PluginRefusal::NothingBefore { name: name.to_owned() })?;
         Ok(self.go_over(name, &old, &new).await)
@@ -108,7 +106,7 @@ impl NodeHandle {
 
     async fn go_over(&self, name: &str, old: &Arc<Plugin>, new: &Arc<Plugin>) -> UpgradeReceipt {
         // Two at once would leave each with some of the instances.
-        let _alone = self.shared.exchanging.lock().await;
+        let _alone = self.shared.plugins.exchanging.lock().await;
         let mut instances = Vec::new();
         let mut exchanged = Vec::new();
         let mut failed = false;
@@ -142,7 +140,7 @@ impl NodeHandle {
                 format!("plugin {name} {to} did not come up; {from} stays"),
             );
         } else {
-            self.shared.catalog.activate(name, new);
+            self.shared.plugins.catalog.activate(name, new);
             self.tell(
                 name,
                 Severity::Advisory,
@@ -175,7 +173,7 @@ impl NodeHandle {
                 by,
             });
         }
-        if !self.shared.catalog.remove(name) {
+        if !self.shared.plugins.catalog.remove(name) {
             return Err(PluginRefusal::Unknown { name: name.to_owned() });
         }
         self.tell(name, Severity::Advisory, format!("plugin {name} removed"));
