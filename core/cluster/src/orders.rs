@@ -62,7 +62,7 @@ impl Orders {
         if former != intent.leader {
             // The anchor of a former leader must not be followed.
             for record in records.iter().filter(|record| Some(record.id) != intent.leader) {
-                record.state.lock().anchor = None;
+                record.forget_anchor();
             }
         }
         shared.coordination.obey(intent, coordination);

@@ -68,9 +68,9 @@ pub(crate) fn vehicle_report(shared: &SharedState, record: &VehicleRecord, now: 
         };
     };
     let mut report = preflight::vehicle_report(&checks(shared, record, entry, now), settings, now);
-    report.items.extend(record.state.lock().preflight.iter().cloned());
+    report.items.extend(record.state().preflight.iter().cloned());
     for payload in record.payloads() {
-        report.items.extend(payload.state.lock().preflight.iter().cloned());
+        report.items.extend(payload.state().preflight.iter().cloned());
     }
     report.finished()
 }
@@ -84,7 +84,7 @@ fn checks(shared: &SharedState, record: &VehicleRecord, entry: &PeerEntry, now: 
     // Each lock is let go before the next is taken: within one expression all would be held to its end, and the monitor over the vehicle
     // takes these two the other way round.
     let alarms = record.failsafe.lock().would_act(&shared.config.safety.failsafe);
-    let limits_known = record.state.lock().limits.is_some();
+    let limits_known = record.state().limits.is_some();
     VehicleChecks {
         // The ground is wherever it is: only the outline counts there.
         inside_fence: position.map(|at| fences.landing(&at).is_ok()),
@@ -109,7 +109,7 @@ fn checks(shared: &SharedState, record: &VehicleRecord, entry: &PeerEntry, now: 
 }
 
 fn system_id_use(shared: &SharedState, record: &VehicleRecord) -> SystemIdUse {
-    if record.link.load().0.is_shared() {
+    if record.link().is_shared() {
         return SystemIdUse::Shared;
     }
     let others = shared.vehicles.unadopted();
@@ -130,7 +130,7 @@ pub(crate) fn swarm_report(shared: &SharedState, now: NodeTime) -> PreflightRepo
     let coordinator_age_s = now.seconds_since(shared.coordinator_seen());
     let capable = shared.vehicles.records()
         .iter()
-        .filter(|record| record.state.lock().capability.is_some_and(|c| c.capable))
+        .filter(|record| record.state().capability.is_some_and(|c| c.capable))
         .count();
     let checks = SwarmChecks {
         frame_known: shared.frame().is_some(),

@@ -9,13 +9,10 @@ use ractor::{Actor, ActorProcessingErr, ActorRef};
 use skein_domain::exchange::Severity;
 use skein_domain::{NodeTime, VehicleId};
 use skein_state::SharedState;
-use skein_state::VehicleMessage;
-use skein_state::{PayloadMessage, PayloadRecord};
 use skein_view::EventKind;
 use skein_view::{PeerEntry, PeerSnapshot, airborne, kinematics};
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 use std::time::Duration;
 use tokio::task::JoinHandle;
 use tokio::time::MissedTickBehavior;
@@ -85,7 +82,7 @@ fn tick(shared: &SharedState) {
     let records = shared.vehicles.records();
     let mut entries = Vec::with_capacity(records.len());
     for record in &records {
-        let (mut telemetry, link) = record.link.load().0.read(now);
+        let (mut telemetry, link) = record.link().read(now);
         telemetry.simulated |= record.simulated;
         if shared.frame().is_none()
             && shared.may_fix_frame(now)
@@ -103,7 +100,7 @@ fn tick(shared: &SharedState) {
         }
         let frame = shared.frame();
         let (flight_state, anchor, limits) = {
-            let published = record.state.lock();
+            let published = record.state();
             (published.flight_state, published.anchor, published.limits)
         };
         let (under_order, may_rejoin, energy) = {
@@ -128,17 +125,11 @@ fn tick(shared: &SharedState) {
     add_others(shared, &mut entries, now);
     publish(shared, entries, now);
     for record in &records {
-        let Some(actor) = record.actor.load_full() else {
-            continue;
-        };
-        if !record.tick_waiting.swap(true, Ordering::AcqRel) && actor.cast(VehicleMessage::Tick).is_err() {
-            // The actor has ended; its next incarnation clears the mark.
-            record.tick_waiting.store(false, Ordering::Release);
-        }
+        record.send_tick();
     }
     for record in &records {
-        for payload in record.payloads.read().values() {
-            wake(payload, now);
+        for payload in record.payloads() {
+            payload.send_due_tick(now);
         }
     }
 }
@@ -155,23 +146,6 @@ fn add_others(shared: &SharedState, entries: &mut Vec<PeerEntry>, now: NodeTime)
     let own: BTreeSet<VehicleId> = entries.iter().map(|e| e.id).collect();
     entries.extend(others.into_iter().filter(|e| !own.contains(&e.id)));
     entries.sort_by_key(|e| e.id);
-}
-
-/// Wakes a payload whose tick is due.
-fn wake(payload: &PayloadRecord, now: NodeTime) {
-    let due_us = payload.next_tick_us.load(Ordering::Relaxed);
-    if now.0 < due_us {
-        return;
-    }
-    // A late tick is skipped, never caught up.
-    let period_us = payload.tick_period_us();
-    payload
-        .next_tick_us
-        .store(now.0.max(due_us + period_us), Ordering::Relaxed);
-    let Some(actor) = payload.actor.load_full() else { return };
-    if !payload.tick_waiting.swap(true, Ordering::AcqRel) && actor.cast(PayloadMessage::Tick).is_err() {
-        payload.tick_waiting.store(false, Ordering::Release);
-    }
 }
 
 fn publish(shared: &SharedState, entries: Vec<PeerEntry>, now: NodeTime) {

@@ -197,7 +197,7 @@ impl CoordinatorState {
         let leader = self.shared.coordination.read().formation.as_ref().and_then(|f| f.leader);
         for record in self.shared.vehicles.records() {
             if Some(record.id) != leader {
-                record.state.lock().anchor = None;
+                record.forget_anchor();
             }
         }
         if let Some(swarm) = &self.shared.swarm {
@@ -244,7 +244,7 @@ impl CoordinatorState {
         let fitted = (self.shared.coordination.change()).set_route(route, &peers, &limits, &gate)?;
         let slower = fitted.speed_m_s < asked_m_s;
         for record in self.shared.vehicles.records() {
-            record.state.lock().route_finished = None;
+            record.forget_finished_route();
         }
         self.publish();
         let text = if slower {

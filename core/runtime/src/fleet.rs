@@ -19,7 +19,7 @@ use skein_domain::{AutopilotCommand, FlightMode, FlightState, Incarnation, Refus
 use skein_plugin_host::{Plugin, PluginKind};
 use skein_px4::PairedLink;
 use skein_state::restart::{Decision, RestartHistory, VEHICLE_LIMITS};
-use skein_state::{LinkSlot, SharedState, VehicleRecord};
+use skein_state::{SharedState, VehicleRecord};
 use skein_state::{PluginIdentity, PluginRecord};
 use skein_view::{ActorStatus, EventKind, UnadoptedVehicle};
 use std::collections::{BTreeMap, HashMap};
@@ -99,7 +99,7 @@ impl Actor for Fleet {
         };
         // After a restart of the fleet itself, its vehicles are in the shared state.
         for record in state.shared.vehicles.records() {
-            let incarnation = record.state.lock().actor.incarnation;
+            let incarnation = record.state().actor.incarnation;
             state.supervised.insert(
                 record.id,
                 Supervised {
@@ -269,11 +269,11 @@ impl FleetState {
                 format!("vehicle {id} is already flown over {active} and heard over {kind} ({name})")
             });
         }
-        let (_, health) = known.link.load().0.read(now);
+        let (_, health) = known.link().read(now);
         if health.connected {
             return Err(format!("vehicle {id} is already flown over another link ({name})"));
         }
-        known.link.store(Arc::new(LinkSlot(link.clone())));
+        known.replace_link(link.clone());
         let text = format!("{name} is back, heard on {endpoint}");
         self.shared
             .events
@@ -322,7 +322,7 @@ impl FleetState {
         ));
         for payload in &rule.payloads {
             let payload = payload_record(&self.shared, &record, payload).map_err(|refusal| refusal.to_string())?;
-            record.payloads.write().insert(payload.name.clone(), Arc::new(payload));
+            record.attach(Arc::new(payload));
         }
         Ok(record)
     }
@@ -359,7 +359,7 @@ impl FleetState {
     async fn ended(&mut self, myself: &ActorRef<FleetMessage>, id: VehicleId, error: &str) {
         let Some(record) = self.shared.vehicles.record(id) else { return };
         let now = self.shared.now();
-        record.actor.store(None);
+        record.set_actor(None);
         let supervised = self.supervised.entry(id).or_default();
         let decision = supervised
             .history
@@ -369,7 +369,7 @@ impl FleetState {
             Decision::GiveUp => ActorStatus::GivenUp,
         };
         {
-            let mut published = record.state.lock();
+            let mut published = record.change_state();
             published.actor.status = status;
             published.actor.last_error = error.to_owned();
             published.actor.since = now;
@@ -401,13 +401,13 @@ fn give_up(shared: &SharedState, record: &VehicleRecord) {
         .entry(record.id)
         .is_some_and(|e| e.telemetry.mode == FlightMode::Offboard && e.airborne)
     {
-        record.link.load().0.request(
+        record.link().request(
             now,
             RequestId(u32::MAX),
             AutopilotCommand::SetMode { mode: FlightMode::Hold },
         );
     }
-    let mut published = record.state.lock();
+    let mut published = record.change_state();
     published.flight_state = FlightState::Faulted;
     published.detail = "its actor failed too often; the autopilot holds".into();
     published.since = now;

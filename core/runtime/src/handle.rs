@@ -279,7 +279,7 @@ impl NodeHandle {
             .record(self.now(), None, Severity::Advisory, EventKind::Notice, text);
         let actor_of = |vehicle: VehicleId| {
             let record = self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
-            record.actor.load_full().ok_or(Refusal::NotRunning {
+            record.actor().ok_or(Refusal::NotRunning {
                 what: format!("actor of vehicle {vehicle}"),
             })
         };

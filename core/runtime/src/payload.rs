@@ -14,10 +14,11 @@ use crate::plugin_life::{Called, PluginLife};
 use ractor::{Actor, ActorProcessingErr, ActorRef};
 use skein_config::Escalation;
 use skein_domain::exchange::{CommandProgress, Event, FaultDrill, Severity};
+use skein_domain::link::VehicleLink;
 use skein_domain::{CommandId, Incarnation, NodeTime, Refusal, VehicleCommand};
 use skein_plugin_host::Frame;
 use skein_state::restart::PAYLOAD_LIMITS;
-use skein_state::{Asker, LinkSlot, PayloadMessage, PayloadRecord, SharedState, VehicleMessage, VehicleRecord};
+use skein_state::{Asker, PayloadMessage, PayloadRecord, SharedState, VehicleMessage, VehicleRecord};
 use skein_view::{ActorHealth, ActorStatus, CommandReceipt, EventKind};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -43,7 +44,7 @@ pub struct PayloadState {
     record: Arc<PayloadRecord>,
     life: PluginLife,
     /// The tap, and the link it listens on.
-    tap: Option<(Arc<Tap>, Arc<LinkSlot>)>,
+    tap: Option<(Arc<Tap>, Arc<dyn VehicleLink>)>,
     transport: Option<Transport>,
     /// Events for the next batch.
     waiting: Vec<Event>,
@@ -77,7 +78,7 @@ impl Actor for Payload {
             incarnation,
         } = arguments;
         {
-            let mut published = record.state.lock();
+            let mut published = record.change_state();
             published.actor = ActorHealth {
                 name: record.life.health.lock().name.clone(),
                 status: ActorStatus::Running,
@@ -86,8 +87,8 @@ impl Actor for Payload {
                 since: shared.now(),
             };
         }
-        record.tick_waiting.store(false, Ordering::Release);
-        record.actor.store(Some(Arc::new(myself)));
+        record.take_tick();
+        record.set_actor(Some(myself));
         Ok(PayloadState {
             life: PluginLife::new(shared.clone(), record.life.clone(), &PAYLOAD_LIMITS),
             tap: None,
@@ -113,7 +114,7 @@ impl Actor for Payload {
     ) -> Result<(), ActorProcessingErr> {
         match message {
             PayloadMessage::Tick => {
-                state.record.tick_waiting.store(false, Ordering::Release);
+                state.record.take_tick();
                 state.period(true).await;
             }
             PayloadMessage::Command {
@@ -165,7 +166,7 @@ impl PayloadState {
                 let _ = reply.send(receipt);
             }
             Asker::Model(request) => {
-                if let Some(actor) = self.vehicle.actor.load_full() {
+                if let Some(actor) = self.vehicle.actor() {
                     // A vehicle's actor that has just ended asks again.
                     let _ = actor.cast(VehicleMessage::PayloadResult { request, refusal });
                 }
@@ -237,7 +238,7 @@ impl PayloadState {
 
     /// What was reported is not true any more.
     fn withdraw_report(&self) {
-        let mut published = self.record.state.lock();
+        let mut published = self.record.change_state();
         if published.report.take().is_some() {
             published.revision += 1;
         }
@@ -270,7 +271,7 @@ pub fn escalate(shared: &SharedState, vehicle: &VehicleRecord, record: &PayloadR
         return;
     };
     shared.vehicles.withdraw(vehicle);
-    if let Some(actor) = vehicle.actor.load_full() {
+    if let Some(actor) = vehicle.actor() {
         let message = VehicleMessage::Command {
             id: shared.next_command_id(),
             command,

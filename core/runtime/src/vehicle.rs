@@ -81,7 +81,7 @@ impl Actor for VehicleActor {
         } = arguments;
         let now = shared.now();
         {
-            let mut published = record.state.lock();
+            let mut published = record.change_state();
             published.actor = ActorHealth {
                 name: format!("vehicle-{}", record.id),
                 status: ActorStatus::Running,
@@ -90,8 +90,8 @@ impl Actor for VehicleActor {
                 since: now,
             };
         }
-        record.tick_waiting.store(false, Ordering::Release);
-        record.actor.store(Some(Arc::new(myself)));
+        record.take_tick();
+        record.set_actor(Some(myself));
         Ok(VehicleState {
             model: Model::new(PluginLife::new(shared.clone(), record.model.clone(), &VEHICLE_LIMITS)),
             shared,
@@ -116,7 +116,7 @@ impl Actor for VehicleActor {
     ) -> Result<(), ActorProcessingErr> {
         match message {
             VehicleMessage::Tick => {
-                state.record.tick_waiting.store(false, Ordering::Release);
+                state.record.take_tick();
                 state.period().await;
             }
             VehicleMessage::Command {
@@ -220,7 +220,7 @@ impl VehicleState {
         }
         // Most of the time the model has said of the former leg that it is replaced; between two legs it had nothing to say.
         self.abandon_itinerary();
-        *self.record.under_way.lock() = Some((id, command));
+        self.record.begin_command(id, command);
         if flown_id != id {
             let returns = matches!(command, VehicleCommand::Return);
             self.record_progress(id, command.name(), &CommandProgress::Executing);
@@ -239,7 +239,7 @@ impl VehicleState {
                 detail: format!("the model of vehicle {} is not flown by hand", self.record.id),
             });
         }
-        if self.record.state.lock().flight_state != FlightState::Leading {
+        if self.record.state().flight_state != FlightState::Leading {
             self.shared.vehicles.withdraw(&self.record);
         }
         Ok(())
@@ -288,7 +288,7 @@ impl VehicleState {
     /// Writes a command's progress to the event log.
     fn record_progress(&self, id: CommandId, name: &str, progress: &CommandProgress) {
         if !matches!(progress, CommandProgress::Executing) {
-            self.record.under_way.lock().take_if(|(under_way, _)| *under_way == id);
+            self.record.end_command(id);
         }
         let words = name.replace('_', " ");
         let (severity, text) = match progress {

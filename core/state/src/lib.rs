@@ -40,5 +40,5 @@ pub use payload::{PayloadPublished, PayloadRecord, Report, TransportAddress};
 pub use plugin::{PluginIdentity, PluginRecord};
 pub use plugins::Plugins;
 pub use shared::SharedState;
-pub use vehicle::{Itinerary, LinkSlot, PublishedState, VehicleRecord};
+pub use vehicle::{Itinerary, PublishedState, VehicleRecord};
 pub use vehicles::Vehicles;

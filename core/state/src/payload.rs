@@ -5,18 +5,20 @@
 use crate::mailbox::PayloadMessage;
 use crate::plugin::PluginRecord;
 use arc_swap::ArcSwapOption;
-use parking_lot::Mutex;
+use parking_lot::{Mutex, MutexGuard};
 use ractor::ActorRef;
 use skein_config::PayloadRule;
+use skein_domain::NodeTime;
 use skein_domain::payload::PayloadKind;
 use skein_domain::preflight::PreflightItem;
 use skein_link_mavlink::EndpointAddress;
 use skein_plugin_host::Frame;
 use skein_view::ActorHealth;
 use std::net::SocketAddr;
+use std::ops::Deref;
 use std::str::FromStr;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// One payload of a vehicle. It outlives its actor, so that a new incarnation finds its state.
 pub struct PayloadRecord {
@@ -30,23 +32,86 @@ pub struct PayloadRecord {
     pub life: Arc<PluginRecord>,
     /// How its device is reached, if not over MAVLink.
     pub transport: Option<TransportAddress>,
-    /// The running actor, if any.
-    pub actor: ArcSwapOption<ActorRef<PayloadMessage>>,
-    /// A tick has been sent and not yet been taken up.
-    pub tick_waiting: AtomicBool,
+    actor: ArcSwapOption<ActorRef<PayloadMessage>>,
+    /// A tick has been sent and not yet been taken up: at most one waits in the mailbox.
+    tick_waiting: AtomicBool,
     /// When the next tick is due, in microseconds of the node's clock.
-    pub next_tick_us: AtomicU64,
-    /// What it last published.
-    pub state: Mutex<PayloadPublished>,
-    /// The last frame it gave.
-    pub frame: ArcSwapOption<Frame>,
+    next_tick_us: AtomicU64,
+    state: Mutex<PayloadPublished>,
+    frame: ArcSwapOption<Frame>,
 }
 
 impl PayloadRecord {
-    /// Time between two ticks in microseconds, as its plugin wishes.
-    pub fn tick_period_us(&self) -> u64 {
+    /// One that was never started.
+    pub fn new(rule: PayloadRule, kind: PayloadKind, life: PluginRecord, transport: Option<TransportAddress>) -> Self {
+        Self {
+            name: rule.name.clone(),
+            kind,
+            rule,
+            life: Arc::new(life),
+            transport,
+            actor: ArcSwapOption::empty(),
+            tick_waiting: AtomicBool::new(false),
+            next_tick_us: AtomicU64::new(0),
+            state: Mutex::default(),
+            frame: ArcSwapOption::empty(),
+        }
+    }
+
+    /// The running actor, if any.
+    pub fn actor(&self) -> Option<Arc<ActorRef<PayloadMessage>>> {
+        self.actor.load_full()
+    }
+
+    /// Another actor runs, or none, as the actor itself and the fleet say.
+    pub fn set_actor(&self, actor: Option<ActorRef<PayloadMessage>>) {
+        self.actor.store(actor.map(Arc::new));
+    }
+
+    /// The fleet takes its actor away.
+    pub fn take_actor(&self) -> Option<Arc<ActorRef<PayloadMessage>>> {
+        self.actor.swap(None)
+    }
+
+    /// The control loop wakes it if its tick is due and none waits. A late one is skipped, never caught up.
+    pub fn send_due_tick(&self, now: NodeTime) {
+        let due_us = self.next_tick_us.load(Ordering::Relaxed);
+        if now.0 < due_us {
+            return;
+        }
         let rate_hz = self.life.plugin.load().manifest().tick_rate_hz.clamp(1, 1_000);
-        1_000_000 / u64::from(rate_hz)
+        let next_us = now.0.max(due_us + 1_000_000 / u64::from(rate_hz));
+        self.next_tick_us.store(next_us, Ordering::Relaxed);
+        let Some(actor) = self.actor() else { return };
+        if !self.tick_waiting.swap(true, Ordering::AcqRel) && actor.cast(PayloadMessage::Tick).is_err() {
+            // The actor has ended; its next incarnation clears the mark.
+            self.take_tick();
+        }
+    }
+
+    /// Its actor takes the tick up, or begins with none.
+    pub fn take_tick(&self) {
+        self.tick_waiting.store(false, Ordering::Release);
+    }
+
+    /// What it last published, to be read.
+    pub fn state(&self) -> impl Deref<Target = PayloadPublished> {
+        self.state.lock()
+    }
+
+    /// The same, for its actor, and for the fleet when that has ended.
+    pub fn change_state(&self) -> MutexGuard<'_, PayloadPublished> {
+        self.state.lock()
+    }
+
+    /// The last frame it gave.
+    pub fn frame(&self) -> Option<Arc<Frame>> {
+        self.frame.load_full()
+    }
+
+    /// Its actor has a new frame.
+    pub fn show_frame(&self, frame: Arc<Frame>) {
+        self.frame.store(Some(frame));
     }
 }
 

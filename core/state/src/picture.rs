@@ -19,7 +19,7 @@ pub fn vehicle(
 ) -> Option<VehicleSnapshot> {
     let entry = peers.entry(record.id)?;
     let telemetry = &entry.telemetry;
-    let state = record.state.lock().clone();
+    let state = record.state().clone();
     let model = record.model.health.lock().clone();
     let payloads: Vec<PayloadSnapshot> = record.payloads().iter().map(|record| payload(record)).collect();
     let slot: Option<PositionNed> = state
@@ -48,7 +48,7 @@ pub fn vehicle(
         battery: telemetry.battery,
         gnss: telemetry.gnss,
         link: entry.link,
-        ways: record.link.load().0.ways(now),
+        ways: record.link().ways(now),
         age_s: now.seconds_since(entry.link.last_heard).max(0.0),
         tracking_error_m: state.tracking_error_m.filter(|_| slot.is_some()),
         slot,
@@ -68,7 +68,7 @@ pub fn vehicle(
 }
 
 fn payload(record: &PayloadRecord) -> PayloadSnapshot {
-    let published = record.state.lock().clone();
+    let published = record.state().clone();
     PayloadSnapshot {
         name: record.name.clone(),
         kind: record.kind,
@@ -76,7 +76,7 @@ fn payload(record: &PayloadRecord) -> PayloadSnapshot {
         plugin: record.life.health.lock().clone(),
         state: published.report.map(|report| report.value.as_ref().clone()),
         transport_fault: published.transport_fault,
-        frame: record.frame.load().as_ref().map(|frame| frame.header.clone()),
+        frame: record.frame().as_ref().map(|frame| frame.header.clone()),
     }
 }
 

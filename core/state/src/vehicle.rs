@@ -9,7 +9,7 @@ use crate::mailbox::VehicleMessage;
 use crate::payload::PayloadRecord;
 use crate::plugin::PluginRecord;
 use arc_swap::{ArcSwap, ArcSwapOption};
-use parking_lot::{Mutex, RwLock};
+use parking_lot::{Mutex, MutexGuard, RwLock};
 use ractor::ActorRef;
 use skein_domain::link::VehicleLink;
 use skein_domain::payload::CoordinatorCapability;
@@ -20,6 +20,7 @@ use skein_domain::{
 };
 use skein_view::{ActorHealth, Avoidance};
 use std::collections::{BTreeMap, VecDeque};
+use std::ops::Deref;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
@@ -50,20 +51,15 @@ pub struct VehicleRecord {
     pub simulated: bool,
     /// The UAV-model plugin instance that flies it.
     pub model: Arc<PluginRecord>,
-    /// What it carries, by name.
-    pub payloads: RwLock<BTreeMap<String, Arc<PayloadRecord>>>,
-    /// Its link. Replaced when the vehicle comes back over another one.
-    pub link: ArcSwap<LinkSlot>,
-    /// The running actor, if any.
-    pub actor: ArcSwapOption<ActorRef<VehicleMessage>>,
+    payloads: RwLock<BTreeMap<String, Arc<PayloadRecord>>>,
+    link: ArcSwap<LinkSlot>,
+    actor: ArcSwapOption<ActorRef<VehicleMessage>>,
     /// A tick has been sent and not yet been taken up: at most one waits in the mailbox.
-    pub tick_waiting: AtomicBool,
-    /// What the actor last published.
-    pub state: Mutex<PublishedState>,
+    tick_waiting: AtomicBool,
+    state: Mutex<PublishedState>,
     /// Its failsafe policy and its charge.
     pub failsafe: Mutex<FailsafeMonitor>,
-    /// The command that it carries out, if one.
-    pub under_way: Mutex<Option<(CommandId, VehicleCommand)>>,
+    under_way: Mutex<Option<(CommandId, VehicleCommand)>>,
     /// A command in several legs that is being carried out.
     pub itinerary: Mutex<Option<Itinerary>>,
     /// Whether it is flown by hand, and the newest stick for it.
@@ -130,6 +126,85 @@ impl VehicleRecord {
         self.stopped.store(stopped, Ordering::Release);
     }
 
+    /// Its link.
+    pub fn link(&self) -> Arc<dyn VehicleLink> {
+        self.link.load().0.clone()
+    }
+
+    /// The fleet hears it over another link than before.
+    pub fn replace_link(&self, link: Arc<dyn VehicleLink>) {
+        self.link.store(Arc::new(LinkSlot(link)));
+    }
+
+    /// The running actor, if any.
+    pub fn actor(&self) -> Option<Arc<ActorRef<VehicleMessage>>> {
+        self.actor.load_full()
+    }
+
+    /// Another actor runs, or none, as the actor itself and the fleet say.
+    pub fn set_actor(&self, actor: Option<ActorRef<VehicleMessage>>) {
+        self.actor.store(actor.map(Arc::new));
+    }
+
+    /// The control loop wakes it, once a period, if no tick waits.
+    pub fn send_tick(&self) {
+        let Some(actor) = self.actor() else { return };
+        if !self.tick_waiting.swap(true, Ordering::AcqRel) && actor.cast(VehicleMessage::Tick).is_err() {
+            // The actor has ended; its next incarnation clears the mark.
+            self.take_tick();
+        }
+    }
+
+    /// Its actor takes the tick up, or begins with none.
+    pub fn take_tick(&self) {
+        self.tick_waiting.store(false, Ordering::Release);
+    }
+
+    /// What its actor last published, to be read.
+    pub fn state(&self) -> impl Deref<Target = PublishedState> {
+        self.state.lock()
+    }
+
+    /// The same, for its actor, and for the fleet when that has ended.
+    pub fn change_state(&self) -> MutexGuard<'_, PublishedState> {
+        self.state.lock()
+    }
+
+    /// Another vehicle leads: the anchor of a former leader must not be followed.
+    pub fn forget_anchor(&self) {
+        self.state.lock().anchor = None;
+    }
+
+    /// The coordinator has set a new route: what its actor said of a former one says nothing of this.
+    pub fn forget_finished_route(&self) {
+        self.state.lock().route_finished = None;
+    }
+
+    /// Its actor carries out a command.
+    pub fn begin_command(&self, id: CommandId, command: VehicleCommand) {
+        *self.under_way.lock() = Some((id, command));
+    }
+
+    /// That command is over, if it still was this one.
+    pub fn end_command(&self, id: CommandId) {
+        self.under_way.lock().take_if(|(under_way, _)| *under_way == id);
+    }
+
+    /// The command that it carries out, if one.
+    pub fn under_way(&self) -> Option<VehicleCommand> {
+        self.under_way.lock().map(|(_, command)| command)
+    }
+
+    /// The fleet puts a payload on it.
+    pub fn attach(&self, payload: Arc<PayloadRecord>) {
+        self.payloads.write().insert(payload.name.clone(), payload);
+    }
+
+    /// The fleet takes one off.
+    pub fn detach(&self, name: &str) -> Option<Arc<PayloadRecord>> {
+        self.payloads.write().remove(name)
+    }
+
     /// What it carries, by name.
     #[must_use]
     pub fn payloads(&self) -> Vec<Arc<PayloadRecord>> {
@@ -144,7 +219,7 @@ impl VehicleRecord {
 }
 
 /// A link behind a thin pointer, so that it can be swapped.
-pub struct LinkSlot(pub Arc<dyn VehicleLink>);
+struct LinkSlot(Arc<dyn VehicleLink>);
 
 /// What a vehicle's actor publishes for its peers, the coordinator and the screens.
 #[derive(Debug, Clone, Default)]

@@ -48,7 +48,7 @@ impl SwarmState {
         let records = self.shared.vehicles.records();
         let told: Vec<bool> = records
             .iter()
-            .filter_map(|record| record.state.lock().capability.map(|c| c.capable))
+            .filter_map(|record| record.state().capability.map(|c| c.capable))
             .collect();
         let able = told.is_empty() || told.contains(&true);
         self.shared.config.swarm.coordinator_priority.filter(|_| able)

@@ -114,7 +114,7 @@ impl CoordinatorState {
     /// Version of the task that a vehicle has taken up last.
     fn taken(&self, id: VehicleId) -> u64 {
         if let Some(record) = self.shared.vehicles.record(id) {
-            return record.state.lock().task_version;
+            return record.state().task_version;
         }
         let swarm = self.shared.swarm.as_ref();
         let taken = swarm.and_then(|swarm| Some(swarm.vehicles.read().get(&id)?.report.task_version));
@@ -330,7 +330,7 @@ impl CoordinatorState {
     /// The version of the task whose route a vehicle has flown to the end.
     pub(super) fn route_finished(&self, vehicle: VehicleId) -> Option<u64> {
         if let Some(record) = self.shared.vehicles.record(vehicle) {
-            return record.state.lock().route_finished;
+            return record.state().route_finished;
         }
         let vehicles = self.shared.swarm.as_ref()?.vehicles.read();
         vehicles.get(&vehicle)?.report.route_finished

@@ -63,7 +63,7 @@ impl CoordinatorState {
                 reply: None,
             };
             // Without its actor it goes on as it is; its failsafe policy is looked at by the next incarnation.
-            if let Some(actor) = self.shared.vehicles.record(*id).and_then(|record| record.actor.load_full()) {
+            if let Some(actor) = self.shared.vehicles.record(*id).and_then(|record| record.actor()) {
                 let _ = actor.cast(message);
             }
         }

@@ -113,7 +113,7 @@ impl CoordinatorState {
         let coordination = self.shared.coordination.read().clone();
         let (mut held, mut clock_faults) = (BTreeMap::new(), std::collections::BTreeSet::new());
         for record in self.shared.vehicles.records() {
-            let published = record.state.lock();
+            let published = record.state();
             let holds = published.flight_state == FlightState::Holding;
             if let Some(place) = published.setpoint.and_then(|s| s.position).filter(|_| holds) {
                 held.insert(record.id, place);
@@ -196,7 +196,7 @@ impl CoordinatorState {
         self.flights_version += 1;
         self.publish();
         for (id, points) in routes {
-            let actor = self.shared.vehicles.record(id).and_then(|record| record.actor.load_full());
+            let actor = self.shared.vehicles.record(id).and_then(|record| record.actor());
             if let Some(node) = self.shared.host(id) {
                 self.ask_elsewhere(node, Ask::Upload(vec![(id, points)]));
             } else if let Some(actor) = actor {

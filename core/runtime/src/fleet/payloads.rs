@@ -5,8 +5,6 @@
 
 use super::{Child, FleetMessage, FleetState};
 use crate::payload::{Payload, PayloadArguments, escalate};
-use arc_swap::ArcSwapOption;
-use parking_lot::Mutex;
 use ractor::{Actor, ActorRef};
 use skein_config::PayloadRule;
 use skein_domain::exchange::Severity;
@@ -14,12 +12,9 @@ use skein_domain::payload::PayloadKind;
 use skein_domain::{Incarnation, Refusal, VehicleId};
 use skein_plugin_host::PluginKind;
 use skein_state::restart::{Decision, PAYLOAD_LIMITS, RestartHistory, fraction};
-use skein_state::{PayloadPublished, PayloadRecord};
-use skein_state::{PluginIdentity, PluginRecord};
-use skein_state::{SharedState, VehicleRecord};
+use skein_state::{PayloadRecord, PluginIdentity, PluginRecord, SharedState, VehicleRecord};
 use skein_view::{ActorStatus, EventKind};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64};
 use std::time::Duration;
 
 /// A payload of the fleet: vehicle and name.
@@ -83,18 +78,8 @@ pub fn payload_record(
         payload: Some(rule.name.clone()),
         system_id: vehicle.system_id,
     };
-    Ok(PayloadRecord {
-        name: rule.name.clone(),
-        kind,
-        rule: rule.clone(),
-        life: Arc::new(PluginRecord::new(identity, plugin, config_json, rule.isolation)),
-        transport,
-        actor: ArcSwapOption::empty(),
-        tick_waiting: AtomicBool::new(false),
-        next_tick_us: AtomicU64::new(0),
-        state: Mutex::new(PayloadPublished::default()),
-        frame: ArcSwapOption::empty(),
-    })
+    let life = PluginRecord::new(identity, plugin, config_json, rule.isolation);
+    Ok(PayloadRecord::new(rule.clone(), kind, life, transport))
 }
 
 impl FleetState {
@@ -112,7 +97,7 @@ impl FleetState {
             });
         }
         let payload = Arc::new(payload_record(&self.shared, &record, rule)?);
-        record.payloads.write().insert(rule.name.clone(), payload);
+        record.attach(payload);
         self.tell(
             &record,
             &rule.name,
@@ -126,16 +111,12 @@ impl FleetState {
     /// Takes a payload off its vehicle and ends it.
     pub(super) fn detach(&mut self, vehicle: VehicleId, name: &str) -> Result<(), Refusal> {
         let record = self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
-        let payload = record
-            .payloads
-            .write()
-            .remove(name)
-            .ok_or_else(|| Refusal::UnknownPayload {
-                vehicle,
-                payload: name.to_owned(),
-            })?;
+        let payload = record.detach(name).ok_or_else(|| Refusal::UnknownPayload {
+            vehicle,
+            payload: name.to_owned(),
+        })?;
         self.supervised_payloads.remove(&(vehicle, name.to_owned()));
-        if let Some(actor) = payload.actor.swap(None) {
+        if let Some(actor) = payload.take_actor() {
             self.children.remove(&actor.get_id());
             actor.stop(Some("detached".into()));
         }
@@ -147,8 +128,7 @@ impl FleetState {
     pub(super) async fn start_payloads(&mut self, myself: &ActorRef<FleetMessage>, record: &VehicleRecord) {
         for payload in record.payloads() {
             let key = (record.id, payload.name.clone());
-            self.supervised_payloads.entry(key.clone()).or_default().incarnation =
-                payload.state.lock().actor.incarnation;
+            self.supervised_payloads.entry(key.clone()).or_default().incarnation = payload.state().actor.incarnation;
             self.start_payload(myself, key).await;
         }
     }
@@ -182,7 +162,7 @@ impl FleetState {
         };
         let Some(record) = vehicle.payload(&key.1) else { return };
         let now = self.shared.now();
-        record.actor.store(None);
+        record.set_actor(None);
         let supervised = self.supervised_payloads.entry(key.clone()).or_default();
         let decision = supervised.history.decide(&PAYLOAD_LIMITS, now, fraction(now));
         let (status, severity, text) = match decision {
@@ -198,7 +178,7 @@ impl FleetState {
             ),
         };
         {
-            let mut published = record.state.lock();
+            let mut published = record.change_state();
             published.actor.status = status;
             published.actor.last_error = error.to_owned();
             published.actor.since = now;

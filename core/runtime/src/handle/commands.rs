@@ -210,7 +210,7 @@ impl NodeHandle {
         let not_running = Refusal::NotRunning {
             what: format!("actor of vehicle {vehicle}"),
         };
-        let Some(actor) = record.actor.load_full() else {
+        let Some(actor) = record.actor() else {
             return refused(not_running);
         };
         let message = |reply| VehicleMessage::Command {

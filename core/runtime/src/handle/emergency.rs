@@ -111,7 +111,7 @@ impl NodeHandle {
         };
         record.set_stopped(true);
         // Also to a vehicle that is not heard: it may hear.
-        let refusal = record.link.load().0.stop_motors(now, EMERGENCY_REQUEST).err();
+        let refusal = record.link().stop_motors(now, EMERGENCY_REQUEST).err();
         self.shared().vehicles.withdraw(&record);
         let text = match &refusal {
             None => format!("{}: EMERGENCY STOP sent", record.name),

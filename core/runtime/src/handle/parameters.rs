@@ -40,7 +40,7 @@ impl NodeHandle {
     /// # Errors
     /// When there is no such vehicle, or its link has no parameters.
     pub fn parameters(&self, vehicle: VehicleId, since: u64) -> Result<ParameterList, Refusal> {
-        self.cell_of(vehicle)?.link.load().0.parameters(since)
+        self.cell_of(vehicle)?.link().parameters(since)
     }
 
     /// Begins to read all parameters of one of this node's vehicles, or ends that.
@@ -49,7 +49,7 @@ impl NodeHandle {
     /// When there is no such vehicle, it is not heard, or its link has no parameters.
     pub fn read_parameters(&self, vehicle: VehicleId, action: ReadingAction) -> Result<(), Refusal> {
         let record = self.cell_of(vehicle)?;
-        record.link.load().0.read_parameters(self.now(), action)
+        record.link().read_parameters(self.now(), action)
     }
 
     /// Writes a parameter of one of this node's vehicles, from a console, and waits for the autopilot's answer.
@@ -77,7 +77,7 @@ impl NodeHandle {
         let not_running = || Refusal::NotRunning {
             what: format!("actor of vehicle {vehicle}"),
         };
-        let actor = record.actor.load_full().ok_or_else(not_running)?;
+        let actor = record.actor().ok_or_else(not_running)?;
         let id = self.shared.next_command_id();
         let order = |reply| {
             VehicleMessage::WriteParameter(ParameterOrder {

@@ -64,7 +64,7 @@ impl NodeHandle {
 
     /// Asks the autopilot of one vehicle; gives the mode it is to be in, or nothing if it is not asked for one.
     fn ask_autopilot(&self, record: &VehicleRecord, on_stop: OnStop) -> Option<FlightMode> {
-        let state = record.state.lock().flight_state;
+        let state = record.state().flight_state;
         let others = matches!(
             state,
             FlightState::Idle | FlightState::PilotControl | FlightState::Faulted
@@ -73,16 +73,16 @@ impl NodeHandle {
         // So that no regrouping calls it back, and those of other nodes close up.
         self.shared.vehicles.withdraw(record);
         self.shared.gate().autopilot(&command, true).ok()?;
-        record.link.load().0.request(self.now(), PARTING_REQUEST, command);
+        record.link().request(self.now(), PARTING_REQUEST, command);
         Some(mode)
     }
 
     fn mode(&self, record: &VehicleRecord) -> FlightMode {
-        record.link.load().0.read(self.now()).0.mode
+        record.link().read(self.now()).0.mode
     }
 
     fn is_in_air(&self, record: &VehicleRecord) -> bool {
-        airborne(&record.link.load().0.read(self.now()).0)
+        airborne(&record.link().read(self.now()).0)
     }
 }
 

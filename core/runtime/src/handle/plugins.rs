@@ -233,7 +233,7 @@ impl NodeHandle {
     ) -> Result<(), Refusal> {
         let record = self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
         let sent = match payload {
-            None => record.actor.load_full().map(|actor| {
+            None => record.actor().map(|actor| {
                 actor
                     .cast(match order {
                         PluginOrder::Drill(drill) => VehicleMessage::Drill(drill),
@@ -242,7 +242,7 @@ impl NodeHandle {
                     })
                     .is_ok()
             }),
-            Some(name) => self.payload(&record, name)?.actor.load_full().map(|actor| {
+            Some(name) => self.payload(&record, name)?.actor().map(|actor| {
                 actor
                     .cast(match order {
                         PluginOrder::Drill(drill) => PayloadMessage::Drill(drill),

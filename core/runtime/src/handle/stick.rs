@@ -32,7 +32,7 @@ impl NodeHandle {
         if record.hand.lock().put(stick, self.now()) {
             return Ok(());
         }
-        let state = record.state.lock().flight_state;
+        let state = record.state().flight_state;
         Err(Refusal::WrongState {
             state,
             command: VehicleCommand::Steer.name().to_owned(),

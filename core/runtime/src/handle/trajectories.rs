@@ -98,7 +98,7 @@ impl NodeHandle {
     pub(crate) fn upload_here(&self, routes: Vec<(VehicleId, Vec<RoutePoint>)>) -> Result<(), Refusal> {
         for (vehicle, points) in routes {
             let record = self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
-            if let Some(actor) = record.actor.load_full() {
+            if let Some(actor) = record.actor() {
                 // What becomes of it is told as an event.
                 let _ = actor.cast(VehicleMessage::UploadRoute(points));
             }

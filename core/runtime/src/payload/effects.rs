@@ -45,13 +45,13 @@ impl PayloadState {
                 | Effect::Capability(_)
                 | Effect::Limits(_) => {}
                 Effect::Preflight(items) => {
-                    self.record.state.lock().preflight =
+                    self.record.change_state().preflight =
                         own_items(&self.record.life.plugin.load().manifest().name, items);
                 }
             }
         }
         if let Some(frame) = frames.into_iter().next_back() {
-            self.record.frame.store(Some(frame));
+            self.record.show_frame(frame);
         }
     }
 
@@ -61,7 +61,7 @@ impl PayloadState {
             .shared
             .gate()
             .payload_message(self.record.kind, self.vehicle.system_id, message)
-            .and_then(|()| self.vehicle.link.load().0.send_payload(now, message));
+            .and_then(|()| self.vehicle.link().send_payload(now, message));
         let Err(refusal) = sent else { return };
         if matches!(refusal, Refusal::LinkLost { .. }) {
             return; // Told by the vehicle itself.
@@ -80,7 +80,7 @@ impl PayloadState {
     }
 
     fn report(&self, state_json: &str) {
-        let mut published = self.record.state.lock();
+        let mut published = self.record.change_state();
         if published.report.as_ref().is_some_and(|r| r.json.as_ref() == state_json) {
             return;
         }

@@ -13,7 +13,7 @@ impl PayloadState {
     /// The whole period; with a tick at its end if one is due.
     pub(super) async fn period(&mut self, tick: bool) {
         if !self.ensure().await {
-            self.record.state.lock().transport_fault = self.transport.as_ref().map(|t| t.fault()).unwrap_or_default();
+            self.record.change_state().transport_fault = self.transport.as_ref().map(|t| t.fault()).unwrap_or_default();
             return;
         }
         let mut events = self.gather();
@@ -24,7 +24,7 @@ impl PayloadState {
         self.call(events, &frames).await;
         if tick {
             self.life.publish_statistics();
-            self.record.state.lock().transport_fault = self.transport.as_ref().map(|t| t.fault()).unwrap_or_default();
+            self.record.change_state().transport_fault = self.transport.as_ref().map(|t| t.fault()).unwrap_or_default();
         }
     }
 
@@ -53,7 +53,7 @@ impl PayloadState {
                 continue;
             }
             let (revision, report) = {
-                let published = sibling.state.lock();
+                let published = sibling.state();
                 (published.revision, published.report.clone())
             };
             if revision > 0 && self.seen.insert(sibling.name.clone(), revision) != Some(revision) {
@@ -73,7 +73,7 @@ impl PayloadState {
         }
         let mut frames = Vec::new();
         for camera in self.vehicle.payloads() {
-            let Some(frame) = camera.frame.load_full() else {
+            let Some(frame) = camera.frame() else {
                 continue;
             };
             if self.seen_frames.insert(camera.name.clone(), frame.header.id) != Some(frame.header.id) {
@@ -85,7 +85,7 @@ impl PayloadState {
     }
 
     fn gather_device(&mut self, events: &mut Vec<Event>) {
-        let link = self.vehicle.link.load_full();
+        let link = self.vehicle.link();
         let plugin = self.record.life.plugin.load();
         let wanted = &plugin.manifest().mavlink_messages;
         let tapped = self
@@ -95,7 +95,7 @@ impl PayloadState {
         if !tapped && !wanted.is_empty() {
             let tap = Arc::new(Tap::new(wanted.clone()));
             let listening: Weak<dyn MessageTap> = Arc::downgrade(&(tap.clone() as Arc<dyn MessageTap>));
-            link.0.tap(listening);
+            link.tap(listening);
             self.tap = Some((tap, link));
         }
         if let Some((tap, _)) = &self.tap {

@@ -17,15 +17,14 @@ pub(super) fn flown_now(shared: &SharedState, before: Option<Flown>, path: Optio
         .as_ref()
         .map_or_else(BTreeMap::new, |before| before.vehicles.clone());
     for record in shared.vehicles.records() {
-        let (telemetry, _) = record.link.load().0.read(now);
-        let state = record.state.lock().flight_state;
+        let (telemetry, _) = record.link().read(now);
+        let state = record.state().flight_state;
         let others = matches!(
             state,
             FlightState::Idle | FlightState::PilotControl | FlightState::Faulted
         );
         if telemetry.mode == FlightMode::Offboard && airborne(&telemetry) && !others && !record.is_stopped() {
-            let command = record.under_way.lock().map(|(_, command)| command);
-            vehicles.entry(record.id).or_insert(command);
+            vehicles.entry(record.id).or_insert(record.under_way());
         }
     }
     let formation = formation(&shared.coordination.read(), path);

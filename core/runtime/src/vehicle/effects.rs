@@ -39,22 +39,22 @@ impl VehicleState {
                 Effect::Setpoint(setpoint) => self.setpoint(&setpoint),
                 Effect::StopStream => {
                     self.refused_at = None;
-                    self.record.link.load().0.stop_stream(self.shared.now());
-                    self.record.state.lock().setpoint = None;
+                    self.record.link().stop_stream(self.shared.now());
+                    self.record.change_state().setpoint = None;
                 }
                 Effect::Autopilot { request, command } => self.autopilot(request, command),
                 Effect::CommandProgress { id, progress } => self.progress(id, progress),
                 Effect::State { state, detail } => self.state_changed(state, &detail),
-                Effect::Anchor(anchor) => self.record.state.lock().anchor = Some(anchor),
+                Effect::Anchor(anchor) => self.record.change_state().anchor = Some(anchor),
                 Effect::Notice { severity, text } => {
                     self.record(severity, EventKind::Notice, format!("{}: {text}", self.record.name));
                 }
                 Effect::TrackingError { distance_m } => {
-                    self.record.state.lock().tracking_error_m = Some(distance_m);
+                    self.record.change_state().tracking_error_m = Some(distance_m);
                 }
                 Effect::RouteFinished => {
                     let version = self.task_version;
-                    self.record.state.lock().route_finished = Some(version);
+                    self.record.change_state().route_finished = Some(version);
                     self.record(
                         Severity::Info,
                         EventKind::Formation,
@@ -63,7 +63,7 @@ impl VehicleState {
                 }
                 Effect::Report { state_json } => {
                     // The host has held it against the plugin's schema, so that it parses.
-                    self.record.state.lock().model_state = serde_json::from_str(&state_json).ok();
+                    self.record.change_state().model_state = serde_json::from_str(&state_json).ok();
                 }
                 Effect::Occurrence { event_json } => self.occurrence(&event_json),
                 Effect::PayloadCommand {
@@ -71,13 +71,13 @@ impl VehicleState {
                     payload,
                     command_json,
                 } => self.payload_command(request, &payload, command_json),
-                Effect::Capability(capability) => self.record.state.lock().capability = Some(capability),
+                Effect::Capability(capability) => self.record.change_state().capability = Some(capability),
                 Effect::Preflight(items) => {
-                    self.record.state.lock().preflight =
+                    self.record.change_state().preflight =
                         own_items(&self.record.model.plugin.load().manifest().name, items)
                 }
                 Effect::Limits(limits) => {
-                    self.record.state.lock().limits = Some(limits).filter(FlightLimits::is_usable)
+                    self.record.change_state().limits = Some(limits).filter(FlightLimits::is_usable)
                 }
                 // No manifest of a UAV model that names one of these is taken.
                 Effect::Mavlink(_) | Effect::Transmit { .. } | Effect::Frame(_) => {}
@@ -91,7 +91,7 @@ impl VehicleState {
         }
         let state = self.shown_state(state);
         {
-            let mut published = self.record.state.lock();
+            let mut published = self.record.change_state();
             published.flight_state = state;
             detail.clone_into(&mut published.detail);
             published.since = self.shared.now();
@@ -149,7 +149,7 @@ impl VehicleState {
                     command_json,
                     asker: Asker::Model(request),
                 };
-                let sent = record.actor.load_full().map(|actor| actor.cast(message).is_ok());
+                let sent = record.actor().map(|actor| actor.cast(message).is_ok());
                 sent.filter(|sent| *sent)
                     .map(|_| ())
                     .ok_or_else(|| Refusal::NotRunning {
@@ -167,7 +167,7 @@ impl VehicleState {
 
     fn autopilot(&mut self, request: RequestId, command: AutopilotCommand) {
         let now = self.shared.now();
-        let link = self.record.link.load_full();
+        let link = self.record.link();
         let airborne = self
             .shared.peers()
             .entry(self.record.id)
@@ -184,7 +184,7 @@ impl VehicleState {
             self.shared.gate().autopilot(&command, airborne)
         };
         match checked {
-            Ok(()) => link.0.request(now, request, command),
+            Ok(()) => link.request(now, request, command),
             Err(refusal) => {
                 self.waiting.push(Event::AutopilotResult {
                     request,
@@ -201,12 +201,12 @@ impl VehicleState {
             Ok((local, passed)) => {
                 let valid_s = self.shared.config.link.setpoint_valid_s;
                 self.refused_at = None;
-                self.record.link.load().0.stream(now, local, now.plus_seconds(valid_s));
-                self.record.state.lock().setpoint = Some(passed);
+                self.record.link().stream(now, local, now.plus_seconds(valid_s));
+                self.record.change_state().setpoint = Some(passed);
             }
             Err(refusal) => {
                 // Nobody gives way who is not steered.
-                self.record.state.lock().avoiding = None;
+                self.record.change_state().avoiding = None;
                 self.refused(refusal, now);
             }
         }
@@ -241,7 +241,7 @@ impl VehicleState {
     /// Says that the separation filter or a fence changes what the vehicle wants: at its beginning, and when it cannot be kept apart.
     fn tell_change(&mut self, change: Option<&Change>, now: NodeTime) {
         let noted = change.filter(|c| c.by_m_s > WORTH_TELLING_M_S || !c.feasible);
-        self.record.state.lock().avoiding = noted.map(|c| Avoidance {
+        self.record.change_state().avoiding = noted.map(|c| Avoidance {
             by_m_s: c.by_m_s,
             because: c.because.map(who),
             distance_m: Some(c.distance_m).filter(|d| d.is_finite()),
@@ -275,7 +275,7 @@ impl VehicleState {
         let hold = steering::hold(&self.shared.gate(), entry, place, &peers.surroundings, now);
         if let Ok(local) = self.to_local(&hold) {
             let valid_s = self.shared.config.link.setpoint_valid_s;
-            self.record.link.load().0.stream(now, local, now.plus_seconds(valid_s));
+            self.record.link().stream(now, local, now.plus_seconds(valid_s));
         }
     }
 

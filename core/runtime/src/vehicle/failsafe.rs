@@ -43,7 +43,7 @@ impl VehicleState {
             monitor.judge(&health, &settings, now)
         };
         let quiet = state.alarms.is_empty() && state.order.is_none();
-        self.record.state.lock().failsafe = Some(state).filter(|_| !quiet);
+        self.record.change_state().failsafe = Some(state).filter(|_| !quiet);
         for event in events {
             self.tell_failsafe(&event);
             if event.kind == FailsafeEventKind::Ordered {
@@ -53,7 +53,7 @@ impl VehicleState {
     }
 
     fn holding(&self, now: NodeTime) -> Holding {
-        let published = self.record.state.lock();
+        let published = self.record.state();
         Holding {
             holds: published.flight_state == FlightState::Holding,
             gives_way: published.avoiding.is_some(),
@@ -62,7 +62,7 @@ impl VehicleState {
     }
 
     fn health(&self, entry: &PeerEntry, energy: Option<EnergyState>, now: NodeTime) -> Health {
-        let published = self.record.state.lock();
+        let published = self.record.state();
         let wanted = published.setpoint.and_then(|s| s.position);
         let position = entry.kinematics.map(|k| k.position);
         let observed = Health::observed(&entry.telemetry, &entry.link, now);
@@ -127,7 +127,7 @@ impl VehicleState {
         .unwrap_or_default();
         let taken_up = self.model.life.is_running() && self.command(id, command, legs, now).await.is_ok();
         if !taken_up {
-            self.record.link.load().0.request(now, WATCH_REQUEST, by_autopilot);
+            self.record.link().request(now, WATCH_REQUEST, by_autopilot);
         }
     }
 
@@ -136,7 +136,7 @@ impl VehicleState {
         self.shared.vehicles.withdraw(&self.record);
         self.pilot = true;
         self.released = true;
-        self.record.link.load().0.stop_stream(now);
+        self.record.link().stop_stream(now);
         let text = format!("{}: left to its autopilot's own failsafe", self.record.name);
         self.record(Severity::Critical, EventKind::Notice, text);
     }

@@ -28,7 +28,7 @@ impl VehicleState {
             returns,
         });
         if returns {
-            let mut published = self.record.state.lock();
+            let mut published = self.record.change_state();
             if published.flight_state == FlightState::GoingTo {
                 published.flight_state = FlightState::Returning;
             }

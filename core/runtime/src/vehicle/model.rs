@@ -68,7 +68,7 @@ impl VehicleState {
         let before = self.model.life.incarnation();
         match self.model.life.call(events, &[]).await {
             Called::Answered(effects, _) => {
-                self.record.state.lock().task_version = self.task_version;
+                self.record.change_state().task_version = self.task_version;
                 self.carry_out(effects);
             }
             Called::Failed => {}
@@ -92,23 +92,23 @@ impl VehicleState {
 
     /// The instance is another now. It has its task from the snapshot, but a newer one may have come meanwhile.
     pub(super) fn model_renewed(&mut self) {
-        self.task_version = self.record.state.lock().task_version;
+        self.task_version = self.record.state().task_version;
         self.model.forget_what_was_told();
     }
 
     /// The model is given up: the autopilot itself holds the vehicle, without setpoints.
     fn hand_to_autopilot(&mut self, now: NodeTime) {
-        let link = self.record.link.load_full();
+        let link = self.record.link();
         let flying = self
             .shared.peers()
             .entry(self.record.id)
             .is_some_and(|e| e.airborne);
         if flying && !self.pilot {
-            link.0
+            link
                 .request(now, ACTOR_REQUEST, AutopilotCommand::SetMode { mode: FlightMode::Hold });
         }
         self.record.hand.lock().end_any();
-        let mut published = self.record.state.lock();
+        let mut published = self.record.change_state();
         published.flight_state = FlightState::Faulted;
         published.detail = "its model failed too often; the autopilot holds".into();
         published.since = now;

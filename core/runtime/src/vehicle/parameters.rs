@@ -32,9 +32,9 @@ impl VehicleState {
     /// Begins a write, or says why it may not be.
     pub(super) fn write_parameter(&mut self, order: ParameterOrder) {
         let now = self.shared.now();
-        let link = self.record.link.load_full();
-        let (telemetry, _) = link.0.read(now);
-        let state = self.record.state.lock().flight_state;
+        let link = self.record.link();
+        let (telemetry, _) = link.read(now);
+        let state = self.record.state().flight_state;
         let permitted = match self.writes.open.len() < OPEN_MAX {
             true => may_write(&order.name, &telemetry, state),
             false => Err(ParameterError::Busy),
@@ -43,7 +43,7 @@ impl VehicleState {
             self.end_write(order, None, Err(error));
             return;
         }
-        link.0.write_parameter(now, order.id, &order.name, order.value);
+        link.write_parameter(now, order.id, &order.name, order.value);
         self.writes.open.insert(order.id, Open { order, asked: now });
     }
 
@@ -53,7 +53,7 @@ impl VehicleState {
             return;
         }
         self.writes.looked = true;
-        for event in self.record.link.load_full().0.take_parameter_events() {
+        for event in self.record.link().take_parameter_events() {
             self.tell_parameter(event);
         }
         let now = self.shared.now();

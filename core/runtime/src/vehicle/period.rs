@@ -42,8 +42,8 @@ impl VehicleState {
             return events;
         };
         let mut own = own_state(entry, self.shared.frame());
-        let link = self.record.link.load_full();
-        for event in link.0.take_events() {
+        let link = self.record.link();
+        for event in link.take_events() {
             // The peers were read before these events came: the model must not see a mode beside an older armed state.
             match event {
                 LinkEvent::ArmedChanged { armed } => own.armed = armed,
@@ -69,9 +69,9 @@ impl VehicleState {
         if !self.record.is_stopped() {
             return;
         }
-        let link = self.record.link.load_full();
+        let link = self.record.link();
         let mut events = std::mem::take(&mut self.waiting);
-        for event in link.0.take_events() {
+        for event in link.take_events() {
             self.take_link_event(event, &mut events);
         }
         self.waiting = events;
@@ -95,7 +95,7 @@ impl VehicleState {
         }
         for payload in payloads {
             let (revision, report) = {
-                let published = payload.state.lock();
+                let published = payload.state();
                 (published.revision, published.report.clone())
             };
             if revision > 0 && self.model.seen.insert(payload.name.clone(), revision) != Some(revision) {
@@ -213,13 +213,13 @@ impl VehicleState {
             return;
         }
         let now = self.shared.now();
-        let link = self.record.link.load_full();
-        let (telemetry, _) = link.0.read(now);
+        let link = self.record.link();
+        let (telemetry, _) = link.read(now);
         if !telemetry.armed {
             return;
         }
         self.pilot = true;
-        link.0.stop_stream(now);
+        link.stop_stream(now);
         let why = if telemetry.failsafe {
             "by the autopilot's own failsafe"
         } else {

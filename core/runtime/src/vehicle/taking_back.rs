@@ -24,8 +24,8 @@ impl VehicleState {
         match taking {
             Taking::Awaited => true,
             Taking::Holding { .. } => {
-                let link = self.record.link.load_full();
-                link.0.resume_stream();
+                let link = self.record.link();
+                link.resume_stream();
                 self.hold_here(entry, peers, now);
                 true
             }
@@ -41,7 +41,7 @@ impl VehicleState {
             }
             Taking::Left(_) => {
                 self.refused_at = None;
-                self.record.link.load().0.stop_stream(now);
+                self.record.link().stop_stream(now);
                 false
             }
         }
@@ -65,15 +65,15 @@ impl VehicleState {
                 ..LocalSetpoint::default()
             };
             let valid_s = self.shared.config.link.setpoint_valid_s;
-            self.record.link.load().0.stream(now, hold, now.plus_seconds(valid_s));
+            self.record.link().stream(now, hold, now.plus_seconds(valid_s));
         }
     }
 
     /// What its link has to say is told or waits for the model, but for changes of mode: on the way back they are no news.
     fn hear_without_model(&mut self) {
-        let link = self.record.link.load_full();
+        let link = self.record.link();
         let mut events = std::mem::take(&mut self.waiting);
-        for event in link.0.take_events() {
+        for event in link.take_events() {
             if !matches!(event, LinkEvent::ModeChanged { .. }) {
                 self.take_link_event(event, &mut events);
             }

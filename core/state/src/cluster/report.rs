@@ -214,7 +214,7 @@ impl VehicleReport {
     /// Of one of this node's own vehicles.
     #[must_use]
     pub fn of(record: &VehicleRecord, entry: &PeerEntry, withdrawn: bool, now: NodeTime) -> Self {
-        let state = record.state.lock();
+        let state = record.state();
         let flag = |is: bool, flag: u16| if is { flag } else { 0 };
         let alarms = state.failsafe.iter().flat_map(|failsafe| &failsafe.alarms);
         let clock_fault = alarms

@@ -40,7 +40,7 @@ impl NodeHandle {
         command: &serde_json::Value,
     ) -> Result<CommandReceipt, Refusal> {
         let record = self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
-        let actor = self.payload(&record, payload)?.actor.load_full();
+        let actor = self.payload(&record, payload)?.actor();
         let actor = actor.ok_or_else(|| not_running(vehicle, Some(payload)))?;
         let command_json = command.to_string();
         let message = |reply| PayloadMessage::Command {
@@ -96,7 +96,7 @@ impl NodeHandle {
     /// When there is no such vehicle or payload.
     pub fn payload_frame(&self, vehicle: VehicleId, payload: &str) -> Result<Option<Arc<Frame>>, Refusal> {
         let record = self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
-        Ok(self.payload(&record, payload)?.frame.load_full())
+        Ok(self.payload(&record, payload)?.frame())
     }
 
     /// Replaces what is tracked. Models and payloads are told with their next batch.

@@ -36,14 +36,14 @@ impl Holder {
         let gone = || "its actor is not running".to_owned();
         let answer = match self {
             Self::Model(record) => {
-                let actor = record.actor.load_full().ok_or_else(gone)?;
+                let actor = record.actor().ok_or_else(gone)?;
                 actor
                     .call(|reply| VehicleMessage::Exchange(plugin, reply), Some(ANSWER_WITHIN))
                     .await
                     .map_err(|e| e.to_string())?
             }
             Self::Payload(record) => {
-                let actor = record.actor.load_full().ok_or_else(gone)?;
+                let actor = record.actor().ok_or_else(gone)?;
                 actor
                     .call(|reply| PayloadMessage::Exchange(plugin, reply), Some(ANSWER_WITHIN))
                     .await
