@@ -56,23 +56,23 @@ impl OperatorState {
     pub fn take_up(self, shared: &SharedState, ahead_us: Option<i64>) {
         let Some(ahead_us) = ahead_us else { return };
         let now = shared.now();
+        let here = |at: NodeTime| at.on_clock_ahead_by(ahead_us).min(now);
+        let (operators, observed) = (&shared.operators, &shared.observed);
         if let Some(heard) = self.operator_heard {
-            shared.operators.hear_elsewhere(heard.on_clock_ahead_by(ahead_us).min(now));
+            operators.hear_elsewhere(here(heard));
         }
         for (name, report, at) in self.references {
             // One that is out of order says nothing new.
-            let _ = shared.observed.references
-                .hear(&name, report, at.on_clock_ahead_by(ahead_us).min(now));
+            let _ = observed.references.hear(&name, report, here(at));
         }
         if let Some(mut tracks) = self.tracks {
             for track in &mut tracks {
-                track.time = track.time.on_clock_ahead_by(ahead_us).min(now);
+                track.time = here(track.time);
             }
-            shared.observed.hear_tracks(tracks);
+            observed.hear_tracks(tracks);
         }
-        let here = |at: NodeTime| at.on_clock_ahead_by(ahead_us).min(now);
         {
-            let mut table = shared.operators.change_control();
+            let mut table = operators.change_control();
             for (console, at) in &self.consoles {
                 table.hear_elsewhere(console, here(*at));
             }
@@ -86,7 +86,7 @@ impl OperatorState {
             given_at: here(given.given_at),
             ..given
         });
-        shared.operators.hear_overrides(told);
+        operators.hear_overrides(told);
     }
 }
 

@@ -8,7 +8,7 @@ use crate::surroundings;
 use ractor::{Actor, ActorProcessingErr, ActorRef};
 use skein_domain::exchange::Severity;
 use skein_domain::{NodeTime, VehicleId};
-use skein_state::SharedState;
+use skein_state::{SharedState, VehicleMessage};
 use skein_view::EventKind;
 use skein_view::{PeerEntry, PeerSnapshot, airborne, kinematics};
 use std::collections::BTreeSet;
@@ -125,7 +125,7 @@ fn tick(shared: &SharedState) {
     add_others(shared, &mut entries, now);
     publish(shared, entries, now);
     for record in &records {
-        record.send_tick();
+        record.actor.send_tick(VehicleMessage::Tick);
     }
     for record in &records {
         for payload in record.payloads() {

@@ -194,7 +194,9 @@ impl CoordinatorState {
 
     /// The anchor of a former leader must not be followed.
     fn clear_anchors(&self) {
-        let leader = self.shared.coordination.read().formation.as_ref().and_then(|f| f.leader);
+        let coordination = self.shared.coordination.read();
+        let leader = coordination.formation.as_ref().and_then(|f| f.leader);
+        drop(coordination);
         for record in self.shared.vehicles.records() {
             if Some(record.id) != leader {
                 record.forget_anchor();
@@ -267,7 +269,7 @@ impl CoordinatorState {
             return;
         }
         self.shared.coordination.see_coordinator(self.shared.now());
-        let Some(formation) = self.shared.coordination.formation() else {
+        let Some(formation) = self.shared.coordination.read().formation.clone() else {
             return;
         };
         let peers = self.shared.peers();

@@ -19,9 +19,9 @@ use skein_domain::{AutopilotCommand, FlightMode, FlightState, Incarnation, Refus
 use skein_plugin_host::{Plugin, PluginKind};
 use skein_px4::PairedLink;
 use skein_state::restart::{Decision, RestartHistory, VEHICLE_LIMITS};
-use skein_state::{SharedState, VehicleRecord};
 use skein_state::{PluginIdentity, PluginRecord};
-use skein_view::{ActorStatus, EventKind, UnadoptedVehicle};
+use skein_state::{SharedState, VehicleRecord};
+use skein_view::{ActorStatus, EventKind, PeerEntry, UnadoptedVehicle};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::time::Duration;
@@ -225,8 +225,8 @@ impl FleetState {
         if let Some(known) = self.shared.vehicles.record(id) {
             return self.heard_again(&known, discovery);
         }
-        let plugin = self
-            .shared.plugins.catalog
+        let catalog = &self.shared.plugins.catalog;
+        let plugin = catalog
             .get(&rule.model)
             .filter(|plugin| plugin.manifest().kind == PluginKind::UAV_MODEL)
             .ok_or_else(|| format!("its UAV model \"{}\" is not among the plugins found", rule.model))?;
@@ -247,8 +247,8 @@ impl FleetState {
             .record(now, Some(id), Severity::Info, EventKind::Adopted, text);
         self.shared.vehicles.adopt(record.clone());
         // Heard before it was ours, it would be kept away from as a stranger in its own place.
-        self.shared.observed.sightings
-            .forget(&skein_link_mavlink::sighting::source_of(system_id.0));
+        let sightings = &self.shared.observed.sightings;
+        sightings.forget(&skein_link_mavlink::sighting::source_of(system_id.0));
         self.supervised.insert(id, Supervised::default());
         self.start(myself, record.clone()).await;
         self.start_payloads(myself, &record).await;
@@ -357,9 +357,9 @@ impl FleetState {
     }
 
     async fn ended(&mut self, myself: &ActorRef<FleetMessage>, id: VehicleId, error: &str) {
-        let Some(record) = self.shared.vehicles.record(id) else { return };
-        let now = self.shared.now();
-        record.set_actor(None);
+        let (record, now) = (self.shared.vehicles.record(id), self.shared.now());
+        let Some(record) = record else { return };
+        record.actor.end();
         let supervised = self.supervised.entry(id).or_default();
         let decision = supervised
             .history
@@ -396,11 +396,9 @@ impl FleetState {
 
 /// Nobody steers the vehicle any more: its autopilot is told to hold by itself.
 fn give_up(shared: &SharedState, record: &VehicleRecord) {
-    let now = shared.now();
-    if shared.peers()
-        .entry(record.id)
-        .is_some_and(|e| e.telemetry.mode == FlightMode::Offboard && e.airborne)
-    {
+    let (now, peers) = (shared.now(), shared.peers());
+    let flown = |e: &PeerEntry| e.telemetry.mode == FlightMode::Offboard && e.airborne;
+    if peers.entry(record.id).is_some_and(flown) {
         record.link().request(
             now,
             RequestId(u32::MAX),

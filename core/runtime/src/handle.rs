@@ -212,7 +212,7 @@ impl NodeHandle {
     /// Where each follower belongs relative to its leader at this moment, and the anchor: what a referee compares with the truth.
     #[must_use]
     pub fn slots(&self) -> Option<FormationSlots> {
-        let formation = self.shared.coordination.formation()?;
+        let formation = self.shared.coordination.read().formation.clone()?;
         let peers = self.shared.peers();
         let anchor = match formation.leader {
             Some(leader) => peers.entry(leader).and_then(|e| e.anchor),
@@ -278,8 +278,8 @@ impl NodeHandle {
             .events
             .record(self.now(), None, Severity::Advisory, EventKind::Notice, text);
         let actor_of = |vehicle: VehicleId| {
-            let record = self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
-            record.actor().ok_or(Refusal::NotRunning {
+            let record = self.shared.vehicles.known(vehicle)?;
+            record.actor.get().ok_or(Refusal::NotRunning {
                 what: format!("actor of vehicle {vehicle}"),
             })
         };

@@ -87,8 +87,7 @@ impl Actor for Payload {
                 since: shared.now(),
             };
         }
-        record.take_tick();
-        record.set_actor(Some(myself));
+        record.actor.begin(myself);
         Ok(PayloadState {
             life: PluginLife::new(shared.clone(), record.life.clone(), &PAYLOAD_LIMITS),
             tap: None,
@@ -114,7 +113,7 @@ impl Actor for Payload {
     ) -> Result<(), ActorProcessingErr> {
         match message {
             PayloadMessage::Tick => {
-                state.record.take_tick();
+                state.record.actor.take_tick();
                 state.period(true).await;
             }
             PayloadMessage::Command {
@@ -166,7 +165,7 @@ impl PayloadState {
                 let _ = reply.send(receipt);
             }
             Asker::Model(request) => {
-                if let Some(actor) = self.vehicle.actor() {
+                if let Some(actor) = self.vehicle.actor.get() {
                     // A vehicle's actor that has just ended asks again.
                     let _ = actor.cast(VehicleMessage::PayloadResult { request, refusal });
                 }
@@ -271,7 +270,7 @@ pub fn escalate(shared: &SharedState, vehicle: &VehicleRecord, record: &PayloadR
         return;
     };
     shared.vehicles.withdraw(vehicle);
-    if let Some(actor) = vehicle.actor() {
+    if let Some(actor) = vehicle.actor.get() {
         let message = VehicleMessage::Command {
             id: shared.next_command_id(),
             command,

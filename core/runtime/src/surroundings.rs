@@ -26,7 +26,9 @@ pub(crate) fn surroundings(shared: &SharedState, entries: &[PeerEntry], now: Nod
 /// Aircraft and movers that were sighted. Those on the ground cannot be told from those in the air: all are kept away from.
 fn sighted(shared: &SharedState, now: NodeTime) -> Vec<Neighbour> {
     let Some(frame) = shared.frame() else { return Vec::new() };
-    shared.observed.sightings
+    shared
+        .observed
+        .sightings
         .since(now.plus_seconds(-SIGHTING_KEPT_S))
         .into_iter()
         .map(|sighting| {

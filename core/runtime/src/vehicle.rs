@@ -90,8 +90,7 @@ impl Actor for VehicleActor {
                 since: now,
             };
         }
-        record.take_tick();
-        record.set_actor(Some(myself));
+        record.actor.begin(myself);
         Ok(VehicleState {
             model: Model::new(PluginLife::new(shared.clone(), record.model.clone(), &VEHICLE_LIMITS)),
             shared,
@@ -116,7 +115,7 @@ impl Actor for VehicleActor {
     ) -> Result<(), ActorProcessingErr> {
         match message {
             VehicleMessage::Tick => {
-                state.record.take_tick();
+                state.record.actor.take_tick();
                 state.period().await;
             }
             VehicleMessage::Command {
@@ -220,7 +219,7 @@ impl VehicleState {
         }
         // Most of the time the model has said of the former leg that it is replaced; between two legs it had nothing to say.
         self.abandon_itinerary();
-        self.record.begin_command(id, command);
+        *self.record.under_way.lock() = Some((id, command));
         if flown_id != id {
             let returns = matches!(command, VehicleCommand::Return);
             self.record_progress(id, command.name(), &CommandProgress::Executing);
@@ -288,7 +287,7 @@ impl VehicleState {
     /// Writes a command's progress to the event log.
     fn record_progress(&self, id: CommandId, name: &str, progress: &CommandProgress) {
         if !matches!(progress, CommandProgress::Executing) {
-            self.record.end_command(id);
+            self.record.under_way.lock().take_if(|(under_way, _)| *under_way == id);
         }
         let words = name.replace('_', " ");
         let (severity, text) = match progress {

@@ -4,7 +4,7 @@
 
 use arc_swap::ArcSwap;
 use parking_lot::{Mutex, MutexGuard};
-use skein_coordination::{AnchorKeeper, Coordination, Formation, References};
+use skein_coordination::{AnchorKeeper, Coordination, References};
 use skein_domain::{AnchorReference, Intent, NodeTime};
 use skein_safety::Fences;
 use std::ops::Deref;
@@ -49,11 +49,6 @@ impl SharedCoordination {
     /// so that what is decided is decided on what there is.
     pub fn change(&self) -> MutexGuard<'_, Coordination> {
         self.state.lock()
-    }
-
-    /// The formation, if one is flown.
-    pub fn formation(&self) -> Option<Formation> {
-        self.state.lock().formation.clone()
     }
 
     /// The control loop works out the anchor of a formation that follows no vehicle, once a period. Second: whether the formation waits at a fence,

@@ -31,7 +31,8 @@ pub use coordination::SharedCoordination;
 pub use failsafe::{FailsafeMonitor, Holding};
 pub use held_route::{HeldRoute, UploadEnd, is_upload};
 pub use mailbox::{
-    Asker, ExchangeReply, ParameterOrder, ParameterOutcome, PayloadMessage, SwarmMessage, VehicleMessage, asking,
+    ActorSlot, Asker, ExchangeReply, ParameterOrder, ParameterOutcome, PayloadMessage, SwarmMessage, VehicleMessage,
+    asking,
 };
 pub use observed::Observed;
 pub use operators::Operators;

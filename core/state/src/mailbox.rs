@@ -1,9 +1,10 @@
-//! What the actors of a node are told: the messages of their mailboxes.
+//! What the actors of a node are told: the messages of their mailboxes, and where the mailbox of a vehicle or payload is found.
 //!
 //! Must never do: carry something that the sender has to wait for without an end.
 
 use crate::asks::{Answer, Ask};
-use ractor::RpcReplyPort;
+use arc_swap::ArcSwapOption;
+use ractor::{ActorRef, Message, RpcReplyPort};
 use skein_domain::exchange::FaultDrill;
 use skein_domain::link::RoutePoint;
 use skein_domain::{CommandId, NodeId, NodeTime, ParameterError, ParameterValue, Refusal, RequestId, VehicleCommand};
@@ -11,6 +12,7 @@ use skein_plugin_host::Plugin;
 use skein_view::{CommandReceipt, Restored};
 use std::collections::VecDeque;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use tokio::sync::oneshot;
 
@@ -142,4 +144,52 @@ pub fn asking(to: NodeId, ask: Ask, within: Duration) -> (SwarmMessage, oneshot:
         answer,
     };
     (message, answered)
+}
+
+/// The mailbox of a vehicle's or a payload's present actor, if it has one.
+pub struct ActorSlot<M> {
+    actor: ArcSwapOption<ActorRef<M>>,
+    /// A tick has been sent and not yet been taken up: at most one waits in the mailbox.
+    tick_waiting: AtomicBool,
+}
+
+impl<M> Default for ActorSlot<M> {
+    fn default() -> Self {
+        Self {
+            actor: ArcSwapOption::empty(),
+            tick_waiting: AtomicBool::new(false),
+        }
+    }
+}
+
+impl<M: Message> ActorSlot<M> {
+    /// The running actor.
+    pub fn get(&self) -> Option<Arc<ActorRef<M>>> {
+        self.actor.load_full()
+    }
+
+    /// An incarnation begins: no tick waits for it.
+    pub fn begin(&self, actor: ActorRef<M>) {
+        self.take_tick();
+        self.actor.store(Some(Arc::new(actor)));
+    }
+
+    /// The fleet knows that it has ended, or ends it.
+    pub fn end(&self) -> Option<Arc<ActorRef<M>>> {
+        self.actor.swap(None)
+    }
+
+    /// The control loop wakes it, if no tick waits.
+    pub fn send_tick(&self, tick: M) {
+        let Some(actor) = self.get() else { return };
+        if !self.tick_waiting.swap(true, Ordering::AcqRel) && actor.cast(tick).is_err() {
+            // The actor has ended; its next incarnation clears the mark.
+            self.take_tick();
+        }
+    }
+
+    /// It takes the tick up.
+    pub fn take_tick(&self) {
+        self.tick_waiting.store(false, Ordering::Release);
+    }
 }

@@ -53,27 +53,21 @@ impl Operators {
         self.control.lock()
     }
 
-    /// Red items that somebody takes upon himself; for how long, they say themselves.
-    pub fn overrides(&self) -> Vec<PreflightOverride> {
-        self.overrides.lock().clone()
-    }
-
-    /// Those of them that hold.
-    pub fn overrides_holding(&self, now: NodeTime) -> Vec<PreflightOverride> {
+    /// Red items that somebody takes upon himself now.
+    pub fn overrides(&self, now: NodeTime) -> Vec<PreflightOverride> {
         let all = self.overrides.lock();
         all.iter().filter(|given| holds(given, now)).cloned().collect()
     }
 
-    /// An operator takes red items upon himself; those that do not hold any more are forgotten.
-    pub fn override_items(&self, given: PreflightOverride, now: NodeTime) {
+    /// An operator takes red items upon himself. What does not hold any more is forgotten; other nodes are told of it only if there are some.
+    pub fn override_items(&self, given: &PreflightOverride, in_swarm: bool, now: NodeTime) {
         let mut all = self.overrides.lock();
         all.retain(|given| holds(given, now));
-        all.push(given);
-    }
-
-    /// Other nodes are to be told of one that was given here.
-    pub fn pass_override_on(&self, given: PreflightOverride) {
-        self.overrides_here.lock().push(given);
+        all.push(given.clone());
+        drop(all);
+        if in_swarm {
+            self.overrides_here.lock().push(given.clone());
+        }
     }
 
     /// What other nodes are to be told of.
@@ -104,7 +98,9 @@ impl Operators {
     /// Whether a key is that of a first step which is not too long ago.
     pub fn is_emergency_key(&self, key: &str, now: NodeTime) -> bool {
         let unlocked = self.emergency_key.lock();
-        unlocked.as_ref().is_some_and(|(good, until)| good == key && now <= *until)
+        unlocked
+            .as_ref()
+            .is_some_and(|(good, until)| good == key && now <= *until)
     }
 
     /// An operator gives a sign of life.

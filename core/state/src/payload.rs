@@ -2,11 +2,10 @@
 //!
 //! Must never do: wait for the payload.
 
-use crate::mailbox::PayloadMessage;
+use crate::mailbox::{ActorSlot, PayloadMessage};
 use crate::plugin::PluginRecord;
 use arc_swap::ArcSwapOption;
 use parking_lot::{Mutex, MutexGuard};
-use ractor::ActorRef;
 use skein_config::PayloadRule;
 use skein_domain::NodeTime;
 use skein_domain::payload::PayloadKind;
@@ -18,7 +17,7 @@ use std::net::SocketAddr;
 use std::ops::Deref;
 use std::str::FromStr;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// One payload of a vehicle. It outlives its actor, so that a new incarnation finds its state.
 pub struct PayloadRecord {
@@ -32,9 +31,8 @@ pub struct PayloadRecord {
     pub life: Arc<PluginRecord>,
     /// How its device is reached, if not over MAVLink.
     pub transport: Option<TransportAddress>,
-    actor: ArcSwapOption<ActorRef<PayloadMessage>>,
-    /// A tick has been sent and not yet been taken up: at most one waits in the mailbox.
-    tick_waiting: AtomicBool,
+    /// Its actor.
+    pub actor: ActorSlot<PayloadMessage>,
     /// When the next tick is due, in microseconds of the node's clock.
     next_tick_us: AtomicU64,
     state: Mutex<PayloadPublished>,
@@ -50,27 +48,11 @@ impl PayloadRecord {
             rule,
             life: Arc::new(life),
             transport,
-            actor: ArcSwapOption::empty(),
-            tick_waiting: AtomicBool::new(false),
+            actor: ActorSlot::default(),
             next_tick_us: AtomicU64::new(0),
             state: Mutex::default(),
             frame: ArcSwapOption::empty(),
         }
-    }
-
-    /// The running actor, if any.
-    pub fn actor(&self) -> Option<Arc<ActorRef<PayloadMessage>>> {
-        self.actor.load_full()
-    }
-
-    /// Another actor runs, or none, as the actor itself and the fleet say.
-    pub fn set_actor(&self, actor: Option<ActorRef<PayloadMessage>>) {
-        self.actor.store(actor.map(Arc::new));
-    }
-
-    /// The fleet takes its actor away.
-    pub fn take_actor(&self) -> Option<Arc<ActorRef<PayloadMessage>>> {
-        self.actor.swap(None)
     }
 
     /// The control loop wakes it if its tick is due and none waits. A late one is skipped, never caught up.
@@ -82,16 +64,7 @@ impl PayloadRecord {
         let rate_hz = self.life.plugin.load().manifest().tick_rate_hz.clamp(1, 1_000);
         let next_us = now.0.max(due_us + 1_000_000 / u64::from(rate_hz));
         self.next_tick_us.store(next_us, Ordering::Relaxed);
-        let Some(actor) = self.actor() else { return };
-        if !self.tick_waiting.swap(true, Ordering::AcqRel) && actor.cast(PayloadMessage::Tick).is_err() {
-            // The actor has ended; its next incarnation clears the mark.
-            self.take_tick();
-        }
-    }
-
-    /// Its actor takes the tick up, or begins with none.
-    pub fn take_tick(&self) {
-        self.tick_waiting.store(false, Ordering::Release);
+        self.actor.send_tick(PayloadMessage::Tick);
     }
 
     /// What it last published, to be read.

@@ -20,7 +20,7 @@ use skein_plugin_host::Catalog;
 use skein_safety::control::ControlTable;
 use skein_safety::{FencePlanError, Fences, Gate};
 use skein_view::{ActorHealth, EventLog, FleetSnapshot, PeerSnapshot};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Deref;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -237,7 +237,7 @@ impl SharedState {
     /// Which other node flies a vehicle; none if this one does, or nobody.
     #[must_use]
     pub fn host(&self, vehicle: VehicleId) -> Option<NodeId> {
-        if self.vehicles.has(vehicle) {
+        if self.vehicles.record(vehicle).is_some() {
             return None;
         }
         self.swarm.as_ref()?.host(vehicle)
@@ -246,7 +246,8 @@ impl SharedState {
     /// All vehicles of the swarm, this node's and others', by ascending id.
     #[must_use]
     pub fn vehicle_ids(&self) -> Vec<VehicleId> {
-        let mut ids = self.vehicles.ids();
+        let own = self.vehicles.records();
+        let mut ids: BTreeSet<VehicleId> = own.iter().map(|record| record.id).collect();
         if let Some(swarm) = &self.swarm {
             ids.extend(swarm.vehicles.read().keys());
         }

@@ -5,12 +5,11 @@
 use crate::by_hand::Hand;
 use crate::failsafe::FailsafeMonitor;
 use crate::held_route::HeldRoute;
-use crate::mailbox::VehicleMessage;
+use crate::mailbox::{ActorSlot, VehicleMessage};
 use crate::payload::PayloadRecord;
 use crate::plugin::PluginRecord;
-use arc_swap::{ArcSwap, ArcSwapOption};
+use arc_swap::ArcSwap;
 use parking_lot::{Mutex, MutexGuard, RwLock};
-use ractor::ActorRef;
 use skein_domain::link::VehicleLink;
 use skein_domain::payload::CoordinatorCapability;
 use skein_domain::preflight::PreflightItem;
@@ -53,13 +52,13 @@ pub struct VehicleRecord {
     pub model: Arc<PluginRecord>,
     payloads: RwLock<BTreeMap<String, Arc<PayloadRecord>>>,
     link: ArcSwap<LinkSlot>,
-    actor: ArcSwapOption<ActorRef<VehicleMessage>>,
-    /// A tick has been sent and not yet been taken up: at most one waits in the mailbox.
-    tick_waiting: AtomicBool,
     state: Mutex<PublishedState>,
+    /// Its actor.
+    pub actor: ActorSlot<VehicleMessage>,
     /// Its failsafe policy and its charge.
     pub failsafe: Mutex<FailsafeMonitor>,
-    under_way: Mutex<Option<(CommandId, VehicleCommand)>>,
+    /// The command that it carries out, if one.
+    pub under_way: Mutex<Option<(CommandId, VehicleCommand)>>,
     /// A command in several legs that is being carried out.
     pub itinerary: Mutex<Option<Itinerary>>,
     /// Whether it is flown by hand, and the newest stick for it.
@@ -91,8 +90,7 @@ impl VehicleRecord {
             model,
             payloads: RwLock::default(),
             link: ArcSwap::from_pointee(LinkSlot(link)),
-            actor: ArcSwapOption::default(),
-            tick_waiting: AtomicBool::new(false),
+            actor: ActorSlot::default(),
             state: Mutex::default(),
             failsafe: Mutex::default(),
             under_way: Mutex::default(),
@@ -136,30 +134,6 @@ impl VehicleRecord {
         self.link.store(Arc::new(LinkSlot(link)));
     }
 
-    /// The running actor, if any.
-    pub fn actor(&self) -> Option<Arc<ActorRef<VehicleMessage>>> {
-        self.actor.load_full()
-    }
-
-    /// Another actor runs, or none, as the actor itself and the fleet say.
-    pub fn set_actor(&self, actor: Option<ActorRef<VehicleMessage>>) {
-        self.actor.store(actor.map(Arc::new));
-    }
-
-    /// The control loop wakes it, once a period, if no tick waits.
-    pub fn send_tick(&self) {
-        let Some(actor) = self.actor() else { return };
-        if !self.tick_waiting.swap(true, Ordering::AcqRel) && actor.cast(VehicleMessage::Tick).is_err() {
-            // The actor has ended; its next incarnation clears the mark.
-            self.take_tick();
-        }
-    }
-
-    /// Its actor takes the tick up, or begins with none.
-    pub fn take_tick(&self) {
-        self.tick_waiting.store(false, Ordering::Release);
-    }
-
     /// What its actor last published, to be read.
     pub fn state(&self) -> impl Deref<Target = PublishedState> {
         self.state.lock()
@@ -178,21 +152,6 @@ impl VehicleRecord {
     /// The coordinator has set a new route: what its actor said of a former one says nothing of this.
     pub fn forget_finished_route(&self) {
         self.state.lock().route_finished = None;
-    }
-
-    /// Its actor carries out a command.
-    pub fn begin_command(&self, id: CommandId, command: VehicleCommand) {
-        *self.under_way.lock() = Some((id, command));
-    }
-
-    /// That command is over, if it still was this one.
-    pub fn end_command(&self, id: CommandId) {
-        self.under_way.lock().take_if(|(under_way, _)| *under_way == id);
-    }
-
-    /// The command that it carries out, if one.
-    pub fn under_way(&self) -> Option<VehicleCommand> {
-        self.under_way.lock().map(|(_, command)| command)
     }
 
     /// The fleet puts a payload on it.

@@ -4,7 +4,7 @@
 
 use crate::vehicle::VehicleRecord;
 use parking_lot::{Mutex, RwLock};
-use skein_domain::VehicleId;
+use skein_domain::{Refusal, VehicleId};
 use skein_px4::PairedLink;
 use skein_view::UnadoptedVehicle;
 use std::collections::{BTreeMap, BTreeSet};
@@ -30,12 +30,12 @@ impl Vehicles {
         self.records.read().values().cloned().collect()
     }
 
-    pub(crate) fn ids(&self) -> BTreeSet<VehicleId> {
-        self.records.read().keys().copied().collect()
-    }
-
-    pub(crate) fn has(&self, id: VehicleId) -> bool {
-        self.records.read().contains_key(&id)
+    /// The record of a vehicle that somebody names.
+    ///
+    /// # Errors
+    /// When this node does not fly it.
+    pub fn known(&self, vehicle: VehicleId) -> Result<Arc<VehicleRecord>, Refusal> {
+        self.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })
     }
 
     /// The fleet adds a vehicle; the one with the same id, if any, is replaced.

@@ -138,11 +138,12 @@ impl SwarmState {
     }
 
     fn tell_card(&mut self, now: NodeTime) {
+        let records = self.shared.vehicles.records();
         let card = Card {
             name: self.shared.config.node.name.clone(),
             roles: NodeRole::to_bits(&roles(&self.shared)),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            vehicles: self.shared.vehicles.records().iter().map(|record| record.id).take(256).collect(),
+            vehicles: records.iter().map(|record| record.id).take(256).collect(),
             origin: origin_of(self.shared.frame()),
         };
         if self.told.card.as_ref() != Some(&card) {

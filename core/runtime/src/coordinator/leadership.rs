@@ -68,7 +68,7 @@ impl CoordinatorState {
         // Two may have claimed one term at once, and the one who keeps the leadership renews it: whom it succeeded is missed all the same.
         if let Some(missed) = role.lost_leader.filter(|_| had_none) {
             let since = self.shared.now();
-            let formation = self.shared.coordination.formation();
+            let formation = self.shared.coordination.read().formation.clone();
             let members = formation.map(|formation| formation.members).unwrap_or_default();
             self.interrupt_if_apart(&members, &[missed]);
             self.lost_leader = Some(LostLeader { missed, since, members });
@@ -139,7 +139,7 @@ impl CoordinatorState {
     /// unseen; who would fly on here with what is left of the formation could meet them. Everyone here holds until they are back, which is
     /// what the others expect of those that they do not hear.
     fn interrupt_if_apart(&mut self, members: &[VehicleId], gone: &[NodeId]) {
-        let Some(mut formation) = self.shared.coordination.formation() else {
+        let Some(mut formation) = self.shared.coordination.read().formation.clone() else {
             return;
         };
         // Who led has been succeeded since, and is to be back like the others.
@@ -161,7 +161,7 @@ impl CoordinatorState {
     /// The holder itself hears nobody any more, and flies vehicles of a formation with others'. To those its computer has failed: they
     /// have a new coordinator and fly on, unseen from here, so that what is flown here must stop.
     fn interrupt_if_cut_off(&mut self) {
-        let Some(formation) = self.shared.coordination.formation() else {
+        let Some(formation) = self.shared.coordination.read().formation.clone() else {
             return;
         };
         let elsewhere = |id: &&VehicleId| self.shared.host(**id).is_some();

@@ -42,8 +42,7 @@ impl CoordinatorState {
                 .events
                 .record(now, Some(*id), Severity::Advisory, EventKind::Formation, text);
             let command = VehicleCommand::Return;
-            let legs =
-                ways::legs(self.shared.gate().fences(), &self.shared.peers(), *id, &command).unwrap_or_default();
+            let legs = ways::legs(self.shared.gate().fences(), &self.shared.peers(), *id, &command).unwrap_or_default();
             if let Some(node) = self.shared.host(*id) {
                 let order = Order {
                     vehicle: *id,
@@ -63,7 +62,7 @@ impl CoordinatorState {
                 reply: None,
             };
             // Without its actor it goes on as it is; its failsafe policy is looked at by the next incarnation.
-            if let Some(actor) = self.shared.vehicles.record(*id).and_then(|record| record.actor()) {
+            if let Some(actor) = self.shared.vehicles.record(*id).and_then(|record| record.actor.get()) {
                 let _ = actor.cast(message);
             }
         }

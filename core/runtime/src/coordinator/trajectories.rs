@@ -196,7 +196,7 @@ impl CoordinatorState {
         self.flights_version += 1;
         self.publish();
         for (id, points) in routes {
-            let actor = self.shared.vehicles.record(id).and_then(|record| record.actor());
+            let actor = self.shared.vehicles.record(id).and_then(|record| record.actor.get());
             if let Some(node) = self.shared.host(id) {
                 self.ask_elsewhere(node, Ask::Upload(vec![(id, points)]));
             } else if let Some(actor) = actor {

@@ -51,8 +51,7 @@ pub fn payload_record(
         detail: format!("payload {:?}: {detail}", rule.name),
     };
     rule.check().map_err(invalid)?;
-    let plugin = shared.plugins.catalog
-        .get(&rule.plugin)
+    let plugin = (shared.plugins.catalog.get(&rule.plugin))
         .ok_or_else(|| invalid(format!("the plugin \"{}\" is not among those found", rule.plugin)))?;
     let kind = payload_kind(plugin.manifest().kind).ok_or_else(|| {
         invalid(format!(
@@ -90,7 +89,7 @@ impl FleetState {
         vehicle: VehicleId,
         rule: &PayloadRule,
     ) -> Result<(), Refusal> {
-        let record = self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+        let record = self.shared.vehicles.known(vehicle)?;
         if record.payload(&rule.name).is_some() {
             return Err(Refusal::InvalidValue {
                 detail: format!("vehicle {vehicle} has a payload \"{}\" already", rule.name),
@@ -110,13 +109,13 @@ impl FleetState {
 
     /// Takes a payload off its vehicle and ends it.
     pub(super) fn detach(&mut self, vehicle: VehicleId, name: &str) -> Result<(), Refusal> {
-        let record = self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+        let record = self.shared.vehicles.known(vehicle)?;
         let payload = record.detach(name).ok_or_else(|| Refusal::UnknownPayload {
             vehicle,
             payload: name.to_owned(),
         })?;
         self.supervised_payloads.remove(&(vehicle, name.to_owned()));
-        if let Some(actor) = payload.take_actor() {
+        if let Some(actor) = payload.actor.end() {
             self.children.remove(&actor.get_id());
             actor.stop(Some("detached".into()));
         }
@@ -162,7 +161,7 @@ impl FleetState {
         };
         let Some(record) = vehicle.payload(&key.1) else { return };
         let now = self.shared.now();
-        record.set_actor(None);
+        record.actor.end();
         let supervised = self.supervised_payloads.entry(key.clone()).or_default();
         let decision = supervised.history.decide(&PAYLOAD_LIMITS, now, fraction(now));
         let (status, severity, text) = match decision {

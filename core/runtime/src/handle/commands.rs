@@ -157,8 +157,8 @@ impl NodeHandle {
             }));
         }
         // Who did not take the command up goes on as before; the coordinator takes it back in.
-        let refused = receipts.iter().filter(|r| r.refusal.is_some());
-        self.shared.vehicles.call_back(&refused.map(|r| r.vehicle).collect::<Vec<_>>());
+        let refused = receipts.iter().filter(|r| r.refusal.is_some()).map(|r| r.vehicle);
+        self.shared.vehicles.call_back(&refused.collect::<Vec<_>>());
         receipts
     }
 
@@ -210,7 +210,7 @@ impl NodeHandle {
         let not_running = Refusal::NotRunning {
             what: format!("actor of vehicle {vehicle}"),
         };
-        let Some(actor) = record.actor() else {
+        let Some(actor) = record.actor.get() else {
             return refused(not_running);
         };
         let message = |reply| VehicleMessage::Command {

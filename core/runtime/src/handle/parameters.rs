@@ -8,10 +8,8 @@ use ractor::rpc::CallResult;
 use serde::{Deserialize, Serialize};
 use skein_domain::parameter::check_parameter_name;
 use skein_domain::{ParameterError, ParameterList, ParameterValue, ReadingAction, Refusal, VehicleId};
-use skein_state::VehicleRecord;
 use skein_state::{ParameterOrder, VehicleMessage};
 use skein_view::EventKind;
-use std::sync::Arc;
 use std::time::Duration;
 
 /// Longest wait for a write: what its link takes to read and to write a parameter over a bad line.
@@ -31,16 +29,12 @@ pub struct ParameterReceipt {
 }
 
 impl NodeHandle {
-    fn cell_of(&self, vehicle: VehicleId) -> Result<Arc<VehicleRecord>, Refusal> {
-        self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })
-    }
-
     /// What is known of the parameters of one of this node's vehicles and has changed since a revision; 0 for all.
     ///
     /// # Errors
     /// When there is no such vehicle, or its link has no parameters.
     pub fn parameters(&self, vehicle: VehicleId, since: u64) -> Result<ParameterList, Refusal> {
-        self.cell_of(vehicle)?.link().parameters(since)
+        self.shared.vehicles.known(vehicle)?.link().parameters(since)
     }
 
     /// Begins to read all parameters of one of this node's vehicles, or ends that.
@@ -48,7 +42,7 @@ impl NodeHandle {
     /// # Errors
     /// When there is no such vehicle, it is not heard, or its link has no parameters.
     pub fn read_parameters(&self, vehicle: VehicleId, action: ReadingAction) -> Result<(), Refusal> {
-        let record = self.cell_of(vehicle)?;
+        let record = self.shared.vehicles.known(vehicle)?;
         record.link().read_parameters(self.now(), action)
     }
 
@@ -64,7 +58,7 @@ impl NodeHandle {
         value: ParameterValue,
     ) -> Result<ParameterReceipt, ParameterError> {
         check_parameter_name(name)?;
-        let record = self.cell_of(vehicle)?;
+        let record = self.shared.vehicles.known(vehicle)?;
         let by = self.called(console, vehicle);
         if let Err(refusal) = self.may_command(console, &[vehicle]) {
             let error = ParameterError::from(refusal);
@@ -77,7 +71,7 @@ impl NodeHandle {
         let not_running = || Refusal::NotRunning {
             what: format!("actor of vehicle {vehicle}"),
         };
-        let actor = record.actor().ok_or_else(not_running)?;
+        let actor = record.actor.get().ok_or_else(not_running)?;
         let id = self.shared.next_command_id();
         let order = |reply| {
             VehicleMessage::WriteParameter(ParameterOrder {

@@ -30,11 +30,8 @@ impl NodeHandle {
             let events = &self.shared.events;
             events.record(self.now(), None, severity, EventKind::Notice, text);
         };
-        let in_air: Vec<Arc<VehicleRecord>> = self
-            .shared.vehicles.records()
-            .into_iter()
-            .filter(|record| self.is_in_air(record))
-            .collect();
+        let mut in_air = self.shared.vehicles.records();
+        in_air.retain(|record| self.is_in_air(record));
         if in_air.is_empty() {
             return;
         }

@@ -137,11 +137,8 @@ impl NodeHandle {
     /// Plugins found, by name.
     #[must_use]
     pub fn plugins(&self) -> Vec<PluginInfo> {
-        self.shared.plugins.catalog
-            .plugins()
-            .iter()
-            .map(|plugin| self.info(plugin))
-            .collect()
+        let found = self.shared.plugins.catalog.plugins();
+        found.iter().map(|plugin| self.info(plugin)).collect()
     }
 
     /// The program that is started with `plugin-host` for an instance in a child process; this one unless it is told. For programs
@@ -176,7 +173,8 @@ impl NodeHandle {
     /// Files in the plugin directories that were not taken, and why.
     #[must_use]
     pub fn plugin_problems(&self) -> Vec<String> {
-        self.shared.plugins.catalog.problems().iter().map(ToString::to_string).collect()
+        let problems = self.shared.plugins.catalog.problems();
+        problems.iter().map(ToString::to_string).collect()
     }
 
     /// The restarts of plugin instances that are kept, oldest first.
@@ -231,9 +229,9 @@ impl NodeHandle {
         payload: Option<&str>,
         order: PluginOrder,
     ) -> Result<(), Refusal> {
-        let record = self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+        let record = self.shared.vehicles.known(vehicle)?;
         let sent = match payload {
-            None => record.actor().map(|actor| {
+            None => record.actor.get().map(|actor| {
                 actor
                     .cast(match order {
                         PluginOrder::Drill(drill) => VehicleMessage::Drill(drill),
@@ -242,7 +240,7 @@ impl NodeHandle {
                     })
                     .is_ok()
             }),
-            Some(name) => self.payload(&record, name)?.actor().map(|actor| {
+            Some(name) => self.payload(&record, name)?.actor.get().map(|actor| {
                 actor
                     .cast(match order {
                         PluginOrder::Drill(drill) => PayloadMessage::Drill(drill),

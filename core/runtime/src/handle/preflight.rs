@@ -43,11 +43,10 @@ impl NodeHandle {
         let (shared, now) = (self.shared(), self.now());
         PreflightAnswer {
             swarm: swarm_report(shared, now),
-            vehicles: shared.vehicles.records()
-                .iter()
+            vehicles: (shared.vehicles.records().iter())
                 .map(|record| vehicle_report(shared, record, now))
                 .collect(),
-            overrides: shared.operators.overrides_holding(now),
+            overrides: shared.operators.overrides(now),
         }
     }
 
@@ -91,10 +90,7 @@ impl NodeHandle {
         if let Some(vehicle) = given.vehicle.filter(|id| !shared.vehicle_ids().contains(id)) {
             return Err(Refusal::UnknownVehicle { vehicle });
         }
-        shared.operators.override_items(given.clone(), now);
-        if shared.swarm.is_some() {
-            shared.operators.pass_override_on(given.clone());
-        }
+        shared.operators.override_items(&given, shared.swarm.is_some(), now);
         let text = format!(
             "preflight items overridden by {} for {:.0} s: {} ({})",
             given.operator,

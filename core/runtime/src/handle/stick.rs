@@ -28,7 +28,7 @@ impl NodeHandle {
     }
 
     fn stick_here(&self, vehicle: VehicleId, stick: Stick) -> Result<(), Refusal> {
-        let record = self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+        let record = self.shared.vehicles.known(vehicle)?;
         if record.hand.lock().put(stick, self.now()) {
             return Ok(());
         }

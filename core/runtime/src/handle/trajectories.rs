@@ -97,8 +97,8 @@ impl NodeHandle {
     /// Puts routes on the autopilots of this node's own vehicles.
     pub(crate) fn upload_here(&self, routes: Vec<(VehicleId, Vec<RoutePoint>)>) -> Result<(), Refusal> {
         for (vehicle, points) in routes {
-            let record = self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
-            if let Some(actor) = record.actor() {
+            let record = self.shared.vehicles.known(vehicle)?;
+            if let Some(actor) = record.actor.get() {
                 // What becomes of it is told as an event.
                 let _ = actor.cast(VehicleMessage::UploadRoute(points));
             }
@@ -111,7 +111,7 @@ impl NodeHandle {
     pub fn trajectories(&self) -> Vec<TrajectoryStatus> {
         let now = self.now();
         let flights = self.shared.coordination.read().flights.clone();
-        let upload = |id| self.shared.vehicles.record(id).and_then(|record| record.route.lock().state());
+        let upload = |id| self.shared.vehicles.record(id)?.route.lock().state();
         flights
             .into_iter()
             .map(|(id, flight)| status(flight, upload(id), now))

@@ -24,7 +24,8 @@ pub(super) fn flown_now(shared: &SharedState, before: Option<Flown>, path: Optio
             FlightState::Idle | FlightState::PilotControl | FlightState::Faulted
         );
         if telemetry.mode == FlightMode::Offboard && airborne(&telemetry) && !others && !record.is_stopped() {
-            vehicles.entry(record.id).or_insert(record.under_way());
+            let command = record.under_way.lock().map(|(_, command)| command);
+            vehicles.entry(record.id).or_insert(command);
         }
     }
     let formation = formation(&shared.coordination.read(), path);

@@ -149,7 +149,7 @@ impl VehicleState {
                     command_json,
                     asker: Asker::Model(request),
                 };
-                let sent = record.actor().map(|actor| actor.cast(message).is_ok());
+                let sent = record.actor.get().map(|actor| actor.cast(message).is_ok());
                 sent.filter(|sent| *sent)
                     .map(|_| ())
                     .ok_or_else(|| Refusal::NotRunning {
@@ -168,10 +168,7 @@ impl VehicleState {
     fn autopilot(&mut self, request: RequestId, command: AutopilotCommand) {
         let now = self.shared.now();
         let link = self.record.link();
-        let airborne = self
-            .shared.peers()
-            .entry(self.record.id)
-            .is_some_and(|entry| entry.airborne);
+        let airborne = self.shared.peers().entry(self.record.id).is_some_and(|e| e.airborne);
         let checked = if self.pilot && command == AutopilotCommand::EnterOffboard {
             Err(Refusal::PilotInControl)
         } else if self.shared.is_stopping() && command == AutopilotCommand::EnterOffboard {

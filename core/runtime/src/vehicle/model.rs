@@ -99,13 +99,9 @@ impl VehicleState {
     /// The model is given up: the autopilot itself holds the vehicle, without setpoints.
     fn hand_to_autopilot(&mut self, now: NodeTime) {
         let link = self.record.link();
-        let flying = self
-            .shared.peers()
-            .entry(self.record.id)
-            .is_some_and(|e| e.airborne);
+        let flying = self.shared.peers().entry(self.record.id).is_some_and(|e| e.airborne);
         if flying && !self.pilot {
-            link
-                .request(now, ACTOR_REQUEST, AutopilotCommand::SetMode { mode: FlightMode::Hold });
+            link.request(now, ACTOR_REQUEST, AutopilotCommand::SetMode { mode: FlightMode::Hold });
         }
         self.record.hand.lock().end_any();
         let mut published = self.record.change_state();

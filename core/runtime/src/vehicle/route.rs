@@ -13,8 +13,7 @@ impl VehicleState {
     /// Begins to put a route on the autopilot.
     pub(super) fn upload_route(&self, route: &[RoutePoint]) {
         let request = self.record.route.lock().begin(route.len());
-        self.record.link()
-            .upload_route(self.shared.now(), request, route);
+        self.record.link().upload_route(self.shared.now(), request, route);
     }
 
     /// What became of an upload. An answer to one that was replaced says nothing of the present one.

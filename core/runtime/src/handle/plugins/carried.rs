@@ -39,8 +39,8 @@ impl NodeHandle {
         payload: &str,
         command: &serde_json::Value,
     ) -> Result<CommandReceipt, Refusal> {
-        let record = self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
-        let actor = self.payload(&record, payload)?.actor();
+        let record = self.shared.vehicles.known(vehicle)?;
+        let actor = self.payload(&record, payload)?.actor.get();
         let actor = actor.ok_or_else(|| not_running(vehicle, Some(payload)))?;
         let command_json = command.to_string();
         let message = |reply| PayloadMessage::Command {
@@ -95,7 +95,7 @@ impl NodeHandle {
     /// # Errors
     /// When there is no such vehicle or payload.
     pub fn payload_frame(&self, vehicle: VehicleId, payload: &str) -> Result<Option<Arc<Frame>>, Refusal> {
-        let record = self.shared.vehicles.record(vehicle).ok_or(Refusal::UnknownVehicle { vehicle })?;
+        let record = self.shared.vehicles.known(vehicle)?;
         Ok(self.payload(&record, payload)?.frame())
     }
 

@@ -36,14 +36,14 @@ impl Holder {
         let gone = || "its actor is not running".to_owned();
         let answer = match self {
             Self::Model(record) => {
-                let actor = record.actor().ok_or_else(gone)?;
+                let actor = record.actor.get().ok_or_else(gone)?;
                 actor
                     .call(|reply| VehicleMessage::Exchange(plugin, reply), Some(ANSWER_WITHIN))
                     .await
                     .map_err(|e| e.to_string())?
             }
             Self::Payload(record) => {
-                let actor = record.actor().ok_or_else(gone)?;
+                let actor = record.actor.get().ok_or_else(gone)?;
                 actor
                     .call(|reply| PayloadMessage::Exchange(plugin, reply), Some(ANSWER_WITHIN))
                     .await
@@ -82,9 +82,9 @@ impl NodeHandle {
     pub async fn upgrade_plugin(&self, name: &str) -> Result<UpgradeReceipt, PluginRefusal> {
         self.rescan_plugins().await;
         let unknown = || PluginRefusal::Unknown { name: name.to_owned() };
-        let old = self.shared.plugins.catalog.get(name).ok_or_else(unknown)?;
-        let new = self
-            .shared.plugins.catalog
+        let catalog = &self.shared.plugins.catalog;
+        let old = catalog.get(name).ok_or_else(unknown)?;
+        let new = catalog
             .candidate(name)
             .ok_or_else(|| PluginRefusal::NothingNewer { name: name.to_owned() })?;
         Ok(self.go_over(name, &old, &new).await)
@@ -96,9 +96,9 @@ impl NodeHandle {
     /// When there is no such plugin or no former version.
     pub async fn roll_back_plugin(&self, name: &str) -> Result<UpgradeReceipt, PluginRefusal> {
         let unknown = || PluginRefusal::Unknown { name: name.to_owned() };
-        let old = self.shared.plugins.catalog.get(name).ok_or_else(unknown)?;
-        let new = self
-            .shared.plugins.catalog
+        let catalog = &self.shared.plugins.catalog;
+        let old = catalog.get(name).ok_or_else(unknown)?;
+        let new = catalog
             .previous(name)
             .ok_or_else(|| PluginRefusal::NothingBefore { name: name.to_owned() })?;
         Ok(self.go_over(name, &old, &new).await)
