@@ -36,7 +36,7 @@ pub use mailbox::{
 };
 pub use observed::Observed;
 pub use operators::Operators;
-pub use overrun::{Overrun, OverrunEvent};
+pub use overrun::Overrun;
 pub use payload::{PayloadPublished, PayloadRecord, Report, TransportAddress};
 pub use plugin::{PluginIdentity, PluginRecord};
 pub use plugins::Plugins;

@@ -12,6 +12,7 @@ use std::ops::Deref;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// What operators have told.
+#[derive(Default)]
 pub struct Operators {
     /// Sticks on their way to vehicles of other nodes that are flown by hand.
     pub relays: Relays,
@@ -32,13 +33,8 @@ impl Operators {
     /// With who had control authority before a restart.
     pub(crate) fn new(control: ControlTable) -> Self {
         Self {
-            relays: Relays::default(),
             control: Mutex::new(control),
-            overrides: Mutex::default(),
-            overrides_here: Mutex::default(),
-            emergency_key: Mutex::default(),
-            heard_us: AtomicU64::new(0),
-            heard_elsewhere_us: AtomicU64::new(0),
+            ..Self::default()
         }
     }
 
