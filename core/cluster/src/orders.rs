@@ -9,7 +9,6 @@ use skein_domain::{Intent, SwarmFrame, VehicleId};
 use skein_failover::Term;
 use skein_state::SharedState;
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 /// Orders of a term. Moments are by the coordinator's clock.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -128,9 +128,9 @@ pub(crate) fn swarm_report(shared: &SharedState, now: NodeTime) -> PreflightRepo
     let standing = |e: &&PeerEntry| !e.airborne && e.telemetry.landed == LandedState::OnGround;
     let home_is_outside = |home: &PositionNed| fences.landing(home).is_err();
     let coordinator_age_s = now.seconds_since(shared.coordinator_seen());
-    let records = shared.vehicles.records();
-    let is_capable = |record: &&Arc<VehicleRecord>| record.state().capability.is_some_and(|c| c.capable);
-    let capable = records.iter().filter(is_capable).count();
+    let capable = (shared.vehicles.records().iter())
+        .filter(|record| record.state().capability.is_some_and(|c| c.capable))
+        .count();
     let checks = SwarmChecks {
         frame_known: shared.frame().is_some(),
         on_ground: heard()

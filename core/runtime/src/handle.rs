@@ -38,7 +38,6 @@ use skein_view::{EventKind, EventRecord, FleetSnapshot};
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 use std::time::Duration;
 use tokio::sync::broadcast;
 

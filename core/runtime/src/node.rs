@@ -28,7 +28,6 @@ use skein_view::{ActorHealth, ActorStatus, EventKind};
 use std::collections::{BTreeMap, HashMap};
 use std::pin::Pin;
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 use std::time::Duration;
 use thiserror::Error;
 use tokio::task::JoinHandle;

@@ -22,7 +22,6 @@ use skein_state::{Asker, PayloadMessage, PayloadRecord, SharedState, VehicleMess
 use skein_view::{ActorHealth, ActorStatus, CommandReceipt, EventKind};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 use tap::Tap;
 use transport::Transport;
 

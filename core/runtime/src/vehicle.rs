@@ -27,7 +27,6 @@ use skein_state::{SharedState, VehicleMessage, VehicleRecord};
 use skein_view::{ActorHealth, ActorStatus, CommandReceipt, EventKind};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 
 /// The actor; all of its state is in [`VehicleState`].
 pub struct VehicleActor;

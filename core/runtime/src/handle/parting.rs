@@ -11,7 +11,6 @@ use skein_state::VehicleRecord;
 use skein_view::EventKind;
 use skein_view::airborne;
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 /// Longest wait for the autopilots: a command is tried three times, and the heartbeat that shows the mode comes once a second.

@@ -17,7 +17,6 @@ use skein_state::whole_file;
 use skein_view::EventKind;
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 /// How often it is looked whether something has changed.

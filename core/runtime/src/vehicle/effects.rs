@@ -13,7 +13,6 @@ use skein_state::emergency;
 use skein_state::{Asker, PayloadMessage};
 use skein_view::{Avoidance, EventKind};
 use skein_view::{PeerEntry, PeerSnapshot};
-use std::sync::atomic::Ordering;
 
 /// A refusal of the same kind is told again after so long, in seconds: at 50 setpoints a second the log would hold nothing else.
 const REFUSAL_REPEAT_S: f64 = 2.0;
