@@ -42,10 +42,7 @@ fn vehicle_of(path: &str) -> Option<VehicleId> {
 pub async fn to_the_vehicles_node(State(app): State<App>, request: Request, next: Next) -> Result<Response, ApiError> {
     let reads_only = matches!(*request.method(), Method::GET | Method::HEAD | Method::OPTIONS);
     if !reads_only && is_observer(&app.node) {
-        return Err(Refusal::NotPermitted {
-            detail: "this node is an observer: it watches, and commands nothing".into(),
-        }
-        .into());
+        return Err(Refusal::not_permitted("this node is an observer: it watches, and commands nothing").into());
     }
     match vehicle_of(request.uri().path()).and_then(|id| app.node.host_elsewhere(id)) {
         Some(node) => pass_on(&app.node, node, request).await,

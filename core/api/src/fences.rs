@@ -41,7 +41,5 @@ pub(crate) async fn export(State(app): State<App>) -> Result<Response, ApiError>
 }
 
 fn invalid(error: impl std::fmt::Display) -> Refusal {
-    Refusal::InvalidValue {
-        detail: error.to_string(),
-    }
+    Refusal::invalid(error.to_string())
 }

@@ -21,10 +21,7 @@ pub(crate) async fn give_override(
     Body(body): Body<OverrideBody>,
 ) -> Result<Json<PreflightOverride>, ApiError> {
     if !operator.may_override_preflight {
-        return Err(Refusal::NotPermitted {
-            detail: format!("{} may not override the preflight report", operator.name),
-        }
-        .into());
+        return Err(Refusal::not_permitted(format!("{} may not override the preflight report", operator.name)).into());
     }
     let given = app.node.override_preflight(PreflightOverride {
         operator: operator.name,

@@ -54,8 +54,7 @@ pub(crate) async fn preview(
     let takes_part = |id| request.members.as_ref().is_none_or(|members| members.contains(id));
     let looks = |vehicle: &&VehicleSnapshot| vehicle.limits.is_some_and(|limits| limits.keeps_view);
     let members = snapshot.vehicles.iter().filter(|vehicle| takes_part(&vehicle.id));
-    let slots =
-        formation::anchored_slots(&request, count).map_err(|e| Refusal::InvalidValue { detail: e.to_string() })?;
+    let slots = formation::anchored_slots(&request, count).map_err(|e| Refusal::invalid(e.to_string()))?;
     if !slots.iter().all(is_near) {
         let detail = "the formation is larger than numbers mean anything about its anchor".to_owned();
         return Err(Refusal::InvalidValue { detail }.into());

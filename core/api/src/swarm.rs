@@ -11,9 +11,7 @@ use skein_domain::Refusal;
 use skein_view::SwarmSnapshot;
 
 pub(crate) async fn swarm(State(app): State<App>) -> Result<Json<SwarmSnapshot>, ApiError> {
-    let alone = Refusal::NotPermitted {
-        detail: "this node flies its vehicles alone; it is in no swarm (swarm.id)".into(),
-    };
+    let alone = Refusal::not_permitted("this node flies its vehicles alone; it is in no swarm (swarm.id)");
     Ok(Json(app.node.swarm().ok_or(alone)?))
 }
 

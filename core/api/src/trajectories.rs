@@ -48,10 +48,7 @@ fn each_once(request: &TrajectoryRequest) -> Result<Vec<VehicleId>, ApiError> {
     let vehicles: Vec<_> = request.vehicles.iter().map(|journey| journey.vehicle).collect();
     let mut seen = BTreeSet::new();
     match vehicles.iter().find(|vehicle| !seen.insert(**vehicle)) {
-        Some(twice) => Err(Refusal::InvalidValue {
-            detail: format!("vehicle {twice} is there twice"),
-        }
-        .into()),
+        Some(twice) => Err(Refusal::invalid(format!("vehicle {twice} is there twice")).into()),
         None => Ok(vehicles),
     }
 }

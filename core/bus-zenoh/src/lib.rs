@@ -7,9 +7,9 @@
 #![forbid(unsafe_code)]
 
 use hearing::Hearing;
-use serde::{Deserialize, Serialize};
 use skein_bus::arrivals::Arrivals;
 use skein_bus::transport::{CLASSES, Class, Datagram, SendError, To, Transport, Wake};
+pub use skein_config::ZenohSettings;
 use skein_domain::{NodeId, NodeTime};
 use std::collections::BTreeMap;
 use std::sync::{Arc, mpsc};
@@ -37,32 +37,6 @@ pub const RUNTIMES: (&str, &str) = (
 const LEASE_MS: u64 = 3000;
 /// How long is waited for a session that is closed.
 const CLOSES_WITHIN: Duration = Duration::from_secs(1);
-
-/// How to reach the others.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct ZenohSettings {
-    /// Where to listen, as Zenoh writes endpoints: `udp/0.0.0.0:7447`, `tls/[::]:7447`.
-    pub listen: Vec<String>,
-    /// Whom to connect to: other nodes, or a router. One that is not there yet is tried again.
-    pub connect: Vec<String>,
-    /// Whether to look for others on the LAN by multicast, and be found.
-    pub multicast: bool,
-    /// Anything else of Zenoh's configuration, as key and JSON5 value: `transport/link/tls/root_ca_certificate` = `"\"ca.pem\""`.
-    pub extra: BTreeMap<String, String>,
-}
-
-impl Default for ZenohSettings {
-    /// Only this host.
-    fn default() -> Self {
-        Self {
-            listen: vec!["tcp/127.0.0.1:0".to_owned()],
-            connect: Vec::new(),
-            multicast: false,
-            extra: BTreeMap::new(),
-        }
-    }
-}
 
 /// Why there is no transport.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]

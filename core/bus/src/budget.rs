@@ -65,14 +65,6 @@ impl Budget {
         self.tokens_bytes - self.floor_bytes(class) >= bytes as f64
     }
 
-    /// When that will be so, if nothing else is sent; none if it never will.
-    #[must_use]
-    pub fn allows_at(&self, class: Class, bytes: usize) -> Option<NodeTime> {
-        let missing_bytes = bytes as f64 + self.floor_bytes(class) - self.tokens_bytes;
-        let after_s = missing_bytes.max(0.0) / self.settings.bytes_per_s;
-        after_s.is_finite().then(|| self.at.plus_seconds(after_s))
-    }
-
     /// Takes the bytes of something that was sent.
     pub fn spend(&mut self, now: NodeTime, bytes: usize) {
         self.refill(now);

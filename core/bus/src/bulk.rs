@@ -120,22 +120,14 @@ impl Sent {
                 && self.after >> (index - self.missing - 1) & 1 == 1)
     }
 
-    /// The part to send now, if one is due, and when the next one is.
-    fn due(&self, now: NodeTime, again_after_s: f64) -> Result<u32, Option<NodeTime>> {
-        let mut next: Option<NodeTime> = None;
-        for index in self.missing..self.parts().min(self.missing.saturating_add(WINDOW)) {
-            if self.has(index) {
-                continue;
-            }
-            let Some(again) = self.sent.get(&index).map(|at| at.plus_seconds(again_after_s)) else {
-                return Ok(index);
-            };
-            if again <= now {
-                return Ok(index);
-            }
-            next = Some(next.map_or(again, |next| next.min(again)));
-        }
-        Err(next)
+    /// The part to send now, if one is due.
+    fn due(&self, now: NodeTime, again_after_s: f64) -> Option<u32> {
+        let is_due = |index: &u32| {
+            let sent = self.sent.get(index);
+            !self.has(*index) && sent.is_none_or(|at| at.plus_seconds(again_after_s) <= now)
+        };
+        let mut window = self.missing..self.parts().min(self.missing.saturating_add(WINDOW));
+        window.find(is_due)
     }
 
     fn part(&self, index: u32) -> Vec<u8> {
@@ -199,7 +191,7 @@ impl Sending {
     pub fn next(&mut self, now: NodeTime) -> Option<(NodeId, Chunk)> {
         let again_after_s = self.settings.again_after_s;
         for (id, sent) in &mut self.under_way {
-            let Ok(index) = sent.due(now, again_after_s) else {
+            let Some(index) = sent.due(now, again_after_s) else {
                 continue;
             };
             sent.sent.insert(index, now);
@@ -212,19 +204,6 @@ impl Sending {
             return Some((sent.to, chunk));
         }
         None
-    }
-
-    /// When something is to be sent next; the past if at once.
-    #[must_use]
-    pub fn wakes_at(&self, now: NodeTime) -> Option<NodeTime> {
-        let again_after_s = self.settings.again_after_s;
-        let moments = self.under_way.values();
-        let due = moments.filter_map(|sent| sent.due(now, again_after_s).map_or_else(|next| next, |_| Some(now)));
-        let given_up = self
-            .under_way
-            .values()
-            .map(|sent| sent.progress.plus_seconds(self.settings.give_up_after_s));
-        due.chain(given_up).min()
     }
 
     /// Takes in what a receiver has. Gives the number that ended, and whether it is there whole.

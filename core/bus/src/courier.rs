@@ -167,16 +167,6 @@ impl Outbox {
         })
     }
 
-    /// When the next parcel is due or given up; none if nothing is under way.
-    #[must_use]
-    pub fn wakes_at(&self) -> Option<NodeTime> {
-        let limit_s = self.settings.give_up_after_s;
-        let moments = self.under_way.values();
-        moments
-            .map(|command| command.next_try.min(command.posted.plus_seconds(limit_s)))
-            .min()
-    }
-
     /// Whether anything is due.
     #[must_use]
     pub fn is_due(&self, now: NodeTime) -> bool {

@@ -21,20 +21,8 @@ mod window;
 use window::Window;
 
 /// One run of a node: drawn at random when it starts, never used again.
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    PartialEq,
-    Eq,
-    PartialOrd,
-    Ord,
-    Hash,
-    Serialize,
-    Deserialize,
-    Encode,
-    Decode
-)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Serialize, Deserialize, Encode, Decode)]
 #[cbor(transparent)]
 #[serde(transparent)]
 pub struct Boot(#[n(0)] pub u64);

@@ -150,24 +150,6 @@ impl Telling {
         self.values.remove(&key);
     }
 
-    /// When something is due next that has changed of late, and when something that has not.
-    #[must_use]
-    pub fn wakes_at(&self) -> [Option<NodeTime>; 2] {
-        [false, true].map(|rests| {
-            let values = self.values.values();
-            let such = values.filter(|told| told.rests(&self.settings) == rests);
-            such.map(|told| told.due).min()
-        })
-    }
-
-    /// When something small that has changed of late is due next.
-    #[must_use]
-    pub fn small_wakes_at(&self) -> Option<NodeTime> {
-        let values = self.values.values();
-        let small = values.filter(|told| told.is_small() && !told.rests(&self.settings));
-        small.map(|told| told.due).min()
-    }
-
     /// Somebody lacks the base of a value.
     pub fn owe(&mut self, key: Key) {
         if let Some(told) = self.values.get_mut(&key) {

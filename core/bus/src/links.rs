@@ -191,12 +191,6 @@ impl Links {
         self.rates = Rates::both(bytes_per_s);
     }
 
-    /// When the next report is due.
-    #[must_use]
-    pub fn wakes_at(&self) -> NodeTime {
-        self.due
-    }
-
     /// How many times as many nodes there are as are many; one if they are fewer.
     fn crowd(&self) -> f64 {
         (self.peers.len() as f64 / MANY as f64).max(1.0)

@@ -141,15 +141,6 @@ impl Asking {
         });
         ended
     }
-
-    /// When something is to be sent or given up next.
-    #[must_use]
-    pub fn wakes_at(&self) -> Option<NodeTime> {
-        let moments = self.open.values();
-        moments
-            .map(|open| open.next_try.min(open.deadline.plus_seconds(1e-6)))
-            .min()
-    }
 }
 
 #[cfg(test)]

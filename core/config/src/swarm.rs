@@ -94,17 +94,18 @@ impl std::fmt::Display for SwarmTransport {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ZenohSettings {
-    /// Where to listen.
+    /// Where to listen, as Zenoh writes endpoints: `udp/0.0.0.0:7447`, `tls/[::]:7447`.
     pub listen: Vec<String>,
-    /// Whom to connect to: other nodes, or a router.
+    /// Whom to connect to: other nodes, or a router. One that is not there yet is tried again.
     pub connect: Vec<String>,
     /// Whether to look for others on the LAN by multicast, and be found.
     pub multicast: bool,
-    /// Anything else of Zenoh's configuration, as key and JSON5 value.
+    /// Anything else of Zenoh's configuration, as key and JSON5 value: `transport/link/tls/root_ca_certificate` = `"\"ca.pem\""`.
     pub extra: BTreeMap<String, String>,
 }
 
 impl Default for ZenohSettings {
+    /// Only this host.
     fn default() -> Self {
         Self {
             listen: vec!["tcp/127.0.0.1:0".to_owned()],

@@ -103,7 +103,7 @@ pub fn plan_with_places(input: &PlanInput, peers: &PeerSnapshot) -> Result<(Form
     let mut members = members(&input.request, peers)?;
     let leader = choose_leader(input, &mut members, peers)?;
     let able = capabilities(&members, peers, &input.limits);
-    let invalid = |e: formation::FormationError| Refusal::InvalidValue { detail: e.to_string() };
+    let invalid = |e: formation::FormationError| Refusal::invalid(e.to_string());
     let slots = formation::anchored_slots(&input.request, members.len()).map_err(invalid)?;
     spaced(input, &slots)?;
     let basis = Basis::now(input, leader, peers)?;
@@ -340,15 +340,11 @@ impl Basis {
         match (&input.request.anchor, present) {
             (FormationAnchor::Path { .. }, Some(anchor)) => Ok(at(anchor.position, anchor.heading_rate_rad_s)),
             (_, Some(anchor)) if same_as_before => Ok(at(anchor.position, anchor.heading_rate_rad_s)),
-            (FormationAnchor::Path { route }, None) => {
-                route
-                    .waypoints
-                    .first()
-                    .map(|first| at(*first, 0.0))
-                    .ok_or_else(|| Refusal::InvalidValue {
-                        detail: "a route needs at least one waypoint".into(),
-                    })
-            }
+            (FormationAnchor::Path { route }, None) => route
+                .waypoints
+                .first()
+                .map(|first| at(*first, 0.0))
+                .ok_or_else(|| Refusal::invalid("a route needs at least one waypoint")),
             (FormationAnchor::Place { position, .. }, _) => Ok(at(*position, 0.0)),
             (FormationAnchor::Reference { name }, _) => {
                 let reference = input

@@ -19,16 +19,8 @@ const STALE_AFTER_S: f64 = 2.0;
 const LONGEST_NAME: usize = 64;
 
 /// Where a reference is, as it is told.
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    PartialEq,
-    Serialize,
-    Deserialize,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReferenceReport {
     /// Its position in the swarm frame.
@@ -118,9 +110,9 @@ impl References {
             && report.velocity.is_none_or(|v| v.is_finite())
             && report.heading_rad.is_none_or(f64::is_finite);
         if !finite || name.is_empty() || name.len() > LONGEST_NAME || name.chars().any(char::is_control) {
-            return Err(Refusal::InvalidValue {
-                detail: format!("a reference has a name of 1 to {LONGEST_NAME} characters and finite numbers"),
-            });
+            return Err(Refusal::invalid(format!(
+                "a reference has a name of 1 to {LONGEST_NAME} characters and finite numbers"
+            )));
         }
         let mut all = self.known.lock();
         if !all.contains_key(name) && all.len() >= MOST {
@@ -132,7 +124,7 @@ impl References {
                 all.remove(&oldest);
             }
         }
-        let invalid = |e: ReferenceError| Refusal::InvalidValue { detail: e.to_string() };
+        let invalid = |e: ReferenceError| Refusal::invalid(e.to_string());
         let mut known = match all.remove(name) {
             Some(known) => known,
             None => Known {

@@ -115,9 +115,7 @@ pub fn plan_trajectories(input: &TrajectoryInput, peers: &PeerSnapshot) -> Resul
     let together = trajectory::plan_together(&journeys, input.start, smoothness).map_err(|error| {
         vec![TrajectoryObjection {
             vehicle: None,
-            refusal: Refusal::InvalidValue {
-                detail: error.to_string(),
-            },
+            refusal: Refusal::invalid(error.to_string()),
         }]
     })?;
     let ways: Vec<(VehicleId, Trajectory)> = request
@@ -201,9 +199,9 @@ fn vehicle_objections(
         });
     }
     if able.min_turn_radius_m > 0.0 {
-        against.push(Refusal::NotSupported {
-            detail: "trajectories for vehicles that cannot turn on the spot".into(),
-        });
+        against.push(Refusal::not_supported(
+            "trajectories for vehicles that cannot turn on the spot",
+        ));
     }
     match start_state(input, entry) {
         None => against.push(Refusal::NoPosition),
@@ -232,9 +230,8 @@ fn off_its_way(input: &TrajectoryInput, entry: &PeerEntry) -> Option<Refusal> {
     let kinematics = entry.kinematics?;
     let wanted = trajectory::sample(&flight.trajectory, kinematics.measured).position;
     let off_m = wanted.distance_m(&kinematics.position);
-    (off_m > OFF_ITS_WAY_M).then(|| Refusal::NotPermitted {
-        detail: format!("go on from its present way, which it is {off_m:.1} m off"),
-    })
+    (off_m > OFF_ITS_WAY_M)
+        .then(|| Refusal::not_permitted(format!("go on from its present way, which it is {off_m:.1} m off")))
 }
 
 /// Its present trajectory, if that has begun.
@@ -280,9 +277,7 @@ fn inside(input: &TrajectoryInput, entry: &PeerEntry, way: &Trajectory) -> Resul
 }
 
 fn invalid(error: trajectory::TrajectoryError) -> Refusal {
-    Refusal::InvalidValue {
-        detail: error.to_string(),
-    }
+    Refusal::invalid(error.to_string())
 }
 
 type Nearest = Option<(f64, VehicleId, VehicleId)>;
@@ -367,11 +362,9 @@ fn routes(
             Some(legs) => drop(routes.insert(*id, legs.iter().map(point).collect())),
             None => against.push(objection(
                 *id,
-                Refusal::NotSupported {
-                    detail: format!(
-                        "a mission that keeps to its way and inside of the fences with {MISSION_POINTS} points"
-                    ),
-                },
+                Refusal::not_supported(format!(
+                    "a mission that keeps to its way and inside of the fences with {MISSION_POINTS} points"
+                )),
             )),
         }
     }

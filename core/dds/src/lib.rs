@@ -17,16 +17,15 @@ pub use peer::{CALLED_PER_HOST, Peer};
 
 use parking_lot::Mutex;
 use rustdds::{DomainParticipant, DomainParticipantBuilder};
-use serde::{Deserialize, Serialize};
 use std::net::{IpAddr, Ipv4Addr};
 use thiserror::Error;
 
 /// Above it, the ports of a domain reach into those that the system gives to anybody.
 pub const LAST_DOMAIN_ID: u16 = 101;
 
-/// Where a node is in DDS.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+/// Where a node is in DDS. The configuration has its like, which is read from a file: this crate knows of no file, nor of its words for what is
+/// wrong.
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DdsSettings {
     /// The DDS domain, 101 at most: only participants of one domain hear each other. What `ROS_DOMAIN_ID` is elsewhere.
     pub domain_id: u16,

@@ -2,7 +2,6 @@
 //!
 //! Must never do: send anything.
 
-use serde::{Deserialize, Serialize};
 use std::net::{Ipv4Addr, SocketAddrV4};
 
 /// So many participants of a host are called if no port is named: those with the ids from zero on.
@@ -11,7 +10,7 @@ pub const CALLED_PER_HOST: u16 = 32;
 pub(crate) const CALLED_OFTEN: u16 = 4;
 
 /// A host, or one participant on it, that is told of this node. DDS' unicast here is IPv4 alone.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Peer {
     /// Its address.
     pub address: Ipv4Addr,

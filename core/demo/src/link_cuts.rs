@@ -3,7 +3,7 @@
 //!
 //! Must never do: cut both links of a vehicle.
 
-use super::report::{Criterion, at_least, at_most};
+use super::report::{Criterion, measured};
 use super::scenario_runner::ScenarioRunner;
 use skein_domain::{FlightMode, VehicleId};
 use skein_sim::{Face, Fault};
@@ -93,19 +93,13 @@ impl LinkCuts {
     pub fn criteria(&self, vehicles: usize) -> Vec<Criterion> {
         let count = |counter: &AtomicU64| Some(counter.load(Ordering::Relaxed) as f64);
         vec![
-            at_least("links cut", count(&self.made), vehicles as f64, ""),
-            at_least(
-                "vehicles flown on over the other link",
-                count(&self.handed_over),
-                vehicles as f64,
-                "",
-            ),
-            at_most(
+            measured("links cut", count(&self.made)).at_least(vehicles as f64, ""),
+            measured("vehicles flown on over the other link", count(&self.handed_over)).at_least(vehicles as f64, ""),
+            measured(
                 "vehicles that left OFFBOARD with their link cut",
                 count(&self.left_offboard),
-                0.0,
-                "",
-            ),
+            )
+            .at_most(0.0, ""),
         ]
     }
 }

@@ -3,7 +3,7 @@
 mod criterion;
 mod restarts;
 
-pub use criterion::{Criterion, at_least, at_most};
+pub use criterion::{Criterion, counted, happened, measured};
 pub use restarts::PluginRestarts;
 
 use super::layout;
@@ -97,42 +97,31 @@ fn common(figures: &Figures, truth: &TruthFrame, unplanned: usize, gap: Criterio
     let to_land = truth.vehicles.iter().filter(|v| !figures.lost.contains(&v.system_id));
     let landed = truth.vehicles.iter().filter(|v| v.alive && referee::is_down(v)).count();
     let mut criteria = vec![
-        at_least(
+        measured(
             "smallest distance between two vehicles",
             figures.smallest_distance.map(|(d, ..)| d),
-            2.0,
-            "m",
-        ),
-        at_most(
+        )
+        .at_least(2.0, "m"),
+        measured(
             "farthest vehicle from its slot after a change",
             farthest(&mut figures.slots.iter().map(|(_, m)| *m)),
-            1.0,
-            "m",
-        ),
+        )
+        .at_most(1.0, "m"),
         gap,
-        at_most("unplanned changes of mode", Some(unplanned as f64), 0.0, ""),
-        at_most(
-            "vehicles that came down untold",
-            Some(figures.came_down.len() as f64),
-            0.0,
-            "",
-        ),
+        counted("unplanned changes of mode", unplanned).at_most(0.0, ""),
+        counted("vehicles that came down untold", figures.came_down.len()).at_most(0.0, ""),
     ];
     if !figures.landings.is_empty() {
         let landings = referee::landing_errors(truth, &figures.landings);
-        criteria.push(at_most(
-            "farthest landing from its spot",
-            farthest(&mut landings.iter().map(|(_, m)| *m)),
-            1.0,
-            "m",
-        ));
+        criteria.push(
+            measured(
+                "farthest landing from its spot",
+                farthest(&mut landings.iter().map(|(_, m)| *m)),
+            )
+            .at_most(1.0, "m"),
+        );
     }
-    criteria.push(at_least(
-        "vehicles landed and disarmed",
-        Some(landed as f64),
-        to_land.count() as f64,
-        "",
-    ));
+    criteria.push(counted("vehicles landed and disarmed", landed).at_least(to_land.count() as f64, ""));
     criteria
 }
 
@@ -141,14 +130,9 @@ fn gap(missing: Option<u64>, figures: &Figures, truth: &TruthFrame) -> Criterion
     let Some(missing) = missing else {
         // A machine that stands still stops the node with everything else: only what is left of a gap without that is the sender's.
         let gap_s = farthest(&mut judged(figures, truth).map(|v| v.offboard_gap_sender_max_s));
-        return at_most("longest setpoint gap", gap_s, 0.2, "s");
+        return measured("longest setpoint gap", gap_s).at_most(0.2, "s");
     };
-    at_most(
-        "times a link had no fresh setpoint to send",
-        Some(missing as f64),
-        0.0,
-        "",
-    )
+    measured("times a link had no fresh setpoint to send", Some(missing as f64)).at_most(0.0, "")
 }
 
 /// Makes the report from the referee's figures.

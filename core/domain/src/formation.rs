@@ -5,18 +5,8 @@ use crate::{OffsetFrd, PositionNed, Route, VehicleId};
 use serde::{Deserialize, Serialize};
 
 /// The outline of a formation. What "forward" and "right" mean is the formation's heading.
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    PartialEq,
-    Eq,
-    Hash,
-    Serialize,
-    Deserialize,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
     /// Side by side, across the heading; the leader in the middle.
@@ -70,17 +60,8 @@ impl Shape {
 }
 
 /// How the heading of a formation is chosen, as an operator asks for it.
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    PartialEq,
-    Default,
-    Serialize,
-    Deserialize,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum HeadingRequest {
     /// Along the leader's course where the outermost vehicle can fly the turns, else fixed at the present heading.
@@ -97,16 +78,8 @@ pub enum HeadingRequest {
 }
 
 /// What a formation's slots are relative to.
-#[derive(
-    Debug,
-    Clone,
-    PartialEq,
-    Default,
-    Serialize,
-    Deserialize,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
+#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum FormationAnchor {
     /// Its leader: the vehicle in the first slot. Routes are flown by it, and another takes over when it is lost.
@@ -134,18 +107,8 @@ pub enum FormationAnchor {
 }
 
 /// Who works out where each vehicle should be.
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    PartialEq,
-    Eq,
-    Default,
-    Serialize,
-    Deserialize,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FormationControl {
     /// The coordinator gives each vehicle a slot relative to the anchor.

@@ -204,16 +204,8 @@ fn unproject(origin: &Geodetic, ned_m: Vector3<f64>) -> Geodetic {
 }
 
 /// The swarm's one common frame: north-east-down about a geodetic origin that all members share.
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    PartialEq,
-    Serialize,
-    Deserialize,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct SwarmFrame {
     /// The shared origin.
     pub origin: Geodetic,

@@ -74,18 +74,8 @@ pub enum LinkEvent {
 }
 
 /// One point of a route that the autopilot flies by itself.
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    PartialEq,
-    Serialize,
-    Deserialize,
-    Encode,
-    Decode,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Serialize, Deserialize, Encode, Decode, ts_rs::TS, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RoutePoint {
     /// The place.
@@ -97,9 +87,10 @@ pub struct RoutePoint {
 }
 
 /// What a link's setpoint stream is doing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum StreamState {
     /// Nothing is sent.
+    #[default]
     Stopped,
     /// Fresh setpoints are sent.
     Fresh,

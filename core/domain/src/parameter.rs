@@ -11,16 +11,8 @@ use thiserror::Error;
 pub const LONGEST_PARAMETER_NAME: usize = 16;
 
 /// A parameter's value with its type. What it counts (metres, seconds, choices) only the autopilot knows.
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    PartialEq,
-    Serialize,
-    Deserialize,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 #[serde(tag = "type", content = "value", rename_all = "snake_case")]
 pub enum ParameterValue {
     /// A whole number (PX4: INT32).
@@ -86,17 +78,8 @@ pub struct Parameter {
 }
 
 /// How the reading of all parameters stands.
-#[derive(
-    Debug,
-    Clone,
-    PartialEq,
-    Eq,
-    Default,
-    Serialize,
-    Deserialize,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 #[serde(tag = "state", rename_all = "snake_case")]
 pub enum ParameterReading {
     /// Nobody has asked for them since the autopilot's start.
@@ -114,16 +97,8 @@ pub enum ParameterReading {
 }
 
 /// The parameters of a vehicle, as far as they are known.
-#[derive(
-    Debug,
-    Clone,
-    PartialEq,
-    Default,
-    Serialize,
-    Deserialize,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
+#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct ParameterList {
     /// How the reading of all stands.
     pub reading: ParameterReading,
@@ -140,17 +115,8 @@ pub struct ParameterList {
 }
 
 /// What is wanted of the reading of all parameters.
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    PartialEq,
-    Eq,
-    Serialize,
-    Deserialize,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ReadingAction {
     /// To begin it, if it is neither under way nor complete; what was read stays.

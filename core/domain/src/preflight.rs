@@ -155,11 +155,7 @@ impl PreflightOverride {
     /// [`Refusal::NotPermitted`] for an item that nobody can override, [`Refusal::InvalidValue`] for one without a name, a reason,
     /// an item, or a sensible duration.
     pub fn check(&self) -> Result<(), Refusal> {
-        let invalid = |detail: &str| {
-            Err(Refusal::InvalidValue {
-                detail: detail.to_owned(),
-            })
-        };
+        let invalid = |detail: &str| Err(Refusal::invalid(detail.to_owned()));
         for item in &self.items {
             if let Some(why) = never_overridden(item) {
                 let detail = format!("override of {item}: {why}");

@@ -6,18 +6,8 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// A typed refusal. Its display text is the sentence an operator reads.
-#[derive(
-    Debug,
-    Clone,
-    PartialEq,
-    Error,
-    Serialize,
-    Deserialize,
-    Encode,
-    Decode,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
+#[derive(Debug, Clone, PartialEq, Error)]
+#[derive(Serialize, Deserialize, Encode, Decode, ts_rs::TS, schemars::JsonSchema)]
 #[serde(tag = "reason", rename_all = "snake_case")]
 pub enum Refusal {
     /// No vehicle of that id is known here.
@@ -253,6 +243,36 @@ pub enum Refusal {
 }
 
 impl Refusal {
+    /// A value that makes no sense: which, and what would be right.
+    pub fn invalid(detail: impl Into<String>) -> Self {
+        let detail = detail.into();
+        Self::InvalidValue { detail }
+    }
+
+    /// Something that is not done, and why.
+    pub fn not_permitted(detail: impl Into<String>) -> Self {
+        let detail = detail.into();
+        Self::NotPermitted { detail }
+    }
+
+    /// Something that this vehicle, payload or link cannot do.
+    pub fn not_supported(detail: impl Into<String>) -> Self {
+        let detail = detail.into();
+        Self::NotSupported { detail }
+    }
+
+    /// What did not come within a time.
+    pub fn timed_out(what: impl Into<String>, after_s: f64) -> Self {
+        let what = what.into();
+        Self::TimedOut { what, after_s }
+    }
+
+    /// A part of the program that is not there to answer.
+    pub fn not_running(what: impl Into<String>) -> Self {
+        let what = what.into();
+        Self::NotRunning { what }
+    }
+
     /// The machine-readable word for the reason, as in JSON.
     #[must_use]
     pub fn code(&self) -> &'static str {

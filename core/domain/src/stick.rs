@@ -17,19 +17,8 @@ pub const FASTEST_STICK_M_S: f64 = 50.0;
 pub const FASTEST_STICK_RAD_S: f64 = TAU;
 
 /// A wanted motion along the axes of the level vehicle: forward is where its nose is asked to point.
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    PartialEq,
-    Default,
-    Serialize,
-    Deserialize,
-    Encode,
-    Decode,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Serialize, Deserialize, Encode, Decode, ts_rs::TS, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Stick {
     /// Forward in metres per second.

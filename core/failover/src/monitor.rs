@@ -199,11 +199,6 @@ impl LeaderMonitor {
         self.heard_lately(now).map(|(node, _)| node)
     }
 
-    /// Who has left the swarm for good is not missed when its majority is counted.
-    pub fn retire(&mut self, node: NodeId) {
-        self.others.remove(&node);
-    }
-
     /// The most suited of the others heard lately: whom the leadership is to be handed to.
     #[must_use]
     pub fn heir(&self, now: NodeTime) -> Option<NodeId> {

@@ -132,27 +132,6 @@ pub fn held_slots(from: &[OffsetFrd], former: &[OffsetFrd]) -> Vec<usize> {
     assignment::assign(from, former)
 }
 
-/// [`Change::plan`] for members with limits of their own (`able`; none if all are alike), behind a leader or (`led` is false) all of
-/// them followers of an anchor that is no vehicle.
-///
-/// # Errors
-/// As [`Change::plan`].
-pub fn plan_members(
-    from: &[OffsetFrd],
-    slots: &[OffsetFrd],
-    limits: &MotionLimits,
-    able: &[FlightLimits],
-    led: bool,
-    start: NodeTime,
-) -> Result<TransitionPlan, FormationError> {
-    let change = Change {
-        able,
-        led,
-        ..Change::new(from, slots, limits)
-    };
-    change.plan(start)
-}
-
 /// [`Change::plan`] for members that are all alike behind their leader.
 ///
 /// # Errors

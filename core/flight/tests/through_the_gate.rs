@@ -1,4 +1,4 @@
-//! What this crate plans must pass the safety gate: a gate that refuses ordinary formation flight would be switched off, and one
+//! What this crate plans must pass the safety gate: a gate that changes ordinary formation flight would be switched off, and one
 //! that lets planned motion collide would be none. Vehicles fly close, fast, with noise and delay.
 
 use nalgebra::Vector3;
@@ -8,16 +8,17 @@ use skein_domain::{
     VehicleId, VelocityNed,
 };
 use skein_flight::formation;
-use skein_flight::transition::{MotionLimits, plan};
+use skein_flight::transition::{Change, MotionLimits};
 use skein_flight::{HeadingFollower, RouteTrajectory, follow, limits};
-use skein_safety::{Gate, Limits, Peer};
+use skein_safety::avoidance::{Cooperation, Neighbour, NeighbourId, Surroundings};
+use skein_safety::{Gate, Limits, Steered, Steering};
 
 const LIMITS: Limits = Limits {
     max_speed_m_s: 20.0,
     max_climb_m_s: 4.0,
     max_descent_m_s: 4.0,
     min_separation_m: 2.0,
-    separation_horizon_s: 0.8,
+    separation_horizon_s: 6.0,
 };
 const DT_S: f64 = 0.02;
 
@@ -64,11 +65,12 @@ impl Vehicle {
 
     /// A velocity loop with a delay of 0.15 s around a position loop of 1 per second, with feed-forward: about what PX4 does.
     fn track(&mut self, setpoint: &skein_domain::Setpoint) {
-        let (Some(position), Some(velocity)) = (setpoint.position, setpoint.velocity) else {
-            return;
-        };
+        let velocity = setpoint.velocity.unwrap_or_default().vector();
         let ahead = setpoint.acceleration.unwrap_or_default().vector() * 0.15;
-        let wanted = velocity.vector() + ahead + (position.vector() - self.position);
+        let left = setpoint
+            .position
+            .map_or_else(Vector3::zeros, |p| p.vector() - self.position);
+        let wanted = velocity + ahead + left;
         self.velocity += (wanted - self.velocity) * (DT_S / 0.15);
         self.position += self.velocity * DT_S;
     }
@@ -87,11 +89,41 @@ impl Vehicle {
     }
 }
 
+/// A vehicle in the air, as the others know it.
+fn neighbour(id: VehicleId, seen: &VehicleKinematics) -> Neighbour {
+    Neighbour {
+        id: NeighbourId::Vehicle(id),
+        position: seen.position,
+        velocity: seen.velocity,
+        measured: seen.measured,
+        uncertainty_m: POSITION_NOISE_M,
+        cooperation: Cooperation::Shares,
+        airborne: true,
+    }
+}
+
+fn steer(
+    gate: &Gate,
+    id: VehicleId,
+    kinematics: &VehicleKinematics,
+    wanted: &skein_domain::Setpoint,
+    around: &Surroundings,
+    now: NodeTime,
+) -> Steered {
+    let own = Steering {
+        id,
+        kinematics,
+        airborne: true,
+        ground_down_m: None,
+    };
+    gate.steer(&own, wanted, around, now).expect("makes sense")
+}
+
 /// What a flight through the gate came to.
 #[derive(Debug, Default)]
 struct Outcome {
     judged: usize,
-    refused: usize,
+    changed: usize,
     min_distance_m: f64,
 }
 
@@ -115,17 +147,15 @@ fn fly(
     for step in 0..(seconds / DT_S) as u32 {
         let t_s = f64::from(step) * DT_S;
         let now = NodeTime::from_seconds(100.0 + t_s);
-        let peers: Vec<Peer> = (1..)
+        let seen: Vec<(VehicleId, VehicleKinematics)> = (1..)
             .zip(&mut vehicles)
-            .map(|(id, vehicle)| Peer {
-                id: VehicleId(id),
-                kinematics: vehicle.measured(now, step, &mut noise),
-                airborne: true,
-            })
+            .map(|(id, vehicle)| (VehicleId(id), vehicle.measured(now, step, &mut noise)))
             .collect();
+        let neighbours: Vec<Neighbour> = seen.iter().map(|(id, seen)| neighbour(*id, seen)).collect();
+        let around = Surroundings::new(&neighbours, &gate.avoidance(), now);
         let (position, velocity, acceleration, heading_rad, heading_rate_rad_s) = leader(t_s);
         // Followers see the leader's measured state, and its own acceleration.
-        let measured = peers[0].kinematics;
+        let measured = seen[0].1;
         let anchor = AnchorReference {
             position: measured.position,
             velocity: measured.velocity,
@@ -135,8 +165,8 @@ fn fly(
             time: measured.measured,
             ..AnchorReference::default()
         };
-        for ((slot, vehicle), peer) in moves.iter().zip(&mut vehicles).zip(&peers) {
-            let setpoint = if peer.id == VehicleId(1) {
+        for ((slot, vehicle), (id, kinematics)) in moves.iter().zip(&mut vehicles).zip(&seen) {
+            let setpoint = if *id == VehicleId(1) {
                 skein_domain::Setpoint {
                     position: Some(position),
                     velocity: Some(velocity),
@@ -146,11 +176,10 @@ fn fly(
             } else {
                 follow::setpoint(&anchor, slot, now)
             };
+            let steered = steer(&gate, *id, kinematics, &setpoint, &around, now);
             outcome.judged += 1;
-            match gate.setpoint(peer.id, &peer.kinematics, true, &setpoint, &peers, now) {
-                Ok(passed) => vehicle.track(&passed),
-                Err(_) => outcome.refused += 1,
-            }
+            outcome.changed += usize::from(steered.change.is_some());
+            vehicle.track(&steered.setpoint);
         }
         for (i, a) in vehicles.iter().enumerate() {
             for b in &vehicles[i + 1..] {
@@ -204,7 +233,7 @@ fn tight_formations_at_ten_metres_a_second_pass() {
     for shape in Shape::ALL.iter().filter(|shape| **shape != Shape::Free) {
         let moves = standing(&slots(*shape, 20).unwrap());
         let outcome = fly(&moves, 12.0, straight(10.0));
-        assert_eq!(outcome.refused, 0, "{shape:?}: {outcome:?}");
+        assert_eq!(outcome.changed, 0, "{shape:?}: {outcome:?}");
         assert!(outcome.min_distance_m > 3.5, "{shape:?}: {outcome:?}");
     }
 }
@@ -215,11 +244,12 @@ fn planned_transitions_pass_standing_and_flying() {
         speed_m_s: 8.0,
         acceleration_m_s2: 3.0,
         climb_m_s: 2.5,
-        min_distance_m: 2.5,
+        min_distance_m: 2.8,
     };
     let from_grid: Vec<OffsetFrd> = (0..30)
         .map(|i| OffsetFrd::new(f64::from(i / 6) * 5.0, f64::from(i % 6) * 5.0, 0.0))
         .collect();
+    let filter = Gate::new(LIMITS, None).avoidance();
     for (speed_m_s, shape) in [
         (0.0, Shape::Wedge),
         (0.0, Shape::Line),
@@ -227,9 +257,17 @@ fn planned_transitions_pass_standing_and_flying() {
         (8.0, Shape::Column),
     ] {
         let targets = slots(shape, from_grid.len()).unwrap();
-        let plan = plan(&from_grid, &targets, &limits, start()).unwrap();
+        let change = Change {
+            filter: Some(&filter),
+            ..Change::new(&from_grid, &targets, &limits)
+        };
+        let plan = change.plan(start()).unwrap();
         let outcome = fly(&plan.moves, plan.duration_s + 3.0, straight(f64::max(speed_m_s, 0.01)));
-        assert_eq!(outcome.refused, 0, "{shape:?} at {speed_m_s} m/s: {outcome:?}");
+        // Where two pass each other, what is measured wrongly makes them give way a little.
+        assert!(
+            outcome.changed * 20 <= outcome.judged,
+            "{shape:?} at {speed_m_s} m/s: {outcome:?}"
+        );
         assert!(
             outcome.min_distance_m > 2.0,
             "{shape:?} at {speed_m_s} m/s: {outcome:?}"
@@ -254,28 +292,24 @@ fn turns_of_a_route_pass() {
         let (heading_rad, rate) = heading.step(sample.course_rad, DT_S);
         (sample.position, sample.velocity, sample.acceleration, heading_rad, rate)
     });
-    assert_eq!(outcome.refused, 0, "{outcome:?}");
+    assert_eq!(outcome.changed, 0, "{outcome:?}");
     assert!(outcome.min_distance_m > 3.5, "{outcome:?}");
 }
 
 #[test]
-fn a_vehicle_sent_through_another_is_stopped_in_time() {
+fn a_vehicle_sent_through_another_is_kept_apart_from_it() {
     let gate = Gate::new(LIMITS, None);
     let mut noise = Noise(3);
     let mut vehicle = Vehicle::at(Vector3::zeros());
     let mut obstacle = Vehicle::at(Vector3::new(40.0, 0.5, 0.0));
     let route = skein_flight::GoTo::new(PositionNed::default(), PositionNed::new(80.0, 0.0, 0.0), 5.0, 2.0).unwrap();
-    let mut last = skein_domain::Setpoint::default();
     let mut nearest_m = f64::INFINITY;
     for step in 0..1500 {
         let t_s = f64::from(step) * DT_S;
         let now = NodeTime::from_seconds(100.0 + t_s);
         let own = vehicle.measured(now, step, &mut noise);
-        let peer = Peer {
-            id: VehicleId(2),
-            kinematics: obstacle.measured(now, step, &mut noise),
-            airborne: true,
-        };
+        let other = neighbour(VehicleId(2), &obstacle.measured(now, step, &mut noise));
+        let around = Surroundings::new(&[other], &gate.avoidance(), now);
         let (position, velocity, acceleration, _) = route.sample(t_s);
         let asked = skein_domain::Setpoint {
             position: Some(position),
@@ -283,19 +317,9 @@ fn a_vehicle_sent_through_another_is_stopped_in_time() {
             acceleration: Some(acceleration),
             ..skein_domain::Setpoint::default()
         };
-        // What the link does when nothing passes for a while: it holds where the vehicle is.
-        let hold = skein_domain::Setpoint {
-            velocity: Some(VelocityNed::default()),
-            ..skein_domain::Setpoint::hold(own.position, None)
-        };
-        match gate.setpoint(VehicleId(1), &own, true, &asked, &[peer], now) {
-            Ok(passed) => last = passed,
-            Err(_) if last.velocity.is_some_and(|v| v.norm() > 0.0) => last = hold,
-            Err(_) => {}
-        }
-        vehicle.track(&last);
+        let steered = steer(&gate, VehicleId(1), &own, &asked, &around, now);
+        vehicle.track(&steered.setpoint);
         nearest_m = nearest_m.min((vehicle.position - obstacle.position).norm());
     }
     assert!(nearest_m > 1.5, "{nearest_m}");
-    assert!(vehicle.position.x < 39.0, "it went through");
 }

@@ -229,8 +229,8 @@ impl VehicleLink for DdsLink {
     fn tap(&self, _tap: Weak<dyn MessageTap>) {}
 
     fn send_payload(&self, _now: NodeTime, message: &MavlinkMessage) -> Result<(), Refusal> {
-        let detail = format!("MAVLink message {} of a payload over DDS", message.message_id);
-        Err(Refusal::NotSupported { detail })
+        let what = format!("MAVLink message {} of a payload over DDS", message.message_id);
+        Err(Refusal::not_supported(what))
     }
 
     fn parameters(&self, _since: u64) -> Result<ParameterList, Refusal> {
@@ -259,8 +259,7 @@ impl VehicleLink for DdsLink {
 }
 
 fn no_parameters() -> Refusal {
-    let detail = "parameters over DDS".to_owned();
-    Refusal::NotSupported { detail }
+    Refusal::not_supported("parameters over DDS")
 }
 
 impl Writers {

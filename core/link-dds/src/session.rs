@@ -12,20 +12,15 @@ use estimate::Estimate;
 use setpoint::{Outgoing, Sender};
 use skein_domain::link::{LinkEvent, Silence, StreamState};
 use skein_domain::setpoint::LocalSetpoint;
-use skein_domain::{
-    AutopilotCommand, FlightMode, LandedState, LinkHealth, NodeTime, Refusal, RequestId, Telemetry, VehicleId,
-};
+use skein_domain::{AutopilotCommand, LinkHealth, NodeTime, Refusal, RequestId, Telemetry, VehicleId};
 use skein_px4::LinkSettings;
 use skein_px4::SendRate;
 use skein_px4::acknowledgement::Acknowledgement;
-use skein_px4::commands::{Around, CommandOutlet, Commands, Ended, Origin};
-use skein_px4::emergency::{ARM_DISARM, EmergencyStop, Urgent};
-use skein_px4::events::EventQueue;
+use skein_px4::commands::CommandOutlet;
 use skein_px4::local_origin::LocalOrigin;
-use skein_px4::mode_watch::ModeWatch;
-use skein_px4::plan::{self, Command, Condition, Situation};
-use skein_px4::setpoints::{HoldPlace, SetpointStream, StreamAction};
-use skein_px4::status_text::StatusTexts;
+use skein_px4::offboard::{Moment, OffboardControl, Wire};
+use skein_px4::plan::{Command, Situation};
+use skein_px4::setpoints::HoldPlace;
 use std::sync::Arc;
 use wire_clock::{Tick, WireClock};
 
@@ -42,15 +37,10 @@ pub struct VehicleSession {
     settings: Arc<LinkSettings>,
     system_id: u8,
     outbox: Vec<Outgoing>,
-    events: EventQueue,
     clock: WireClock,
     origin: LocalOrigin,
-    /// PX4 tells no texts over these topics.
-    texts: StatusTexts,
-    modes: ModeWatch,
-    commands: Commands,
-    ended: Vec<Ended>,
-    stream: SetpointStream,
+    /// PX4 tells no texts over these topics: there are none in it.
+    offboard: OffboardControl,
     estimate: Estimate,
     status: Option<Status>,
     received: SendRate,
@@ -59,10 +49,9 @@ pub struct VehicleSession {
     refuse_all: Option<Refusal>,
     /// Another autopilot speaks in its namespace: what is sent reaches both.
     duplicate: bool,
-    emergency: Option<EmergencyStop>,
 }
 
-/// Commands on their way into the outbox.
+/// Commands and setpoints on their way into the outbox.
 struct ToOutbox<'a> {
     outbox: &'a mut Vec<Outgoing>,
     stamp_us: u64,
@@ -74,6 +63,12 @@ impl CommandOutlet for ToOutbox<'_> {
     fn command(&mut self, command: &Command, confirmation: u8) {
         let message = setpoint::command(command, confirmation, self.stamp_us, self.target_system, self.sender);
         self.outbox.push(Outgoing::Command(message));
+    }
+}
+
+impl Wire for ToOutbox<'_> {
+    fn setpoint(&mut self, setpoint: &LocalSetpoint) {
+        self.outbox.push(setpoint::setpoint(setpoint, self.stamp_us));
     }
 }
 
@@ -90,14 +85,9 @@ impl VehicleSession {
             settings: Arc::new(settings),
             system_id,
             outbox: Vec::new(),
-            events: EventQueue::default(),
             clock: WireClock::default(),
             origin: LocalOrigin::default(),
-            texts: StatusTexts::default(),
-            modes: ModeWatch::default(),
-            commands: Commands::default(),
-            ended: Vec::new(),
-            stream: SetpointStream::default(),
+            offboard: OffboardControl::default(),
             estimate: Estimate::default(),
             status: None,
             received: SendRate::default(),
@@ -105,7 +95,6 @@ impl VehicleSession {
             silence: Silence::new(now),
             refuse_all: None,
             duplicate: false,
-            emergency: None,
         }
     }
 
@@ -122,12 +111,12 @@ impl VehicleSession {
 
     /// Events since the last call.
     pub fn take_events(&mut self) -> Vec<LinkEvent> {
-        self.events.take()
+        self.offboard.events.take()
     }
 
     /// Tells the vehicle's actor something that has no event of its own.
     pub fn notice(&mut self, severity: u8, text: String) {
-        self.events.push(LinkEvent::StatusText { severity, text });
+        self.offboard.events.push(LinkEvent::StatusText { severity, text });
     }
 
     /// When a sample was last heard.
@@ -145,7 +134,7 @@ impl VehicleSession {
     /// What the stream is doing.
     #[must_use]
     pub fn stream_state(&self) -> StreamState {
-        self.stream.state()
+        self.offboard.stream_state()
     }
 
     /// Takes in a sample that has passed the check.
@@ -154,13 +143,13 @@ impl VehicleSession {
         self.received.on_sent(now);
         if !self.connected {
             self.connected = true;
-            self.events.push(LinkEvent::Regained);
+            self.offboard.events.push(LinkEvent::Regained);
         }
         match sample {
             Sample::Local(local) => {
                 match self.clock.on_stamp(now, local.stamp_us) {
                     Tick::Steady => {}
-                    Tick::Jumped { by_s } => self.events.push(LinkEvent::ClockJumped { by_s }),
+                    Tick::Jumped { by_s } => self.offboard.events.push(LinkEvent::ClockJumped { by_s }),
                     Tick::Restarted => self.on_reboot(now),
                 }
                 self.estimate.on_local(now, local, &self.clock, &mut self.origin);
@@ -172,7 +161,7 @@ impl VehicleSession {
             Sample::Status(status) => self.on_status(now, *status),
             Sample::Landed(landed) => {
                 if self.estimate.on_landed(landed.landed) {
-                    self.poll_commands(now);
+                    self.control(now, OffboardControl::poll_commands);
                 }
             }
             Sample::Battery(battery) => self.estimate.on_battery(now, battery),
@@ -210,44 +199,21 @@ impl VehicleSession {
             target_system: self.settings.own_system_id,
             target_component: self.settings.own_component_id,
         };
-        if !self.emergency.as_mut().is_some_and(|stop| stop.acknowledge(&ack)) {
-            self.with_commands(now, |commands, around| commands.on_ack(around, &ack));
-        }
+        self.control(now, |offboard, moment| offboard.on_ack(moment, &ack));
     }
 
     fn on_status(&mut self, now: NodeTime, status: Status) {
         let armed_before = self.status.replace(status).map(|before| before.armed());
-        let armed = status.armed();
         self.estimate.on_status(now, &status);
-        if armed_before.is_some_and(|before| before != armed) {
-            self.events.push(LinkEvent::ArmedChanged { armed });
-        }
         let round_trip_s = self.clock.round_trip_s().unwrap_or(0.0);
-        let settled = |stop: &EmergencyStop| stop.is_settled(now, round_trip_s);
-        if !armed && self.emergency.as_ref().is_some_and(settled) {
-            self.end_emergency(now, Ok(()));
-        }
-        let mode = self.estimate.telemetry().mode;
-        if let Some(change) = self.modes.on_mode(now, mode) {
-            let (from, to, commanded) = (change.from, change.to, change.commanded);
-            self.events.push(LinkEvent::ModeChanged { from, to, commanded });
-            // On the ground nobody is taken out of anyone's control: after a landing PX4 changes its mode by itself.
-            if from == FlightMode::Offboard && !commanded && armed {
-                let action = self.stream.taken_over();
-                self.act(now, action);
-            }
-        }
-        if !armed && self.estimate.telemetry().landed == LandedState::OnGround {
-            self.stream.unbar();
-        } else if mode == FlightMode::Offboard {
-            self.stream.handed_back();
-        }
-        self.poll_commands(now);
+        self.control(now, |offboard, moment| {
+            offboard.on_state(moment, armed_before, round_trip_s)
+        });
     }
 
     /// The autopilot restarted: it has forgotten its frame and every command; so must we.
     pub fn on_reboot(&mut self, now: NodeTime) {
-        self.events.push(LinkEvent::Rebooted);
+        self.offboard.events.push(LinkEvent::Rebooted);
         self.origin.restart();
         self.clock = WireClock::default();
         self.estimate.restart();
@@ -255,26 +221,18 @@ impl VehicleSession {
             result: "rebooted".to_owned(),
             text: String::new(),
         };
-        self.commands.end_all(&mut self.ended, &refusal);
-        self.finish_commands();
+        self.offboard.end_commands(&refusal);
         // Its frame may be another now: no old position must reach it.
-        let action = self.stream.stop();
-        self.act(now, action);
+        self.stop_stream(now);
     }
 
     /// Does what has become due; gives when to come again.
     pub fn on_tick(&mut self, now: NodeTime) -> NodeTime {
-        self.poll_emergency(now);
+        self.control(now, OffboardControl::poll_emergency);
         self.check_lost(now);
-        self.poll_stream(now);
-        self.poll_commands(now);
+        self.control(now, OffboardControl::poll);
         let lost = self.silence.since().plus_seconds(self.settings.lost_after_s);
-        let due = [
-            self.stream.due(&self.settings),
-            self.commands.due(),
-            self.emergency.as_ref().map(EmergencyStop::due),
-            Some(lost).filter(|_| self.connected),
-        ];
+        let due = [self.offboard.due(&self.settings), Some(lost).filter(|_| self.connected)];
         let latest = now.plus_seconds(TICK_MAX_S);
         due.into_iter().flatten().fold(latest, NodeTime::min)
     }
@@ -287,7 +245,7 @@ impl VehicleSession {
         }
         self.connected = false;
         self.clock.doubt();
-        self.events.push(LinkEvent::Lost);
+        self.offboard.events.push(LinkEvent::Lost);
         true
     }
 
@@ -303,59 +261,35 @@ impl VehicleSession {
             let _ = self.stop_motors(now, request);
             return;
         }
-        let planned = match self.refusal(now, command.brings_to_rest()) {
-            Some(refusal) => Err(refusal),
-            None if self.emergency.is_some() => Err(Refusal::NotPermitted {
-                detail: "an emergency stop is under way".to_owned(),
-            }),
-            None => plan::plan(command, &self.situation(now)),
-        };
-        match planned {
-            Ok(plan) => {
-                if plan.condition == Condition::Streaming {
-                    self.stream.unbar();
-                }
-                self.with_commands(now, |commands, around| {
-                    commands.start(around, Origin::Request(request), plan)
-                });
-            }
-            Err(refusal) => self.fail(request, refusal),
-        }
+        let refusal = self.refusal(now, command.brings_to_rest());
+        self.control(now, |offboard, moment| {
+            offboard.request(moment, request, command, refusal)
+        });
     }
 
     /// A route, or anything else that this interface of PX4 does not have.
     pub fn not_supported(&mut self, request: RequestId, what: &str) {
-        let detail = format!("{what} over DDS: PX4 has no topic for it");
-        self.fail(request, Refusal::NotSupported { detail });
-    }
-
-    fn fail(&mut self, request: RequestId, refusal: Refusal) {
-        let outcome = Err(refusal);
-        self.events.push(LinkEvent::Result { request, outcome });
+        let refusal = Refusal::not_supported(format!("{what} over DDS: PX4 has no topic for it"));
+        self.offboard.answer(request, Err(refusal));
     }
 
     /// Takes a setpoint that is valid until `expires`, and sends it.
     pub fn stream(&mut self, now: NodeTime, setpoint: LocalSetpoint, expires: NodeTime) {
         // One that runs goes on: without it the vehicle that it flies is left to its failsafe.
-        if self.refuse_all.is_some() || (self.duplicate && !self.stream.is_active()) {
+        if self.refuse_all.is_some() || (self.duplicate && !self.offboard.is_streaming()) {
             return;
         }
-        let action = self.stream.offer(now, setpoint, expires, &self.settings);
-        self.act(now, action);
-        if self.commands.is_entering_offboard() {
-            self.poll_commands(now);
-        }
+        self.control(now, |offboard, moment| offboard.stream(moment, setpoint, expires));
     }
 
     /// Setpoints may be sent again although the autopilot's failsafe took the vehicle out of OFFBOARD.
     pub fn resume_stream(&mut self) {
-        self.stream.handed_back();
+        self.offboard.resume_stream();
     }
 
     /// Ends the stream on purpose.
     pub fn stop_stream(&mut self, now: NodeTime) {
-        let action = self.stream.stop();
-        self.act(now, action);
+        self.control(now, OffboardControl::stop_stream);
     }
 
     /// Refuses everything from now on: its topics are another vehicle's.
@@ -365,10 +299,7 @@ impl VehicleSession {
     }
 
     fn end(&mut self, now: NodeTime, refusal: &Refusal) {
-        self.commands.end_all(&mut self.ended, refusal);
-        self.finish_commands();
-        let action = self.stream.give_up();
-        self.act(now, action);
+        self.control(now, |offboard, moment| offboard.give_up(moment, refusal));
     }
 
     /// Another autopilot speaks in its namespace, or none any more. On the ground nothing is begun then; one that flies is flown on, and can be
@@ -406,7 +337,7 @@ impl VehicleSession {
             round_trip_s: self.clock.round_trip_s().map(|seconds| seconds as f32),
             clock_offset_s: self.clock.offset_s(now),
             receive_rate_hz: self.received.rate_hz(now),
-            setpoint_rate_hz: self.stream.rate_hz(now),
+            setpoint_rate_hz: self.offboard.setpoint_rate_hz(now),
         };
         (telemetry, health)
     }
@@ -431,119 +362,43 @@ impl VehicleSession {
     /// When its topics are another vehicle's.
     pub fn stop_motors(&mut self, now: NodeTime, request: RequestId) -> Result<(), Refusal> {
         if let Some(refusal) = self.refuse_all.clone() {
-            self.fail(request, refusal.clone());
+            self.offboard.answer(request, Err(refusal.clone()));
             return Err(refusal);
         }
-        self.end_emergency(now, Err(Refusal::Superseded));
-        self.emergency = Some(EmergencyStop::new(request, now));
-        // First of all the command itself: nothing that follows may keep it waiting.
-        self.poll_emergency(now);
-        self.commands.end_flying(&mut self.ended, &Refusal::Superseded);
-        self.finish_commands();
-        let action = self.stream.bar_for_good();
-        self.act(now, action);
+        self.control(now, |offboard, moment| offboard.stop_motors(moment, request));
         Ok(())
     }
 
-    fn poll_emergency(&mut self, now: NodeTime) {
-        let sender = self.sender();
-        let Some(stop) = &mut self.emergency else { return };
-        match stop.poll(now, &self.texts) {
-            Urgent::Wait => {}
-            Urgent::Send(command, before) => {
-                let stamp_us = self.clock.stamp_us(now);
-                let message = setpoint::command(&command, before, stamp_us, self.system_id, sender);
-                self.outbox.push(Outgoing::Command(message));
-            }
-            Urgent::Unconfirmed(after_s) => self.events.push(LinkEvent::StopUnconfirmed { after_s }),
-            Urgent::Over(refusal) => self.end_emergency(now, Err(refusal)),
-        }
-    }
-
-    fn end_emergency(&mut self, now: NodeTime, outcome: Result<(), Refusal>) {
-        if let Some(stop) = self.emergency.take() {
-            self.commands.rest(ARM_DISARM, EmergencyStop::rests_until(now));
-            let request = stop.request();
-            self.events.push(LinkEvent::Result { request, outcome });
-        }
-    }
-
-    fn sender(&self) -> Sender {
-        Sender {
-            system_id: self.settings.own_system_id,
-            component_id: self.settings.own_component_id,
-        }
-    }
-
-    fn situation(&self, now: NodeTime) -> Situation {
+    /// Lets what controls it act on what is known of it now.
+    fn control(&mut self, now: NodeTime, act: impl FnOnce(&mut OffboardControl, &mut Moment<'_>)) {
         let telemetry = self.estimate.telemetry();
-        let age_s = now.seconds_since(telemetry.heard.global);
-        Situation {
-            mode: telemetry.mode,
-            armed: telemetry.armed,
-            landed: telemetry.landed,
-            streaming: self.stream.is_active(),
-            place: telemetry.global.filter(|_| age_s <= FRESH_POSITION_S),
-            home: telemetry.home,
-        }
-    }
-
-    fn poll_stream(&mut self, now: NodeTime) {
-        let estimate = &self.estimate;
-        let place = || {
-            let telemetry = estimate.telemetry();
-            let age_s = now.seconds_since(telemetry.heard.local);
-            HoldPlace {
-                position: telemetry.local.filter(|_| age_s <= FRESH_POSITION_S),
-                yaw_rad: estimate.yaw_rad(),
-            }
-        };
-        let action = self.stream.poll(now, place, &self.settings);
-        self.act(now, action);
-    }
-
-    fn act(&mut self, now: NodeTime, action: StreamAction) {
-        if let Some(setpoint) = action.send {
-            let stamp_us = self.clock.stamp_us(now);
-            self.outbox.push(setpoint::setpoint(&setpoint, stamp_us));
-        }
-        if let Some(state) = action.changed {
-            self.events.push(LinkEvent::Stream(state));
-        }
-    }
-
-    fn poll_commands(&mut self, now: NodeTime) {
-        self.with_commands(now, Commands::poll);
-    }
-
-    fn with_commands(&mut self, now: NodeTime, act: impl FnOnce(&mut Commands, &mut Around<'_>)) {
-        let (situation, sender) = (self.situation(now), self.sender());
-        let mut outlet = ToOutbox {
-            stamp_us: self.clock.stamp_us(now),
-            target_system: self.system_id,
-            sender,
-            outbox: &mut self.outbox,
-        };
-        let mut around = Around {
+        let is_fresh = |heard: NodeTime| now.seconds_since(heard) <= FRESH_POSITION_S;
+        let mut moment = Moment {
             now,
             settings: &self.settings,
-            situation,
-            stream_has_run: self.stream.has_run(now, self.settings.offboard_lead_s),
-            texts: &self.texts,
-            modes: &mut self.modes,
-            outlet: &mut outlet,
-            ended: &mut self.ended,
+            situation: Situation {
+                mode: telemetry.mode,
+                armed: telemetry.armed,
+                landed: telemetry.landed,
+                streaming: false,
+                place: telemetry.global.filter(|_| is_fresh(telemetry.heard.global)),
+                home: telemetry.home,
+            },
+            hold: HoldPlace {
+                position: telemetry.local.filter(|_| is_fresh(telemetry.heard.local)),
+                yaw_rad: self.estimate.yaw_rad(),
+            },
+            wire: &mut ToOutbox {
+                stamp_us: self.clock.stamp_us(now),
+                target_system: self.system_id,
+                sender: Sender {
+                    system_id: self.settings.own_system_id,
+                    component_id: self.settings.own_component_id,
+                },
+                outbox: &mut self.outbox,
+            },
         };
-        act(&mut self.commands, &mut around);
-        self.finish_commands();
-    }
-
-    fn finish_commands(&mut self) {
-        for Ended { origin, outcome } in self.ended.drain(..) {
-            if let Origin::Request(request) = origin {
-                self.events.push(LinkEvent::Result { request, outcome });
-            }
-        }
+        act(&mut self.offboard, &mut moment);
     }
 }
 

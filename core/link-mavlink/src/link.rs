@@ -13,12 +13,11 @@ use skein_domain::link::{LinkEvent, MessageTap, RoutePoint, StreamState, Vehicle
 use skein_domain::payload::MavlinkMessage;
 use skein_domain::setpoint::LocalSetpoint;
 use skein_domain::{
-    AutopilotCommand, CommandId, LinkHealth, NodeTime, ParameterError, ParameterEvent, ParameterList, ParameterValue,
-    ReadingAction, Refusal, RequestId, SystemId, Telemetry,
+    AutopilotCommand, CommandId, LinkHealth, NodeTime, ParameterEvent, ParameterList, ParameterValue, ReadingAction,
+    Refusal, RequestId, SystemId, Telemetry,
 };
 use skein_px4::LinkSettings;
 use skein_px4::emergency::TRY_FOR_S;
-use skein_px4::plan::Command;
 use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Weak};
@@ -270,30 +269,6 @@ impl Px4Link {
     #[must_use]
     pub fn is_contested(&self) -> bool {
         self.contested.load(Ordering::Relaxed)
-    }
-
-    /// A parameter's value if it is known already.
-    #[must_use]
-    pub fn parameter(&self, name: &str) -> Option<ParameterValue> {
-        self.inner.lock().core.parameters().known(name)
-    }
-
-    /// Reads a parameter from the autopilot; the outcome comes from [`VehicleLink::take_parameter_events`].
-    ///
-    /// # Errors
-    /// If it can be said at once that it will not work.
-    pub fn read_parameter(&self, now: NodeTime, name: &str) -> Result<(), ParameterError> {
-        let mut inner = self.inner.lock();
-        let started = inner.core.parameter(now, name, None);
-        inner.flush();
-        started
-    }
-
-    /// Sends a command that does not move the vehicle (a camera's, a gimbal's). The outcome comes as [`LinkEvent::Result`].
-    pub fn send_service(&self, now: NodeTime, request: RequestId, command: Command) {
-        let mut inner = self.inner.lock();
-        inner.core.send_service(now, request, command);
-        inner.flush();
     }
 }
 

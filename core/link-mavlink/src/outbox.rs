@@ -43,17 +43,15 @@ impl Outbox {
     /// If the message is not known here, so that its checksum cannot be made, or the payload is longer than the message.
     pub fn push_payload(&mut self, message_id: u32, payload: &[u8]) -> Result<(), Refusal> {
         let (Some(extra), Some(longest)) = (checksum_extra(message_id), payload_len(message_id)) else {
-            return Err(Refusal::NotSupported {
-                detail: format!("message {message_id} is not known to the link"),
-            });
+            return Err(Refusal::not_supported(format!(
+                "message {message_id} is not known to the link"
+            )));
         };
         if payload.len() > longest {
-            return Err(Refusal::InvalidValue {
-                detail: format!(
-                    "message {message_id} has {longest} bytes at most, not {}",
-                    payload.len()
-                ),
-            });
+            let len = payload.len();
+            return Err(Refusal::invalid(format!(
+                "message {message_id} has {longest} bytes at most, not {len}"
+            )));
         }
         // MAVLink 2 sends no trailing zeroes, but one byte at least.
         let len = payload.iter().rposition(|byte| *byte != 0).map_or(1, |last| last + 1);

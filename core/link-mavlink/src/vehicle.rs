@@ -5,7 +5,6 @@
 
 pub mod boot;
 pub mod clock_sync;
-mod emergency;
 mod inbound;
 mod messages;
 pub mod parameters;
@@ -21,8 +20,8 @@ use crate::outbox::Outbox;
 use boot::BootWatch;
 use clock_sync::ClockSync;
 use mavlink::dialects::common::{HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavState, MavType};
+use messages::FramesTo;
 pub(crate) use messages::command_long;
-use messages::{FramesTo, position_target};
 use parameters::Parameters;
 use rates::{RateKeeper, Tuning};
 use route::RouteUpload;
@@ -30,14 +29,11 @@ use skein_domain::link::{LinkEvent, Silence, StreamState};
 use skein_domain::setpoint::LocalSetpoint;
 use skein_domain::{AutopilotCommand, LinkHealth, NodeTime, Refusal, RequestId, Telemetry, VehicleId};
 use skein_px4::LinkSettings;
-use skein_px4::commands::{Around, Commands, Ended, Origin};
-use skein_px4::emergency::EmergencyStop;
-use skein_px4::events::EventQueue;
+use skein_px4::commands::Origin;
 use skein_px4::local_origin::LocalOrigin;
-use skein_px4::mode_watch::ModeWatch;
-use skein_px4::plan::{self, Condition, Situation};
-use skein_px4::setpoints::{HoldPlace, SetpointStream, StreamAction};
-use skein_px4::status_text::StatusTexts;
+use skein_px4::offboard::{Moment, OffboardControl};
+use skein_px4::plan::Situation;
+use skein_px4::setpoints::HoldPlace;
 use std::sync::Arc;
 use telemetry::Estimate;
 use traffic::Traffic;
@@ -77,18 +73,13 @@ pub struct VehicleCore {
     system_id: u8,
     identity: AutopilotIdentity,
     outbox: Outbox,
-    events: EventQueue,
+    offboard: OffboardControl,
     traffic: Traffic,
     boot: BootWatch,
     clock: ClockSync,
     origin: LocalOrigin,
-    texts: StatusTexts,
-    modes: ModeWatch,
-    commands: Commands,
-    ended: Vec<Ended>,
     rates: RateKeeper,
     parameters: Parameters,
-    stream: SetpointStream,
     estimate: Estimate,
     heartbeat: Option<Heartbeat>,
     connected: bool,
@@ -97,7 +88,6 @@ pub struct VehicleCore {
     /// Another autopilot with its system id is heard at its own place: what is sent reaches both.
     duplicate: bool,
     interleaved: Option<NodeTime>,
-    emergency: Option<EmergencyStop>,
     route: RouteUpload,
 }
 
@@ -119,17 +109,12 @@ impl VehicleCore {
             settings,
             system_id,
             identity,
-            events: EventQueue::default(),
+            offboard: OffboardControl::default(),
             traffic: Traffic::default(),
             boot: BootWatch::default(),
             clock: ClockSync::default(),
             origin: LocalOrigin::default(),
-            texts: StatusTexts::default(),
-            modes: ModeWatch::default(),
-            commands: Commands::default(),
-            ended: Vec::new(),
             parameters,
-            stream: SetpointStream::default(),
             estimate: Estimate::default(),
             heartbeat: None,
             connected: true,
@@ -137,7 +122,6 @@ impl VehicleCore {
             next_heartbeat: now,
             duplicate: false,
             interleaved: None,
-            emergency: None,
             route: RouteUpload::default(),
         }
     }
@@ -161,7 +145,7 @@ impl VehicleCore {
 
     /// Events since the last call.
     pub fn take_events(&mut self) -> Vec<LinkEvent> {
-        self.events.take()
+        self.offboard.events.take()
     }
 
     /// When the last frame of its autopilot was heard.
@@ -213,7 +197,7 @@ impl VehicleCore {
         self.silence.heard(now);
         if !self.connected {
             self.connected = true;
-            self.events.push(LinkEvent::Regained);
+            self.offboard.events.push(LinkEvent::Regained);
         }
         let id = header.message_id;
         match read {
@@ -233,13 +217,12 @@ impl VehicleCore {
 
     /// Does what has become due; gives when to come again.
     pub fn on_tick(&mut self, now: NodeTime) -> NodeTime {
-        self.poll_emergency(now);
+        self.control(now, OffboardControl::poll_emergency);
         self.check_lost(now);
-        while let Some(text) = self.texts.poll(now) {
+        while let Some(text) = self.offboard.texts.poll(now) {
             self.on_text(Some(text));
         }
-        self.poll_stream(now);
-        self.poll_commands(now);
+        self.control(now, OffboardControl::poll);
         self.poll_route(now);
         if self.connected {
             self.send_parameters(now);
@@ -251,14 +234,14 @@ impl VehicleCore {
             ) {
                 self.outbox.push(&request);
             }
-            if !self.commands.is_tuning()
+            if !self.offboard.is_tuning()
                 && let Some(tuning) = self.rates.poll(now)
             {
                 let (origin, plan) = match tuning {
                     Tuning::Rate(id, plan) => (Origin::Rate(id), plan),
                     Tuning::Copy(id, plan) => (Origin::Copy(id), plan),
                 };
-                self.with_commands(now, |commands, around| commands.start(around, origin, plan));
+                self.control(now, |offboard, moment| offboard.start(moment, origin, plan));
             }
         }
         if self.settings.heartbeat_hz > 0.0 && now >= self.next_heartbeat {
@@ -271,18 +254,9 @@ impl VehicleCore {
     fn due(&self, now: NodeTime) -> NodeTime {
         let mut due = now.plus_seconds(TICK_MAX_S).min(self.next_heartbeat);
         let lost = self.silence.since().plus_seconds(self.settings.lost_after_s);
-        let tuning = if self.commands.is_tuning() {
-            None
-        } else {
-            Some(self.rates.due())
-        };
+        let tuning = (!self.offboard.is_tuning()).then(|| self.rates.due());
         let when_connected = [Some(lost), tuning, Some(self.clock.due()), self.parameters.due()];
-        let always = [
-            self.stream.due(&self.settings),
-            self.commands.due(),
-            self.emergency.as_ref().map(EmergencyStop::due),
-            self.route.due(),
-        ];
+        let always = [self.offboard.due(&self.settings), self.route.due()];
         for next in always
             .into_iter()
             .chain(when_connected.into_iter().filter(|_| self.connected))
@@ -302,7 +276,7 @@ impl VehicleCore {
         self.connected = false;
         self.traffic.restart();
         self.estimate.forget_readiness();
-        self.events.push(LinkEvent::Lost);
+        self.offboard.events.push(LinkEvent::Lost);
         self.parameters.break_off("the link was lost", false);
         self.break_off_route(&Refusal::LinkLost {
             vehicle: VehicleId(u16::from(self.system_id)),
@@ -316,57 +290,40 @@ impl VehicleCore {
             self.stop_motors(now, request);
             return;
         }
-        let planned = match self.refusal(now, command.brings_to_rest()) {
-            Some(refusal) => Err(refusal),
-            None if self.is_stopping_motors() => Err(Refusal::NotPermitted {
-                detail: "an emergency stop is under way".to_owned(),
-            }),
-            None => plan::plan(command, &self.situation(now)),
-        };
-        match planned {
-            Ok(plan) => {
-                if plan.condition == Condition::Streaming {
-                    self.stream.unbar();
-                }
-                self.with_commands(now, |commands, around| {
-                    commands.start(around, Origin::Request(request), plan)
-                });
-            }
-            Err(refusal) => self.events.push(LinkEvent::Result {
-                request,
-                outcome: Err(refusal),
-            }),
-        }
+        let refusal = self.refusal(now, command.brings_to_rest());
+        self.control(now, |offboard, moment| {
+            offboard.request(moment, request, command, refusal)
+        });
+    }
+
+    /// Stops the motors at once, whoever else hears it.
+    pub fn stop_motors(&mut self, now: NodeTime, request: RequestId) {
+        self.control(now, |offboard, moment| offboard.stop_motors(moment, request));
     }
 
     /// Takes a setpoint that is valid until `expires`, and sends it.
     pub fn stream(&mut self, now: NodeTime, setpoint: LocalSetpoint, expires: NodeTime) {
         // One that runs goes on: without it the vehicle that it flies is left to its failsafe.
-        if self.duplicate && !self.stream.is_active() {
+        if self.duplicate && !self.offboard.is_streaming() {
             return;
         }
-        let action = self.stream.offer(now, setpoint, expires, &self.settings);
-        self.act(now, action);
-        if self.commands.is_entering_offboard() {
-            self.poll_commands(now);
-        }
+        self.control(now, |offboard, moment| offboard.stream(moment, setpoint, expires));
     }
 
     /// Setpoints may be sent again although the autopilot's failsafe took the vehicle out of OFFBOARD.
     pub fn resume_stream(&mut self) {
-        self.stream.handed_back();
+        self.offboard.resume_stream();
     }
 
     /// Ends the stream on purpose.
     pub fn stop_stream(&mut self, now: NodeTime) {
-        let action = self.stream.stop();
-        self.act(now, action);
+        self.control(now, OffboardControl::stop_stream);
     }
 
     /// What the stream is doing.
     #[must_use]
     pub fn stream_state(&self) -> StreamState {
-        self.stream.state()
+        self.offboard.stream_state()
     }
 
     /// Another autopilot with its system id is heard at its own place, or none any more. On the ground nothing is begun then; one that flies
@@ -377,10 +334,7 @@ impl VehicleCore {
             self.parameters.break_off(&refusal.to_string(), false);
             self.break_off_route(&refusal);
             if !self.is_armed() {
-                self.commands.end_all(&mut self.ended, &refusal);
-                self.finish_commands();
-                let action = self.stream.give_up();
-                self.act(now, action);
+                self.control(now, |offboard, moment| offboard.give_up(moment, &refusal));
             }
         }
         self.duplicate = duplicate;
@@ -411,7 +365,7 @@ impl VehicleCore {
             round_trip_s: self.clock.round_trip_s().map(|seconds| seconds as f32),
             clock_offset_s: self.clock.offset_s(now),
             receive_rate_hz: self.traffic.rate_hz(now),
-            setpoint_rate_hz: self.stream.rate_hz(now),
+            setpoint_rate_hz: self.offboard.setpoint_rate_hz(now),
         };
         (telemetry, health)
     }
@@ -431,69 +385,39 @@ impl VehicleCore {
         (self.system_id, AUTOPILOT_COMPONENT)
     }
 
-    fn situation(&self, now: NodeTime) -> Situation {
-        let telemetry = self.estimate.telemetry();
-        Situation {
-            mode: telemetry.mode,
-            armed: telemetry.armed,
-            landed: telemetry.landed,
-            streaming: self.stream.is_active(),
-            place: telemetry
-                .global
-                .filter(|_| self.estimate.global_age_s(now) <= FRESH_POSITION_S),
-            home: telemetry.home,
-        }
-    }
-
-    fn poll_stream(&mut self, now: NodeTime) {
-        let estimate = &self.estimate;
-        let place = || HoldPlace {
-            position: estimate
-                .telemetry()
-                .local
-                .filter(|_| estimate.local_age_s(now) <= FRESH_POSITION_S),
-            yaw_rad: estimate.yaw_rad(),
-        };
-        let action = self.stream.poll(now, place, &self.settings);
-        self.act(now, action);
-    }
-
-    fn act(&mut self, now: NodeTime, action: StreamAction) {
-        if let Some(setpoint) = action.send {
-            let stamp_ms = (now.0 / 1000) as u32;
-            self.outbox.push(&position_target(&setpoint, stamp_ms, self.target()));
-        }
-        if let Some(state) = action.changed {
-            self.events.push(LinkEvent::Stream(state));
-        }
-    }
-
-    fn poll_commands(&mut self, now: NodeTime) {
-        self.with_commands(now, Commands::poll);
-    }
-
-    fn with_commands(&mut self, now: NodeTime, act: impl FnOnce(&mut Commands, &mut Around<'_>)) {
-        let mut around = Around {
+    /// Lets what controls it act on what is known of it now.
+    fn control(&mut self, now: NodeTime, act: impl FnOnce(&mut OffboardControl, &mut Moment<'_>)) {
+        let (estimate, target) = (&self.estimate, self.target());
+        let telemetry = estimate.telemetry();
+        let is_fresh = |age_s: f64| age_s <= FRESH_POSITION_S;
+        let mut moment = Moment {
             now,
             settings: &self.settings,
-            situation: self.situation(now),
-            stream_has_run: self.stream.has_run(now, self.settings.offboard_lead_s),
-            texts: &self.texts,
-            modes: &mut self.modes,
-            outlet: &mut FramesTo(&mut self.outbox, (self.system_id, AUTOPILOT_COMPONENT)),
-            ended: &mut self.ended,
+            situation: Situation {
+                mode: telemetry.mode,
+                armed: telemetry.armed,
+                landed: telemetry.landed,
+                streaming: false,
+                place: telemetry.global.filter(|_| is_fresh(estimate.global_age_s(now))),
+                home: telemetry.home,
+            },
+            hold: HoldPlace {
+                position: telemetry.local.filter(|_| is_fresh(estimate.local_age_s(now))),
+                yaw_rad: estimate.yaw_rad(),
+            },
+            wire: &mut FramesTo {
+                outbox: &mut self.outbox,
+                target,
+                stamp_ms: (now.0 / 1000) as u32,
+            },
         };
-        act(&mut self.commands, &mut around);
-        self.finish_commands();
+        act(&mut self.offboard, &mut moment);
+        self.heed_rates();
     }
 
-    fn finish_commands(&mut self) {
-        for Ended { origin, outcome } in self.ended.drain(..) {
-            match origin {
-                Origin::Request(request) => self.events.push(LinkEvent::Result { request, outcome }),
-                Origin::Rate(id) => self.rates.on_rate_ended(id, outcome.is_ok()),
-                Origin::Copy(_) | Origin::Nobody => {}
-            }
+    fn heed_rates(&mut self) {
+        for (id, granted) in self.offboard.take_rates() {
+            self.rates.on_rate_ended(id, granted);
         }
     }
 }

@@ -111,13 +111,7 @@ fn open_one(settings: &SwarmSettings, place: &Place, which: SwarmTransport) -> R
     let node = NodeId(settings.node.unwrap_or_default());
     match which {
         SwarmTransport::Zenoh => {
-            let zenoh = skein_bus_zenoh::ZenohSettings {
-                listen: settings.zenoh.listen.clone(),
-                connect: settings.zenoh.connect.clone(),
-                multicast: settings.zenoh.multicast,
-                extra: settings.zenoh.extra.clone(),
-            };
-            let opened = skein_bus_zenoh::Zenoh::open(&swarm, node, &zenoh);
+            let opened = skein_bus_zenoh::Zenoh::open(&swarm, node, &settings.zenoh);
             Ok(Box::new(opened.map_err(|e| format!("swarm.zenoh: {e}"))?))
         }
         SwarmTransport::Dds => {

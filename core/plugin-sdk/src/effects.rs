@@ -66,6 +66,14 @@ impl Effects {
         });
     }
 
+    /// The command has ended: done, or refused.
+    pub fn ended(&mut self, id: CommandId, outcome: Result<(), Refusal>) {
+        match outcome {
+            Ok(()) => self.done(id),
+            Err(refusal) => self.refused(id, refusal),
+        }
+    }
+
     /// The flight state changed.
     pub fn state(&mut self, state: FlightState, detail: impl Into<String>) {
         self.push(Effect::State {

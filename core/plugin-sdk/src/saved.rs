@@ -48,5 +48,13 @@ pub fn decode<T: for<'b> Decode<'b, ()>>(wanted: u32, bytes: &[u8]) -> Result<T,
     Ok(decoder.decode()?)
 }
 
+/// The state of the incarnation before, if there was one and it can be read. One that cannot is told in the log.
+pub fn restored<T: for<'b> Decode<'b, ()>>(wanted: u32, snapshot: Option<&[u8]>) -> Option<T> {
+    let restored = decode(wanted, snapshot?);
+    restored
+        .inspect_err(|error| crate::log::warn!("starts anew, the snapshot cannot be read: {error}"))
+        .ok()
+}
+
 #[cfg(test)]
 mod tests;

@@ -89,10 +89,7 @@ impl EmergencyStop {
                     result,
                     text: texts.between(self.first, now),
                 },
-                None => Refusal::TimedOut {
-                    what: "motors that have stopped".to_owned(),
-                    after_s,
-                },
+                None => Refusal::timed_out("motors that have stopped", after_s),
             });
         }
         if after_s >= CONFIRM_WITHIN_S && !std::mem::replace(&mut self.told, true) {

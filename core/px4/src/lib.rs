@@ -1,6 +1,6 @@
 //! How PX4 behaves, whatever carries its messages: which commands in which order and what must follow, the OFFBOARD stream, modes, the local
-//! origin, the emergency stop, one vehicle over a pair of links. The three types to know: [`commands::Commands`], [`setpoints::SetpointStream`],
-//! [`PairedLink`].
+//! origin, the emergency stop, one vehicle over a pair of links. The three types to know: [`offboard::OffboardControl`],
+//! [`commands::Commands`], [`PairedLink`].
 //!
 //! Must never do: I/O, read a clock, or know how a message is framed. MAVLink's numbers are here as PX4's own: they are the same over DDS.
 #![forbid(unsafe_code)]
@@ -12,6 +12,7 @@ pub mod events;
 pub mod local_origin;
 pub mod mode_watch;
 pub mod modes;
+pub mod offboard;
 mod paired;
 pub mod plan;
 mod send_rate;

@@ -3,7 +3,7 @@
 //! Pure: a command and what is known of the vehicle in, steps or a refusal out.
 
 use crate::modes::Px4Mode;
-use mavlink::dialects::common::{MavCmd, MavFrame};
+use mavlink::dialects::common::MavCmd;
 use skein_domain::{AutopilotCommand, FlightMode, Geodetic, LandedState, Refusal};
 
 /// Highest take-off that is taken for meant, in metres.
@@ -31,32 +31,15 @@ pub struct Situation {
 pub struct Command {
     /// Which.
     pub id: MavCmd,
-    /// Parameters 1 to 4 and 7; of COMMAND_LONG also 5 and 6.
+    /// Its seven parameters.
     pub parameters: [f32; 7],
-    /// For COMMAND_INT: the frame, and x and y as whole numbers in place of parameters 5 and 6.
-    pub place: Option<(MavFrame, i32, i32)>,
 }
 
 impl Command {
     /// As COMMAND_LONG.
     #[must_use]
     pub fn long(id: MavCmd, parameters: [f32; 7]) -> Self {
-        Self {
-            id,
-            parameters,
-            place: None,
-        }
-    }
-
-    /// As COMMAND_INT: a place on Earth keeps its last digit.
-    #[must_use]
-    pub fn int(id: MavCmd, parameters: [f32; 4], frame: MavFrame, x: i32, y: i32, z: f32) -> Self {
-        let [a, b, c, d] = parameters;
-        Self {
-            id,
-            parameters: [a, b, c, d, 0.0, 0.0, z],
-            place: Some((frame, x, y)),
-        }
+        Self { id, parameters }
     }
 
     /// The number its acknowledgement carries.
@@ -193,9 +176,9 @@ pub fn plan(command: AutopilotCommand, situation: &Situation) -> Result<Plan, Re
             ))
         }
         AutopilotCommand::TakeOff { height_m } => take_off(height_m, situation),
-        AutopilotCommand::Land | AutopilotCommand::ReturnToLaunch if grounded => Err(Refusal::NotPermitted {
-            detail: "it stands on the ground, disarmed".to_owned(),
-        }),
+        AutopilotCommand::Land | AutopilotCommand::ReturnToLaunch if grounded => {
+            Err(Refusal::not_permitted("it stands on the ground, disarmed"))
+        }
         AutopilotCommand::Land => Ok(land(situation)),
         AutopilotCommand::ReturnToLaunch => Ok(Plan::single(
             "return",
@@ -203,16 +186,14 @@ pub fn plan(command: AutopilotCommand, situation: &Situation) -> Result<Plan, Re
             change_mode(FlightMode::Return, Px4Mode { main: 4, sub: 5 }),
         )),
         AutopilotCommand::SetMode { mode } => match (mode, Px4Mode::of(mode)) {
-            (FlightMode::Offboard, _) => Err(invalid("OFFBOARD is entered by its own command")),
-            (FlightMode::TakeOff, _) => Err(invalid("take-off needs a height: use its own command")),
-            (FlightMode::Termination, _) => Err(Refusal::NotPermitted {
-                detail: "flight termination".to_owned(),
-            }),
-            (_, None) => Err(invalid("the mode `unknown` cannot be set")),
+            (FlightMode::Offboard, _) => Err(Refusal::invalid("OFFBOARD is entered by its own command")),
+            (FlightMode::TakeOff, _) => Err(Refusal::invalid("take-off needs a height: use its own command")),
+            (FlightMode::Termination, _) => Err(Refusal::not_permitted("flight termination")),
+            (_, None) => Err(Refusal::invalid("the mode `unknown` cannot be set")),
             (_, Some(px4)) => Ok(Plan::single("set_mode", Class::Flight, change_mode(mode, px4))),
         },
         // Never one command among others: it has its own way past all of them.
-        AutopilotCommand::EmergencyStop => Err(invalid("the emergency stop has its own way")),
+        AutopilotCommand::EmergencyStop => Err(Refusal::invalid("the emergency stop has its own way")),
         AutopilotCommand::EnterOffboard => {
             let step = change_mode(FlightMode::Offboard, Px4Mode { main: 6, sub: 0 });
             Ok(Plan {
@@ -220,45 +201,6 @@ pub fn plan(command: AutopilotCommand, situation: &Situation) -> Result<Plan, Re
                 ..Plan::single("enter_offboard", Class::Flight, step)
             })
         }
-    }
-}
-
-/// Why a command must not be sent as a service: it moves the vehicle or changes what it does, and so has its own way in.
-#[must_use]
-pub fn not_a_service(command: &Command) -> Option<Refusal> {
-    use MavCmd::*;
-    let moves = matches!(
-        command.id,
-        MAV_CMD_COMPONENT_ARM_DISARM
-            | MAV_CMD_DO_SET_MODE
-            | MAV_CMD_DO_REPOSITION
-            | MAV_CMD_DO_ORBIT
-            | MAV_CMD_DO_CHANGE_SPEED
-            | MAV_CMD_DO_CHANGE_ALTITUDE
-            | MAV_CMD_DO_LAND_START
-            | MAV_CMD_DO_GO_AROUND
-            | MAV_CMD_DO_PARACHUTE
-            | MAV_CMD_DO_FLIGHTTERMINATION
-            | MAV_CMD_DO_SET_ACTUATOR
-            | MAV_CMD_DO_MOTOR_TEST
-            | MAV_CMD_DO_SET_HOME
-            | MAV_CMD_MISSION_START
-            | MAV_CMD_OVERRIDE_GOTO
-            | MAV_CMD_ACTUATOR_TEST
-            | MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN
-            | MAV_CMD_PREFLIGHT_CALIBRATION
-            | MAV_CMD_SET_MESSAGE_INTERVAL
-    );
-    // Up to here the numbers are waypoints, landing, take-off and the like.
-    let navigates = command.number() < MAV_CMD_CONDITION_DELAY as u32 as u16;
-    (moves || navigates).then(|| Refusal::NotPermitted {
-        detail: format!("command {} as a service", command.number()),
-    })
-}
-
-fn invalid(detail: &str) -> Refusal {
-    Refusal::InvalidValue {
-        detail: detail.to_owned(),
     }
 }
 
@@ -303,22 +245,18 @@ fn arm(situation: &Situation) -> Plan {
 /// PX4 takes an altitude above mean sea level. Where it stands now is the best ground there is; launch may be from before.
 fn take_off(height_m: f64, situation: &Situation) -> Result<Plan, Refusal> {
     if !(height_m > 0.0 && height_m <= HEIGHT_MAX_M) {
-        return Err(Refusal::InvalidValue {
-            detail: format!("take-off height {height_m} m; over 0 and up to {HEIGHT_MAX_M} m would be right"),
-        });
+        return Err(Refusal::invalid(format!(
+            "take-off height {height_m} m; over 0 and up to {HEIGHT_MAX_M} m would be right"
+        )));
     }
     if !situation.armed {
         // PX4 would accept it, stay in take-off mode and lift off whenever it is armed later.
-        return Err(Refusal::NotPermitted {
-            detail: "take-off while disarmed".to_owned(),
-        });
+        return Err(Refusal::not_permitted("take-off while disarmed"));
     }
     let ground = match situation.landed {
         LandedState::OnGround => situation.place.or(situation.home),
         LandedState::InAir => {
-            return Err(Refusal::NotPermitted {
-                detail: "take-off while in the air".to_owned(),
-            });
+            return Err(Refusal::not_permitted("take-off while in the air"));
         }
         _ => situation.home,
     };

@@ -44,7 +44,7 @@ pub struct StreamAction {
 }
 
 /// The stream to one vehicle.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct SetpointStream {
     state: StreamState,
     current: LocalSetpoint,
@@ -57,22 +57,6 @@ pub struct SetpointStream {
     next_allowed: NodeTime,
     barred: Option<Barred>,
     rate: SendRate,
-}
-
-impl Default for SetpointStream {
-    fn default() -> Self {
-        Self {
-            state: StreamState::Stopped,
-            current: LocalSetpoint::default(),
-            expires: NodeTime::default(),
-            hold_until: NodeTime::default(),
-            since: None,
-            last_sent: NodeTime::default(),
-            next_allowed: NodeTime::default(),
-            barred: None,
-            rate: SendRate::default(),
-        }
-    }
 }
 
 impl SetpointStream {

@@ -27,9 +27,7 @@ const NO_RATE_RAD_S: f64 = 1e-3;
 
 /// Why it cannot be meant.
 fn invalid(what: &str, value: f64, low: f64, high: f64) -> Refusal {
-    Refusal::InvalidValue {
-        detail: format!("{what}: {value} is not within {low} to {high}"),
-    }
+    Refusal::invalid(format!("{what}: {value} is not within {low} to {high}"))
 }
 
 fn within(what: &str, value: f64, low: f64, high: f64) -> Result<(), Refusal> {
@@ -77,13 +75,13 @@ pub fn go_to(request: &GoToRequest) -> Result<VehicleCommand, Refusal> {
 pub fn point_gimbal(request: &PointGimbalRequest, base_link: &str) -> Result<GimbalCommand, Refusal> {
     let in_map = request.frame_id == frames::MAP;
     if !in_map && request.frame_id != base_link && request.frame_id != "base_link" {
-        return Err(Refusal::InvalidValue {
-            detail: format!("frame_id: neither {} nor {base_link}", frames::MAP),
-        });
+        return Err(Refusal::invalid(format!(
+            "frame_id: neither {} nor {base_link}",
+            frames::MAP
+        )));
     }
-    let (pitch_rad, yaw_rad) = frames::look(&request.direction, in_map).ok_or_else(|| Refusal::InvalidValue {
-        detail: "direction: it has no length".to_owned(),
-    })?;
+    let (pitch_rad, yaw_rad) =
+        frames::look(&request.direction, in_map).ok_or_else(|| Refusal::invalid("direction: it has no length"))?;
     Ok(GimbalCommand::Angles {
         pitch_rad,
         yaw_rad,
@@ -107,9 +105,7 @@ pub fn formation(request: &SetFormationRequest) -> Result<FormationRequest, Refu
             .filter(|shape| **shape != Shape::Free)
             .map(word)
             .collect();
-        Refusal::InvalidValue {
-            detail: format!("shape: none of {}", known.join(", ")),
-        }
+        Refusal::invalid(format!("shape: none of {}", known.join(", ")))
     })?;
     within("spacing_m", request.spacing_m, 0.1, FARTHEST_M)?;
     within("altitude_step_m", request.altitude_step_m, -HIGHEST_M, HIGHEST_M)?;
@@ -125,9 +121,7 @@ pub fn formation(request: &SetFormationRequest) -> Result<FormationRequest, Refu
             }
         }
         _ => {
-            return Err(Refusal::InvalidValue {
-                detail: "heading: none of auto, course, fixed".to_owned(),
-            });
+            return Err(Refusal::invalid("heading: none of auto, course, fixed"));
         }
     };
     let members = vehicles("members", &request.members)?;
@@ -152,9 +146,7 @@ pub fn follow(request: &FollowRequest) -> Result<FormationRequest, Refusal> {
     let mut members = vec![request.leader];
     members.extend(&request.followers);
     if members.len() < 2 {
-        return Err(Refusal::InvalidValue {
-            detail: "followers: nobody".to_owned(),
-        });
+        return Err(Refusal::invalid("followers: nobody"));
     }
     Ok(FormationRequest {
         leader: Some(VehicleId(request.leader)),
@@ -166,9 +158,9 @@ pub fn follow(request: &FollowRequest) -> Result<FormationRequest, Refusal> {
 fn vehicles(what: &str, ids: &[u16]) -> Result<Vec<VehicleId>, Refusal> {
     let once: BTreeSet<_> = ids.iter().collect();
     if ids.len() > MOST_MEMBERS || once.len() != ids.len() {
-        return Err(Refusal::InvalidValue {
-            detail: format!("{what}: more than {MOST_MEMBERS}, or one is there twice"),
-        });
+        return Err(Refusal::invalid(format!(
+            "{what}: more than {MOST_MEMBERS}, or one is there twice"
+        )));
     }
     Ok(ids.iter().copied().map(VehicleId).collect())
 }
@@ -193,9 +185,9 @@ pub fn velocity(twist: &Twist, fastest_m_s: f64) -> Result<Stick, Refusal> {
     within("angular.z", angular.z, -FASTEST_STICK_RAD_S, FASTEST_STICK_RAD_S)?;
     // Also for what is no number.
     if ![angular.x, angular.y].iter().all(|rate| rate.abs() <= NO_RATE_RAD_S) {
-        return Err(Refusal::NotSupported {
-            detail: "rates of rolling and pitching over cmd_vel: the vehicle is level".to_owned(),
-        });
+        return Err(Refusal::not_supported(
+            "rates of rolling and pitching over cmd_vel: the vehicle is level",
+        ));
     }
     Ok(frames::stick(linear, angular.z))
 }

@@ -125,9 +125,7 @@ impl NodeHandle {
     /// # Errors
     /// [`Refusal::NotRunning`] while the fleet is being started again.
     pub fn offer_vehicle(&self, endpoint: &str, link: Arc<dyn VehicleLink>) -> Result<(), Refusal> {
-        let not_running = || Refusal::NotRunning {
-            what: "the fleet".into(),
-        };
+        let not_running = || Refusal::not_running("the fleet");
         let fleet = self.parts.fleet.load_full().ok_or_else(not_running)?;
         let discovery = Discovery {
             endpoint: endpoint.to_owned(),
@@ -268,9 +266,7 @@ impl NodeHandle {
     /// When the configuration does not permit it, or there is no such vehicle.
     pub async fn inject_fault(&self, fault: Fault) -> Result<(), Refusal> {
         if !self.shared.config.faults.enabled {
-            return Err(Refusal::NotPermitted {
-                detail: "fault injection is off (faults.enabled)".into(),
-            });
+            return Err(Refusal::not_permitted("fault injection is off (faults.enabled)"));
         }
         let text = format!("fault injected: {fault:?}");
         self.shared
@@ -278,9 +274,8 @@ impl NodeHandle {
             .record(self.now(), None, Severity::Advisory, EventKind::Notice, text);
         let actor_of = |vehicle: VehicleId| {
             let record = self.shared.vehicles.known(vehicle)?;
-            record.actor.get().ok_or(Refusal::NotRunning {
-                what: format!("actor of vehicle {vehicle}"),
-            })
+            let not_running = || Refusal::not_running(format!("actor of vehicle {vehicle}"));
+            record.actor.get().ok_or_else(not_running)
         };
         match fault {
             Fault::PluginPanic { vehicle, payload } => {
@@ -296,11 +291,7 @@ impl NodeHandle {
             }
             Fault::Coordinator => {
                 let coordinator = self.parts.coordinator.load_full();
-                coordinator
-                    .ok_or(Refusal::NotRunning {
-                        what: "the coordinator".into(),
-                    })?
-                    .kill();
+                coordinator.ok_or(Refusal::not_running("the coordinator"))?.kill();
                 Ok(())
             }
             Fault::CoordinatorAway { away } => {

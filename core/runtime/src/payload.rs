@@ -177,11 +177,12 @@ impl PayloadState {
         plugin
             .manifest()
             .check_command(&command_json)
-            .map_err(|e| Refusal::InvalidValue { detail: e.to_string() })?;
+            .map_err(|e| Refusal::invalid(e.to_string()))?;
         if !self.ensure().await {
-            return Err(Refusal::NotRunning {
-                what: format!("payload {} of vehicle {}", self.record.name, self.vehicle.id),
-            });
+            return Err(Refusal::not_running(format!(
+                "payload {} of vehicle {}",
+                self.record.name, self.vehicle.id
+            )));
         }
         self.waiting.push(Event::PayloadCommand { id, command_json });
         self.period(false).await;
@@ -227,9 +228,7 @@ impl PayloadState {
     /// Says of commands that two incarnations failed with, or that none will come for, that they are not carried out.
     fn refuse_lost(&mut self) {
         for id in self.life.take_lost() {
-            let refusal = Refusal::NotRunning {
-                what: format!("payload {} of vehicle {}", self.record.name, self.vehicle.id),
-            };
+            let refusal = Refusal::not_running(format!("payload {} of vehicle {}", self.record.name, self.vehicle.id));
             self.progress(id, CommandProgress::Refused { refusal });
         }
     }

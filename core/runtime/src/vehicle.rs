@@ -233,9 +233,10 @@ impl VehicleState {
         if answered && !self.record.hand.lock().is_by(id) {
             // A command that it has no word for is nothing to an older library.
             self.commands.remove(&id);
-            return Err(Refusal::NotSupported {
-                detail: format!("the model of vehicle {} is not flown by hand", self.record.id),
-            });
+            return Err(Refusal::not_supported(format!(
+                "the model of vehicle {} is not flown by hand",
+                self.record.id
+            )));
         }
         if self.record.state().flight_state != FlightState::Leading {
             self.shared.vehicles.withdraw(&self.record);
@@ -276,9 +277,7 @@ impl VehicleState {
             .gate()
             .command(command, entry.and_then(|e| e.home.as_ref()))?;
         if !self.model.life.is_running() {
-            return Err(Refusal::NotRunning {
-                what: format!("model of vehicle {}", self.record.id),
-            });
+            return Err(Refusal::not_running(format!("model of vehicle {}", self.record.id)));
         }
         Ok(())
     }

@@ -21,7 +21,6 @@ use nearest::{Row, SpeedLimits, nearest};
 use pair::{Demand, Own, demand};
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{NodeTime, PositionNed, Setpoint, VehicleId, VelocityNed};
-use surroundings::Carried;
 
 /// Whom one may come too close to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -86,7 +85,18 @@ pub struct Filtered {
     pub change: Option<Change>,
 }
 
-/// Filters one setpoint against neighbours. For many vehicles in one period make a [`Surroundings`] once and use [`filter_in`].
+/// What a setpoint is filtered against.
+#[derive(Debug, Clone, Copy)]
+pub struct Conditions<'a> {
+    /// Everything in the air, prepared once for the period with the same settings and time.
+    pub surroundings: &'a Surroundings,
+    /// The caller's own conditions on the velocity.
+    pub bounds: &'a [HalfSpace],
+    /// What the filter may assume and demand.
+    pub settings: &'a AvoidanceSettings,
+}
+
+/// Filters one setpoint.
 ///
 /// The setpoint comes back as it is if it, or the own state, is not in numbers: the gate refuses such ones.
 #[must_use]
@@ -94,34 +104,10 @@ pub fn filter(
     own: VehicleId,
     own_kinematics: &VehicleKinematics,
     wanted: &Setpoint,
-    neighbours: &[Neighbour],
-    bounds: &[HalfSpace],
-    settings: &AvoidanceSettings,
+    conditions: &Conditions<'_>,
     now: NodeTime,
 ) -> Filtered {
-    let Some(own) = own_now(own, own_kinematics, wanted, settings, now) else {
-        return unchanged(wanted);
-    };
-    let demands: Vec<Demand> = neighbours
-        .iter()
-        .filter(|n| is_on(settings) && n.id != NeighbourId::Vehicle(own.id))
-        .filter_map(|n| Carried::new(n, settings, now))
-        .filter_map(|peer| demand(&own, &peer, settings))
-        .collect();
-    decide(&own, wanted, &demands, bounds, settings)
-}
-
-/// The same with neighbours that were prepared once for this period, with the same settings and time.
-#[must_use]
-pub fn filter_in(
-    own: VehicleId,
-    own_kinematics: &VehicleKinematics,
-    wanted: &Setpoint,
-    surroundings: &Surroundings,
-    bounds: &[HalfSpace],
-    settings: &AvoidanceSettings,
-    now: NodeTime,
-) -> Filtered {
+    let (surroundings, settings) = (conditions.surroundings, conditions.settings);
     let Some(own) = own_now(own, own_kinematics, wanted, settings, now) else {
         return unchanged(wanted);
     };
@@ -131,7 +117,7 @@ pub fn filter_in(
         .filter(|peer| is_on(settings) && peer.id != NeighbourId::Vehicle(own.id))
         .filter_map(|peer| demand(&own, peer, settings))
         .collect();
-    decide(&own, wanted, &demands, bounds, settings)
+    decide(&own, wanted, &demands, conditions.bounds, settings)
 }
 
 /// The velocity without a place that flies the same as a setpoint with one, for a moment. `None` if that cannot be told.

@@ -158,9 +158,9 @@ impl ControlTable {
             return Ok(());
         }
         if asked.is_some_and(|all| all.iter().filter(|r| fresh(r)).count() >= MOST_REQUESTS) {
-            return Err(Refusal::NotPermitted {
-                detail: format!("{MOST_REQUESTS} others ask for vehicle {vehicle} already"),
-            });
+            return Err(Refusal::not_permitted(format!(
+                "{MOST_REQUESTS} others ask for vehicle {vehicle} already"
+            )));
         }
         self.change(vehicle, |entry| {
             entry.requests.retain(fresh);
@@ -184,9 +184,9 @@ impl ControlTable {
         }
         let asks = |entry: &Entry| entry.requests.iter().find(|r| r.console.id == to).cloned();
         let Some(request) = self.entries.get(&vehicle).and_then(asks) else {
-            return Err(Refusal::NotPermitted {
-                detail: format!("that console does not ask for vehicle {vehicle}"),
-            });
+            return Err(Refusal::not_permitted(format!(
+                "that console does not ask for vehicle {vehicle}"
+            )));
         };
         self.change(vehicle, |entry| {
             entry.requests.retain(|r| r.console.id != to);
@@ -290,9 +290,7 @@ impl ControlTable {
 }
 
 fn not_yours(vehicle: VehicleId) -> Refusal {
-    Refusal::NotPermitted {
-        detail: format!("vehicle {vehicle} is not under this console's control"),
-    }
+    Refusal::not_permitted(format!("vehicle {vehicle} is not under this console's control"))
 }
 
 #[cfg(test)]

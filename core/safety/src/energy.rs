@@ -122,13 +122,6 @@ impl EnergyEstimator {
         })
     }
 
-    /// Share of a full battery that hovering, and flying, takes per second, as far as known.
-    #[must_use]
-    pub fn rates_per_s(&self, settings: &EnergySettings) -> (f64, f64) {
-        let rates = self.consumption.rates(settings);
-        (rates.hovering, rates.flying)
-    }
-
     fn remaining_of(&self, now: NodeTime, battery: &Battery, settings: &EnergySettings) -> Option<f64> {
         if let Some(remaining) = battery.remaining.map(f64::from).filter(|r| r.is_finite()) {
             return Some(remaining.clamp(0.0, 1.0));

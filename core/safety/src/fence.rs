@@ -223,9 +223,7 @@ impl Fence {
     /// [`Refusal::OutsideFence`] with the limit that is exceeded, or [`Refusal::InvalidValue`] for a place that is not finite.
     pub fn contains(&self, position: &PositionNed) -> Result<(), Refusal> {
         if !position.is_finite() {
-            return Err(Refusal::InvalidValue {
-                detail: "position is not finite".to_owned(),
-            });
+            return Err(Refusal::invalid("position is not finite"));
         }
         let excess = self.excess(position);
         if excess.is_inside() {

@@ -7,13 +7,8 @@ mod steer;
 pub use steer::{Steered, Steering};
 
 use crate::fence::Fences;
-use crate::separation::{Motion, Peer};
 use skein_domain::payload::Target;
-use skein_domain::telemetry::VehicleKinematics;
-use skein_domain::{
-    AutopilotCommand, FlightMode, NodeTime, PositionNed, Refusal, Route, Setpoint, VehicleCommand, VehicleId,
-    VelocityNed,
-};
+use skein_domain::{AutopilotCommand, FlightMode, PositionNed, Refusal, Route, Setpoint, VehicleCommand, VelocityNed};
 use thiserror::Error;
 
 /// What no vehicle may exceed.
@@ -64,8 +59,6 @@ impl Limits {
     }
 }
 
-/// Slowing down counts when it is looked where a velocity leads, but no more than this, in metres per second squared.
-const MAX_BRAKING_M_S2: f64 = 3.0;
 /// Unless it is told otherwise no setpoint leads lower than this in flight, in metres above the ground.
 const MIN_HEIGHT_M: f64 = 1.0;
 /// Nothing is observed from further away.
@@ -85,7 +78,7 @@ fn observation(target: &Target, stand_off_m: Option<f64>, height_m: Option<f64>)
     let stand_off = stand_off_m.is_none_or(|v| v.is_finite() && (0.0..=MAX_STAND_OFF_M).contains(&v));
     let height = height_m.is_none_or(|v| v.is_finite() && v.abs() <= MAX_STAND_OFF_M);
     if !(stand_off && height) {
-        return Err(invalid(&format!(
+        return Err(Refusal::invalid(format!(
             "the stand-off must be 0 to {MAX_STAND_OFF_M} m, the height no more than that above or below"
         )));
     }
@@ -94,7 +87,7 @@ fn observation(target: &Target, stand_off_m: Option<f64>, height_m: Option<f64>)
 
 fn finite_target(target: &Target) -> Result<(), Refusal> {
     match target {
-        Target::Place { position } if !position.is_finite() => Err(invalid("the target is not finite")),
+        Target::Place { position } if !position.is_finite() => Err(Refusal::invalid("the target is not finite")),
         _ => Ok(()),
     }
 }
@@ -126,46 +119,6 @@ impl Gate {
     #[must_use]
     pub fn fences(&self) -> &Fences {
         &self.fences
-    }
-
-    /// Whether a vehicle may be given this setpoint now: well-formed, not too fast, inside of the fence together with where it leads
-    /// within the horizon, and not on the way into another vehicle. Separation is looked at in the air only.
-    ///
-    /// A vehicle that is outside of the fence already may be given what does not lead further out.
-    ///
-    /// # Errors
-    /// The typed reason.
-    pub fn setpoint(
-        &self,
-        own: VehicleId,
-        own_kinematics: &VehicleKinematics,
-        airborne: bool,
-        setpoint: &Setpoint,
-        peers: &[Peer],
-        now: NodeTime,
-    ) -> Result<Setpoint, Refusal> {
-        if !setpoint.is_well_formed() {
-            let detail = "a setpoint needs a position or a velocity, and finite numbers only".to_owned();
-            return Err(Refusal::InvalidValue { detail });
-        }
-        if !own_kinematics.position.is_finite() || !own_kinematics.velocity.is_finite() {
-            return Err(Refusal::NoPosition);
-        }
-        if let Some(velocity) = &setpoint.velocity {
-            self.velocity(velocity)?;
-        }
-        if !self.fences.is_empty() {
-            self.setpoint_in_fences(own_kinematics, airborne, setpoint)?;
-        }
-        if airborne {
-            let motion = Motion::new(own_kinematics, setpoint, self.limits.max_speed_m_s, now);
-            let limits = &self.limits;
-            let found = motion.too_close(own, peers, limits.min_separation_m, limits.separation_horizon_s, now);
-            if let Some(refusal) = found {
-                return Err(refusal);
-            }
-        }
-        Ok(*setpoint)
     }
 
     /// The same setpoint with its velocity brought within the speed limits, each axis group on its own and without turning it: what
@@ -200,7 +153,7 @@ impl Gate {
     /// The typed reason.
     pub fn goal(&self, position: &PositionNed) -> Result<(), Refusal> {
         if !position.is_finite() {
-            return Err(invalid("the position is not finite"));
+            return Err(Refusal::invalid("the position is not finite"));
         }
         self.fences.contains(position)
     }
@@ -241,7 +194,7 @@ impl Gate {
             }
             VehicleCommand::LandAt { spot } => {
                 if !spot.is_finite() {
-                    return Err(invalid("the landing spot is not finite"));
+                    return Err(Refusal::invalid("the landing spot is not finite"));
                 }
                 self.fences.landing(spot)
             }
@@ -251,7 +204,7 @@ impl Gate {
                 speed_m_s,
             } => {
                 if !yaw_rad.is_none_or(f64::is_finite) {
-                    return Err(invalid("the yaw is not finite"));
+                    return Err(Refusal::invalid("the yaw is not finite"));
                 }
                 speed_m_s.map_or(Ok(()), |speed| self.cruise_speed(speed))?;
                 self.goal(position)
@@ -279,11 +232,7 @@ impl Gate {
     /// # Errors
     /// The typed reason.
     pub fn autopilot(&self, command: &AutopilotCommand, airborne: bool) -> Result<(), Refusal> {
-        let not_permitted = |detail: &str| {
-            Err(Refusal::NotPermitted {
-                detail: detail.to_owned(),
-            })
-        };
+        let not_permitted = |detail: &str| Err(Refusal::not_permitted(detail));
         match command {
             AutopilotCommand::Disarm if airborne => not_permitted("disarm in the air"),
             AutopilotCommand::TakeOff { .. } if airborne => not_permitted("take off in the air"),
@@ -296,7 +245,7 @@ impl Gate {
             } => not_permitted("end the flight"),
             AutopilotCommand::SetMode {
                 mode: FlightMode::Unknown,
-            } => Err(invalid("the mode is not known")),
+            } => Err(Refusal::invalid("the mode is not known")),
             AutopilotCommand::EmergencyStop => not_permitted("stop the motors"),
             AutopilotCommand::Arm
             | AutopilotCommand::Disarm
@@ -330,10 +279,10 @@ impl Gate {
     /// The typed reason.
     pub fn route(&self, route: &Route) -> Result<(), Refusal> {
         if route.waypoints.is_empty() {
-            return Err(invalid("a route needs at least one waypoint"));
+            return Err(Refusal::invalid("a route needs at least one waypoint"));
         }
         if !(route.corner_radius_m >= 0.0 && route.corner_radius_m.is_finite()) {
-            return Err(invalid("the corner radius must be zero or above"));
+            return Err(Refusal::invalid("the corner radius must be zero or above"));
         }
         self.cruise_speed(route.speed_m_s)?;
         for waypoint in &route.waypoints {
@@ -357,7 +306,7 @@ impl Gate {
 
     fn cruise_speed(&self, speed_m_s: f64) -> Result<(), Refusal> {
         if !(speed_m_s > 0.0 && speed_m_s.is_finite()) {
-            return Err(invalid("the speed must be above zero"));
+            return Err(Refusal::invalid("the speed must be above zero"));
         }
         within(speed_m_s, self.limits.max_speed_m_s)
     }
@@ -369,38 +318,11 @@ impl Gate {
     }
 }
 
-/// How strongly an acceleration brakes a velocity, as far as it is believed.
-fn braking_m_s2(velocity: &VelocityNed, acceleration: &nalgebra::Vector3<f64>) -> f64 {
-    let speed = velocity.norm();
-    if speed > 0.0 {
-        (-acceleration.dot(&velocity.vector()) / speed).clamp(0.0, MAX_BRAKING_M_S2)
-    } else {
-        0.0
-    }
-}
-
-/// For how many seconds at the present speed the way within the horizon would last, when braking.
-fn driven_share_s(speed_m_s: f64, braking_m_s2: f64, horizon_s: f64) -> f64 {
-    if braking_m_s2 * horizon_s >= speed_m_s {
-        // It stands before the horizon: v²/2b of way, over v. Without braking the speed is zero here.
-        return if braking_m_s2 > 0.0 {
-            0.5 * speed_m_s / braking_m_s2
-        } else {
-            0.0
-        };
-    }
-    if speed_m_s > 0.0 {
-        horizon_s - 0.5 * braking_m_s2 * horizon_s * horizon_s / speed_m_s
-    } else {
-        0.0
-    }
-}
-
 fn take_off_height(height_m: f64) -> Result<(), Refusal> {
     if height_m > 0.0 && height_m.is_finite() {
         Ok(())
     } else {
-        Err(invalid("the take-off height must be above zero"))
+        Err(Refusal::invalid("the take-off height must be above zero"))
     }
 }
 
@@ -410,12 +332,6 @@ fn within(speed_m_s: f64, limit_m_s: f64) -> Result<(), Refusal> {
         Ok(())
     } else {
         Err(Refusal::TooFast { speed_m_s, limit_m_s })
-    }
-}
-
-fn invalid(detail: &str) -> Refusal {
-    Refusal::InvalidValue {
-        detail: detail.to_owned(),
     }
 }
 

@@ -15,11 +15,9 @@ mod half_space;
 pub mod parameter;
 mod payload;
 pub mod preflight;
-mod separation;
 pub mod wind;
 
 pub use failsafe::FailsafePolicy;
 pub use fence::{Approach, Breach, Clearance, Excess, Fence, FenceError, FencePlanError, Fences, Wall, Zone};
 pub use gate::{Gate, Limits, LimitsError, Steered, Steering};
 pub use half_space::HalfSpace;
-pub use separation::Peer;

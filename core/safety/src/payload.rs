@@ -78,7 +78,7 @@ impl Gate {
                 if matches!(id, COMMAND_LONG | COMMAND_INT) {
                     return command("gimbal", vehicle_system_id, &fields, &GIMBAL_COMMANDS, &GIMBAL_REPORTS);
                 }
-                Err(not_permitted(format!("a gimbal does not send message {id}")))
+                Err(Refusal::not_permitted(format!("a gimbal does not send message {id}")))
             }
             PayloadKind::Camera => {
                 if let Some(target_at) = target_at(&CAMERA_SETTINGS, id) {
@@ -89,12 +89,12 @@ impl Gate {
                     command("camera", vehicle_system_id, &fields, &CAMERA_COMMANDS, &CAMERA_REPORTS)?;
                     return bounds_of_camera_command(&fields);
                 }
-                Err(not_permitted(format!("a camera does not send message {id}")))
+                Err(Refusal::not_permitted(format!("a camera does not send message {id}")))
             }
-            PayloadKind::Radio => Err(not_permitted(format!(
+            PayloadKind::Radio => Err(Refusal::not_permitted(format!(
                 "a radio does not send message {id}: no message of MAVLink sets a radio"
             ))),
-            PayloadKind::Detector => Err(not_permitted(format!("a detector does not send message {id}"))),
+            PayloadKind::Detector => Err(Refusal::not_permitted(format!("a detector does not send message {id}"))),
         }
     }
 }
@@ -128,12 +128,14 @@ fn command(
             if interval_us == -1.0 || interval_us == 0.0 || slow_enough {
                 Ok(())
             } else {
-                Err(not_permitted(format!(
+                Err(Refusal::not_permitted(format!(
                     "a message every {interval_us} µs: not more often than every {SHORTEST_INTERVAL_US} µs"
                 )))
             }
         }
-        number => Err(not_permitted(format!("a {sender} does not send command {number}"))),
+        number => Err(Refusal::not_permitted(format!(
+            "a {sender} does not send command {number}"
+        ))),
     }
 }
 
@@ -141,7 +143,7 @@ fn command(
 fn bounds_of_camera_command(fields: &Fields<'_>) -> Result<(), Refusal> {
     match fields.word(28) {
         number if STORAGE_COMMANDS.contains(&number) => to_a_camera(fields.byte(31)),
-        VIDEO_START_CAPTURE if fields.float(4) > 1e6 / SHORTEST_INTERVAL_US => Err(not_permitted(format!(
+        VIDEO_START_CAPTURE if fields.float(4) > 1e6 / SHORTEST_INTERVAL_US => Err(Refusal::not_permitted(format!(
             "{} reports per second while it records: not more often than every {SHORTEST_INTERVAL_US} µs",
             fields.float(4)
         ))),
@@ -154,7 +156,9 @@ fn report(sender: &str, asked: f32, reports: &[u32]) -> Result<(), Refusal> {
     if reports.iter().any(|id| *id as f32 == asked) {
         Ok(())
     } else {
-        Err(not_permitted(format!("a {sender} does not ask for message {asked}")))
+        Err(Refusal::not_permitted(format!(
+            "a {sender} does not ask for message {asked}"
+        )))
     }
 }
 
@@ -162,7 +166,7 @@ fn to_own_system(own: SystemId, target_system: u8) -> Result<(), Refusal> {
     if target_system == own.0 {
         Ok(())
     } else {
-        Err(not_permitted(format!(
+        Err(Refusal::not_permitted(format!(
             "the message is for system {target_system}, its vehicle is system {own}"
         )))
     }
@@ -173,14 +177,10 @@ fn to_a_camera(target_component: u8) -> Result<(), Refusal> {
     if CAMERA_COMPONENTS.contains(&target_component) {
         Ok(())
     } else {
-        Err(not_permitted(format!(
+        Err(Refusal::not_permitted(format!(
             "a camera's settings and storage are its own, not those of component {target_component}"
         )))
     }
-}
-
-fn not_permitted(detail: String) -> Refusal {
-    Refusal::NotPermitted { detail }
 }
 
 /// A payload whose trailing zeros may have been cut off.

@@ -77,6 +77,14 @@ struct Subject {
 }
 
 impl Subject {
+    const fn new(id: &'static str, title: &'static str) -> Self {
+        Self { id, title, why: "" }
+    }
+
+    const fn because(self, why: &'static str) -> Self {
+        Self { why, ..self }
+    }
+
     /// An item with a word for a value.
     fn word(self, status: ItemStatus, value: impl Into<String>) -> PreflightItem {
         PreflightItem {
@@ -91,45 +99,32 @@ impl Subject {
 
     /// An item with a number that must not be above `red`, and had better not be above `amber`. Not known is red.
     fn at_most(self, value: Option<f64>, amber: f64, red: f64, unit: Unit) -> PreflightItem {
-        let Some(value) = value.filter(|v| v.is_finite()) else {
-            return self.not_known(red, unit);
-        };
-        let status = if value > red {
-            ItemStatus::Red
-        } else if value > amber {
-            ItemStatus::Amber
-        } else {
-            ItemStatus::Green
-        };
-        self.number(
-            status,
-            value,
-            if status == ItemStatus::Amber { amber } else { red },
-            unit,
-        )
+        self.number(value, amber, red, unit, |value, limit| value > limit)
     }
 
     /// An item with a number that must not be below `red`, and had better not be below `amber`. Not known is red.
     fn at_least(self, value: Option<f64>, amber: f64, red: f64, unit: Unit) -> PreflightItem {
+        self.number(value, amber, red, unit, |value, limit| value < limit)
+    }
+
+    fn number(
+        self,
+        value: Option<f64>,
+        amber: f64,
+        red: f64,
+        unit: Unit,
+        breaks: fn(f64, f64) -> bool,
+    ) -> PreflightItem {
         let Some(value) = value.filter(|v| v.is_finite()) else {
             return self.not_known(red, unit);
         };
-        let status = if value < red {
-            ItemStatus::Red
-        } else if value < amber {
-            ItemStatus::Amber
+        let (status, limit) = if breaks(value, red) {
+            (ItemStatus::Red, red)
+        } else if breaks(value, amber) {
+            (ItemStatus::Amber, amber)
         } else {
-            ItemStatus::Green
+            (ItemStatus::Green, red)
         };
-        self.number(
-            status,
-            value,
-            if status == ItemStatus::Amber { amber } else { red },
-            unit,
-        )
-    }
-
-    fn number(self, status: ItemStatus, value: f64, limit: f64, unit: Unit) -> PreflightItem {
         PreflightItem {
             number: Some(value),
             limit: Some(limit),

@@ -7,7 +7,7 @@ mod canvas;
 mod solids;
 mod world;
 
-use canvas::{Canvas, Gray, Rgb};
+use canvas::Canvas;
 use nalgebra::Vector3;
 use skein_domain::PositionNed;
 use skein_domain::payload::CameraPose;
@@ -64,28 +64,13 @@ impl Scene {
 
     /// Draws a picture, three bytes per pixel: red, green, blue, row by row from the top. Draws the rows that fit into `out`.
     pub fn render(&self, pose: &CameraPose, targets: &[SceneTarget], width_px: u32, height_px: u32, out: &mut [u8]) {
-        self.draw(pose, targets, (width_px, height_px), &mut Rgb::new(out));
-    }
-
-    /// The same, one byte of brightness per pixel.
-    pub fn render_gray(
-        &self,
-        pose: &CameraPose,
-        targets: &[SceneTarget],
-        width_px: u32,
-        height_px: u32,
-        out: &mut [u8],
-    ) {
-        self.draw(pose, targets, (width_px, height_px), &mut Gray::new(out));
-    }
-
-    fn draw(&self, pose: &CameraPose, targets: &[SceneTarget], size: (u32, u32), canvas: &mut impl Canvas) {
-        let lens = Lens::new(pose, size);
-        world::draw(self.seed, self.ground_down_m, &lens, canvas);
+        let lens = Lens::new(pose, (width_px, height_px));
+        let mut canvas = Canvas::new(out);
+        world::draw(self.seed, self.ground_down_m, &lens, &mut canvas);
         // From the farthest to the nearest; a list in order would have to be allocated.
         let mut drawn = (f64::INFINITY, usize::MAX);
         while let Some((order, target)) = farthest_after(&lens, targets, drawn) {
-            solids::draw(target, &lens, canvas);
+            solids::draw(target, &lens, &mut canvas);
             drawn = order;
         }
     }

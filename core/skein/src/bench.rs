@@ -1,9 +1,11 @@
 //! `skein bench`: hands over to the bench library, which measures this program from outside, as its own child processes.
 
+use serde::Serialize;
 use skein_bench::{
     AssignmentBenchArgs, BusBenchArgs, FleetBenchArgs, Ros2BenchArgs, SwarmBenchArgs, run_assignment_bench,
     run_bus_bench, run_fleet_bench, run_ros2_bench, run_swarm_bench,
 };
+use std::fmt::Display;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -14,12 +16,7 @@ use std::process::ExitCode;
 pub fn fleet(vehicles: u8, seconds: u32, json: bool) -> anyhow::Result<ExitCode> {
     let program = std::env::current_exe()?;
     let report = run_fleet_bench(&FleetBenchArgs::new(u16::from(vehicles), seconds, program))?;
-    if json {
-        println!("{}", serde_json::to_string_pretty(&report)?);
-    } else {
-        println!("{report}");
-    }
-    Ok(ExitCode::SUCCESS)
+    show(&report, json)
 }
 
 /// Assignments of vehicles to slots, beside SciPy's.
@@ -28,12 +25,7 @@ pub fn fleet(vehicles: u8, seconds: u32, json: bool) -> anyhow::Result<ExitCode>
 /// When Python cannot be started or lacks SciPy, or when the two sides' totals differ.
 pub fn assignment(python: PathBuf, json: bool) -> anyhow::Result<ExitCode> {
     let report = run_assignment_bench(&AssignmentBenchArgs { python })?;
-    if json {
-        println!("{}", serde_json::to_string_pretty(&report)?);
-    } else {
-        print!("{report}");
-    }
-    Ok(ExitCode::SUCCESS)
+    show(&report, json)
 }
 
 /// A whole swarm's decisions in one process.
@@ -42,12 +34,7 @@ pub fn assignment(python: PathBuf, json: bool) -> anyhow::Result<ExitCode> {
 /// When the swarm's formation cannot be planned.
 pub fn swarm(vehicles: u16, json: bool) -> anyhow::Result<ExitCode> {
     let report = run_swarm_bench(&SwarmBenchArgs::new(usize::from(vehicles)))?;
-    if json {
-        println!("{}", serde_json::to_string_pretty(&report)?);
-    } else {
-        print!("{report}");
-    }
-    Ok(ExitCode::SUCCESS)
+    show(&report, json)
 }
 
 /// The swarm's bus over each of its transports.
@@ -56,12 +43,7 @@ pub fn swarm(vehicles: u16, json: bool) -> anyhow::Result<ExitCode> {
 /// When a transport does not open, or its nodes do not find each other.
 pub fn bus(nodes: u16, seconds: u32, json: bool) -> anyhow::Result<ExitCode> {
     let report = run_bus_bench(&BusBenchArgs { nodes, seconds })?;
-    if json {
-        println!("{}", serde_json::to_string_pretty(&report)?);
-    } else {
-        print!("{report}");
-    }
-    Ok(ExitCode::SUCCESS)
+    show(&report, json)
 }
 
 /// Latencies through ROS 2 and DDS, and what ROS 2 takes.
@@ -71,11 +53,17 @@ pub fn bus(nodes: u16, seconds: u32, json: bool) -> anyhow::Result<ExitCode> {
 pub fn ros2(python: PathBuf, seconds: u32, json: bool) -> anyhow::Result<ExitCode> {
     let program = std::env::current_exe()?;
     let report = run_ros2_bench(&Ros2BenchArgs::new(python, seconds, program))?;
-    if json {
-        println!("{}", serde_json::to_string_pretty(&report)?);
+    show(&report, json)
+}
+
+/// As JSON, or for a person.
+fn show<R: Serialize + Display>(report: &R, json: bool) -> anyhow::Result<ExitCode> {
+    let text = if json {
+        serde_json::to_string_pretty(report)?
     } else {
-        print!("{report}");
-    }
+        report.to_string()
+    };
+    println!("{}", text.trim_end());
     Ok(ExitCode::SUCCESS)
 }
 

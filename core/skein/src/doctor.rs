@@ -5,6 +5,7 @@ use skein_config::NodeConfig;
 use skein_link_mavlink::EndpointAddress;
 use skein_node::plugins_beside_program;
 use std::collections::BTreeSet;
+use std::fmt::Display;
 use std::net::{TcpListener, UdpSocket};
 use std::path::Path;
 use std::process::ExitCode;
@@ -16,19 +17,28 @@ const FILES_WANTED: u64 = 1024;
 /// Receive buffer in bytes that a hundred vehicles can fill within one late period.
 const RECEIVE_BUFFER_WANTED: u64 = 200_000;
 
-/// How one check ended.
-enum Finding {
-    Good(String),
+/// What was found so far, as it is printed.
+#[derive(Default)]
+struct Findings {
+    lines: Vec<String>,
+    is_bad: bool,
+}
+
+impl Findings {
+    fn good(&mut self, what: impl Display) {
+        self.lines.push(format!("  ok    {what}"));
+    }
+
     /// Works, but not well.
-    Poor {
-        what: String,
-        mend: String,
-    },
+    fn poor(&mut self, what: impl Display, mend: impl Display) {
+        self.lines.push(format!("  warn  {what}\n        mend: {mend}"));
+    }
+
     /// Will not work.
-    Bad {
-        what: String,
-        mend: String,
-    },
+    fn bad(&mut self, what: impl Display, mend: impl Display) {
+        self.lines.push(format!("  BAD   {what}\n        mend: {mend}"));
+        self.is_bad = true;
+    }
 }
 
 /// Runs all checks and prints them.
@@ -36,7 +46,7 @@ enum Finding {
 /// # Errors
 /// None: what is wrong is a finding, and the exit code.
 pub fn doctor(arguments: &DoctorArguments) -> anyhow::Result<ExitCode> {
-    let mut findings = Vec::new();
+    let mut findings = Findings::default();
     let config = configuration(arguments, &mut findings);
     plugins(&config, &mut findings);
     ports(&config, &mut findings);
@@ -44,35 +54,22 @@ pub fn doctor(arguments: &DoctorArguments) -> anyhow::Result<ExitCode> {
     clock(&mut findings);
     limits(&mut findings);
     priority(&mut findings);
-    let mut code = ExitCode::SUCCESS;
-    for finding in findings {
-        match finding {
-            Finding::Good(what) => println!("  ok    {what}"),
-            Finding::Poor { what, mend } => println!("  warn  {what}\n        mend: {mend}"),
-            Finding::Bad { what, mend } => {
-                println!("  BAD   {what}\n        mend: {mend}");
-                code = ExitCode::from(crate::exit::FAILED);
-            }
-        }
+    findings.lines.iter().for_each(|line| println!("{line}"));
+    if findings.is_bad {
+        println!("A node will not run here as it is.");
+        return Ok(ExitCode::from(crate::exit::FAILED));
     }
-    println!(
-        "{}",
-        if code == ExitCode::SUCCESS {
-            "Nothing keeps a node from running here."
-        } else {
-            "A node will not run here as it is."
-        }
-    );
-    Ok(code)
+    println!("Nothing keeps a node from running here.");
+    Ok(ExitCode::SUCCESS)
 }
 
 /// The swarm of several nodes, where the configuration names one: secret, and the file of the obeyed term.
-fn in_swarm(config: &NodeConfig, findings: &mut Vec<Finding>) {
+fn in_swarm(config: &NodeConfig, findings: &mut Findings) {
     let settings = &config.swarm;
     let Some(id) = &settings.id else { return };
     match skein_node::setup(settings, &Arc::default()) {
-        Ok(_) => findings.push(Finding::Good(format!("swarm: the secret of {id} can be read"))),
-        Err(error) => bad(findings, error.to_string(), "see the line above"),
+        Ok(_) => findings.good(format_args!("swarm: the secret of {id} can be read")),
+        Err(error) => findings.bad(error.to_string(), "see the line above"),
     }
     if let Some(file) = &settings.state_file {
         let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
@@ -82,47 +79,38 @@ fn in_swarm(config: &NodeConfig, findings: &mut Vec<Finding>) {
             Ok(()) => {
                 // Nothing rests on its being gone.
                 let _ = std::fs::remove_file(&probe);
-                findings.push(Finding::Good(format!("swarm: {} can be written", folder.display())));
+                findings.good(format_args!("swarm: {} can be written", folder.display()));
             }
-            Err(error) => bad(
-                findings,
-                format!("swarm.state_file: {} cannot be written: {error}", folder.display()),
+            Err(error) => findings.bad(
+                format_args!("swarm.state_file: {} cannot be written: {error}", folder.display()),
                 "name a file in a folder that this user may write to: a node that cannot keep whom it obeys tells nobody anything",
             ),
         }
     }
 }
 
-fn bad(findings: &mut Vec<Finding>, what: impl Into<String>, mend: impl Into<String>) {
-    findings.push(Finding::Bad {
-        what: what.into(),
-        mend: mend.into(),
-    });
-}
-
 /// The configuration to check the rest with: the given one, or the default with the plugins beside the program.
-fn configuration(arguments: &DoctorArguments, findings: &mut Vec<Finding>) -> NodeConfig {
+fn configuration(arguments: &DoctorArguments, findings: &mut Findings) -> NodeConfig {
     let mut default = NodeConfig::default();
     default.plugins.directories = vec![arguments.plugins.clone().unwrap_or_else(plugins_beside_program)];
     let Some(path) = &arguments.config else {
-        findings.push(Finding::Good("configuration: the default, none was given".into()));
+        findings.good("configuration: the default, none was given");
         return default;
     };
     match NodeConfig::load(path) {
         Ok(config) => {
-            findings.push(Finding::Good(format!("configuration: {} is right", path.display())));
+            findings.good(format_args!("configuration: {} is right", path.display()));
             if config.hears_nobody() {
-                findings.push(Finding::Poor {
-                    what: "configuration: no [[endpoints]], so that no vehicle will be heard".into(),
-                    mend: "add one, for example: address = \"udp-listen://127.0.0.1:14540\"".into(),
-                });
+                findings.poor(
+                    "configuration: no [[endpoints]], so that no vehicle will be heard",
+                    "add one, for example: address = \"udp-listen://127.0.0.1:14540\"",
+                );
             }
             config
         }
         Err(error) => {
-            bad(
-                findings,
-                format!("configuration: {error}"),
+            findings.bad(
+                format_args!("configuration: {error}"),
                 "correct the key that is named; default.toml documents each",
             );
             default
@@ -130,21 +118,20 @@ fn configuration(arguments: &DoctorArguments, findings: &mut Vec<Finding>) -> No
     }
 }
 
-fn plugins(config: &NodeConfig, findings: &mut Vec<Finding>) {
+fn plugins(config: &NodeConfig, findings: &mut Findings) {
     let catalog = skein_runtime::catalog(config);
     for plugin in catalog.plugins() {
         let manifest = plugin.manifest();
-        findings.push(Finding::Good(format!(
+        findings.good(format_args!(
             "plugin: {} {} from {}",
             manifest.name,
             manifest.version,
             plugin.path().display()
-        )));
+        ));
     }
     for problem in catalog.problems() {
-        bad(
-            findings,
-            format!("plugin: {}: {}", problem.path.display(), problem.error),
+        findings.bad(
+            format_args!("plugin: {}: {}", problem.path.display(), problem.error),
             "rebuild it (cargo xtask build-plugins) or take it out of the directory",
         );
     }
@@ -160,98 +147,91 @@ fn plugins(config: &NodeConfig, findings: &mut Vec<Finding>) {
         names.insert("generic-uav");
     }
     for name in names.into_iter().filter(|name| catalog.get(name).is_none()) {
-        bad(
-            findings,
-            format!("plugin: the plugin \"{name}\" was not found"),
+        findings.bad(
+            format_args!("plugin: the plugin \"{name}\" was not found"),
             "cargo xtask build-plugins, or name its directory in plugins.directories",
         );
     }
 }
 
-fn ports(config: &NodeConfig, findings: &mut Vec<Finding>) {
+fn ports(config: &NodeConfig, findings: &mut Findings) {
     let web = config.web.listen;
     match TcpListener::bind(web) {
-        Ok(_) => findings.push(Finding::Good(format!("port: {web} is free for the dashboard"))),
-        Err(error) => bad(
-            findings,
-            format!("port: {web} for the dashboard: {error}"),
+        Ok(_) => findings.good(format_args!("port: {web} is free for the dashboard")),
+        Err(error) => findings.bad(
+            format_args!("port: {web} for the dashboard: {error}"),
             "stop the program that uses it (ss -ltnp), or change web.listen",
         ),
     }
     if !web.ip().is_loopback() {
-        findings.push(Finding::Poor {
-            what: format!("web.listen {web} can be reached from other machines, and there is no log-in yet"),
-            mend: "use 127.0.0.1 and an SSH tunnel, or a network that is yours alone".into(),
-        });
+        findings.poor(
+            format_args!("web.listen {web} can be reached from other machines, and there is no log-in yet"),
+            "use 127.0.0.1 and an SSH tunnel, or a network that is yours alone",
+        );
     }
     for endpoint in &config.endpoints {
         match endpoint.address.parse::<EndpointAddress>() {
             Ok(EndpointAddress::UdpListen(address)) => match UdpSocket::bind(address) {
-                Ok(_) => findings.push(Finding::Good(format!("port: {} is free", endpoint.address))),
-                Err(error) => bad(
-                    findings,
-                    format!("port: {}: {error}", endpoint.address),
+                Ok(_) => findings.good(format_args!("port: {} is free", endpoint.address)),
+                Err(error) => findings.bad(
+                    format_args!("port: {}: {error}", endpoint.address),
                     "stop the program that uses it (ss -lunp), or change the endpoint's address",
                 ),
             },
             Ok(EndpointAddress::Serial { path, .. }) if !Path::new(&path).exists() => {
-                bad(
-                    findings,
-                    format!("device: {path} does not exist"),
+                findings.bad(
+                    format_args!("device: {path} does not exist"),
                     "plug it in, or look for it with: ls /dev/tty*",
                 );
             }
-            Ok(_) => findings.push(Finding::Good(format!("endpoint: {} is understood", endpoint.address))),
-            Err(error) => bad(
-                findings,
-                format!("endpoint: {}: {error}", endpoint.address),
+            Ok(_) => findings.good(format_args!("endpoint: {} is understood", endpoint.address)),
+            Err(error) => findings.bad(
+                format_args!("endpoint: {}: {error}", endpoint.address),
                 "write it as default.toml shows",
             ),
         }
     }
 }
 
-fn clock(findings: &mut Vec<Finding>) {
+fn clock(findings: &mut Findings) {
     // 2025-01-01: a computer without a battery-backed clock starts in 1970.
     let oldest = SystemTime::UNIX_EPOCH + Duration::from_secs(1_735_689_600);
     if SystemTime::now() < oldest {
-        bad(
-            findings,
+        findings.bad(
             "clock: the date is wrong",
             "set it (timedatectl set-ntp true); recordings of several nodes could not be compared",
         );
     } else {
-        findings.push(Finding::Good("clock: the date is plausible".into()));
+        findings.good("clock: the date is plausible");
     }
     let asked = Duration::from_millis(10);
     let begin = Instant::now();
     std::thread::sleep(asked);
     let late = begin.elapsed().saturating_sub(asked);
     if late > Duration::from_millis(10) {
-        findings.push(Finding::Poor {
-            what: format!("clock: a sleep of 10 ms came back {} ms late", late.as_millis()),
-            mend: "other programs keep the processor busy; setpoints will be late too".into(),
-        });
+        findings.poor(
+            format_args!("clock: a sleep of 10 ms came back {} ms late", late.as_millis()),
+            "other programs keep the processor busy; setpoints will be late too",
+        );
     } else {
-        findings.push(Finding::Good(format!(
+        findings.good(format_args!(
             "clock: sleeps end within {:.1} ms",
             late.as_secs_f64() * 1e3
-        )));
+        ));
     }
 }
 
-fn priority(findings: &mut Vec<Finding>) {
-    findings.push(match skein_realtime::is_permitted() {
-        Ok(()) => Finding::Good("priority: threads that setpoints wait for run in real time".into()),
-        Err(error) => Finding::Poor {
-            what: format!("priority: no thread may run in real time: {error}; other programs make setpoints late"),
-            mend: "LimitRTPRIO=10 in its systemd unit, `- rtprio 10` in /etc/security/limits.conf, or the capability SYS_NICE for a container"
-                .into(),
-        },
-    });
+fn priority(findings: &mut Findings) {
+    match skein_realtime::is_permitted() {
+        Ok(()) => findings.good("priority: threads that setpoints wait for run in real time"),
+        Err(error) => findings.poor(
+            format_args!("priority: no thread may run in real time: {error}; other programs make setpoints late"),
+            "LimitRTPRIO=10 in its systemd unit, `- rtprio 10` in /etc/security/limits.conf, or the capability SYS_NICE for a container",
+        ),
+    }
 }
 
-fn limits(findings: &mut Vec<Finding>) {
+fn limits(findings: &mut Findings) {
     let text = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
     let files = text("/proc/self/limits")
         .lines()
@@ -262,21 +242,21 @@ fn limits(findings: &mut Vec<Finding>) {
                 .map(|soft| soft.parse().unwrap_or(u64::MAX))
         });
     match files {
-        Some(files) if files < FILES_WANTED => findings.push(Finding::Poor {
-            what: format!("limits: {files} open files"),
-            mend: format!("ulimit -n {FILES_WANTED}"),
-        }),
-        Some(files) => findings.push(Finding::Good(format!("limits: {files} open files"))),
+        Some(files) if files < FILES_WANTED => findings.poor(
+            format_args!("limits: {files} open files"),
+            format_args!("ulimit -n {FILES_WANTED}"),
+        ),
+        Some(files) => findings.good(format_args!("limits: {files} open files")),
         None => {}
     }
     if let Ok(buffer) = text("/proc/sys/net/core/rmem_max").trim().parse::<u64>() {
         if buffer < RECEIVE_BUFFER_WANTED {
-            findings.push(Finding::Poor {
-                what: format!("limits: sockets may buffer only {buffer} bytes"),
-                mend: "sysctl -w net.core.rmem_max=4194304, for many vehicles on one port".into(),
-            });
+            findings.poor(
+                format_args!("limits: sockets may buffer only {buffer} bytes"),
+                "sysctl -w net.core.rmem_max=4194304, for many vehicles on one port",
+            );
         } else {
-            findings.push(Finding::Good(format!("limits: sockets may buffer {buffer} bytes")));
+            findings.good(format_args!("limits: sockets may buffer {buffer} bytes"));
         }
     }
 }

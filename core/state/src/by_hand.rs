@@ -117,10 +117,7 @@ pub fn in_time(told: NodeTime, ahead_us: Option<i64>, now: NodeTime) -> Result<(
     let ahead_us = ahead_us.ok_or_else(|| unknown("how far the clocks of the two nodes are apart is not known yet"))?;
     let age_s = now.seconds_since(told.on_clock_ahead_by(ahead_us));
     if age_s > STICK_GOOD_S {
-        return Err(Refusal::TimedOut {
-            what: "a stick on its way".into(),
-            after_s: age_s,
-        });
+        return Err(Refusal::timed_out("a stick on its way", age_s));
     }
     // A clock that has gone wrong would make an old one look new.
     if age_s < -STICK_GOOD_S {

@@ -9,7 +9,5 @@ pub const EMERGENCY_REQUEST: RequestId = RequestId(u32::MAX - 1);
 
 /// Why nothing is done with a vehicle whose motors were stopped.
 pub fn stopped() -> Refusal {
-    Refusal::NotPermitted {
-        detail: "its motors were stopped in an emergency; an operator has to arm it again".into(),
-    }
+    Refusal::not_permitted("its motors were stopped in an emergency; an operator has to arm it again")
 }

@@ -7,16 +7,8 @@ use skein_config::Isolation;
 use skein_domain::{Incarnation, NodeTime};
 
 /// A plugin instance under supervision.
-#[derive(
-    Debug,
-    Clone,
-    PartialEq,
-    Default,
-    Serialize,
-    Deserialize,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
+#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct PluginHealth {
     /// Name in the supervision tree, for example `model-3` or `payload-3-gimbal`.
     pub name: String,
@@ -90,16 +82,8 @@ pub struct RestartRecord {
 }
 
 /// A supervised actor or plugin instance.
-#[derive(
-    Debug,
-    Clone,
-    PartialEq,
-    Default,
-    Serialize,
-    Deserialize,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
+#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct ActorHealth {
     /// Name in the supervision tree, for example `vehicle-3`.
     pub name: String,
@@ -114,18 +98,8 @@ pub struct ActorHealth {
 }
 
 /// What a supervised actor is doing.
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    PartialEq,
-    Eq,
-    Default,
-    Serialize,
-    Deserialize,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ActorStatus {
     /// Running.

@@ -46,16 +46,8 @@ pub struct FormationForecast {
 
 /// From where a vehicle would go into which place of a formation, in metres about the swarm's origin. With a turning formation or a
 /// detour around another vehicle the way itself is no straight line.
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    PartialEq,
-    Serialize,
-    Deserialize,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct ForeseenWay {
     /// The vehicle.
     pub vehicle: VehicleId,

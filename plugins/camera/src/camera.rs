@@ -15,7 +15,7 @@ use skein_domain::exchange::{Create, Event, OwnState};
 use skein_domain::manifest::EffectKind;
 use skein_domain::payload::{CameraCommand, CameraState};
 use skein_domain::{CommandId, NodeTime, Refusal};
-use skein_plugin_sdk::{CreateError, Effects, Payload, PayloadManifest, PluginKind, log, saved};
+use skein_plugin_sdk::{CreateError, Effects, Payload, PayloadManifest, PluginKind, saved};
 
 /// Changes when an older snapshot would be misunderstood. Fields that are only added keep it.
 const SNAPSHOT_VERSION: u32 = 1;
@@ -67,17 +67,9 @@ impl Payload for Camera {
 
     fn create(create: Create, settings: Settings) -> Result<Self, CreateError> {
         settings.check().map_err(CreateError::new)?;
-        let restored = create
-            .snapshot
-            .and_then(|bytes| match saved::decode::<Core>(SNAPSHOT_VERSION, &bytes) {
-                Ok(core) if core.remote.is_some() == settings.steers_remote() => Some(core),
-                Ok(_) => None,
-                Err(error) => {
-                    log::warn!("starts anew, the snapshot cannot be read: {error}");
-                    None
-                }
-            });
-        let core = restored.unwrap_or_else(|| Core {
+        let restored = saved::restored(SNAPSHOT_VERSION, create.snapshot.as_deref());
+        let fits = |core: &Core| core.remote.is_some() == settings.steers_remote();
+        let core = restored.filter(fits).unwrap_or_else(|| Core {
             capture: Capture::default(),
             remote: settings.steers_remote().then(|| Remote::new(create.system_id)),
             taken: 0,
@@ -124,15 +116,8 @@ impl Payload for Camera {
 
 fn end(outcomes: impl IntoIterator<Item = Outcome<CommandId>>, effects: &mut Effects) {
     for (id, outcome) in outcomes {
-        match outcome {
-            Ok(()) => effects.done(id),
-            Err(refusal) => effects.refused(id, refusal),
-        }
+        effects.ended(id, outcome);
     }
-}
-
-fn invalid(detail: String) -> Refusal {
-    Refusal::InvalidValue { detail }
 }
 
 impl Camera {
@@ -160,11 +145,11 @@ impl Camera {
     fn check(&self, command: CameraCommand) -> Result<(), Refusal> {
         match command {
             CameraCommand::TakePictures { interval_s, .. } if !(0.0..=86_400.0).contains(&interval_s) => {
-                Err(invalid("interval_s must be within 0 and 86400".to_owned()))
+                Err(Refusal::invalid("interval_s must be within 0 and 86400"))
             }
-            CameraCommand::Zoom { factor } if !(1.0..=self.settings.zoom_max).contains(&factor) => Err(invalid(
-                format!("factor must be within 1 and {}", self.settings.zoom_max),
-            )),
+            CameraCommand::Zoom { factor } if !(1.0..=self.settings.zoom_max).contains(&factor) => Err(
+                Refusal::invalid(format!("factor must be within 1 and {}", self.settings.zoom_max)),
+            ),
             _ => Ok(()),
         }
     }
@@ -180,14 +165,10 @@ impl Camera {
             CameraCommand::SetMode { mode } => capture.set_mode(mode),
             CameraCommand::Zoom { factor } if self.settings.source == Source::Synthetic => capture.zoom = factor,
             CameraCommand::Zoom { .. } => {
-                return Err(Refusal::NotSupported {
-                    detail: "zoom of recorded pictures".to_owned(),
-                });
+                return Err(Refusal::not_supported("zoom of recorded pictures"));
             }
             CameraCommand::StartStream { .. } | CameraCommand::StopStream { .. } => {
-                return Err(Refusal::NotSupported {
-                    detail: "streams of a camera that is no device".to_owned(),
-                });
+                return Err(Refusal::not_supported("streams of a camera that is no device"));
             }
         }
         Ok(())

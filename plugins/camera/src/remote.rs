@@ -353,9 +353,7 @@ impl Remote {
         settings: &Settings,
     ) -> Result<(), Refusal> {
         if !self.is_connected(now, settings) {
-            return Err(Refusal::NotRunning {
-                what: "the camera".to_owned(),
-            });
+            return Err(Refusal::not_running("the camera"));
         }
         self.can(command)?;
         let (what, params) = match command {
@@ -394,9 +392,7 @@ impl Remote {
         if self.requests.ask(id, &message) {
             return Ok(());
         }
-        Err(Refusal::NotPermitted {
-            detail: "too many commands wait for the camera's answer".to_owned(),
-        })
+        Err(Refusal::not_permitted("too many commands wait for the camera's answer"))
     }
 
     /// Whether the camera can do it, by what it says of itself.
@@ -417,9 +413,7 @@ impl Remote {
         if self.information.is_none() || self.has(needs) {
             return Ok(());
         }
-        Err(Refusal::NotSupported {
-            detail: format!("{what} by this camera"),
-        })
+        Err(Refusal::not_supported(format!("{what} by this camera")))
     }
 
     /// The zoom factor, if it says.

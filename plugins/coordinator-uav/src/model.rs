@@ -50,6 +50,7 @@ impl UavModel for CoordinatorUav {
         name: "coordinator-uav",
         version: env!("CARGO_PKG_VERSION"),
         description: "Flies as generic-uav does, and says whether its vehicle can host the coordinator of the swarm.",
+        // Those of `GenericUav` first: one constant list cannot take in another.
         effects: &[
             EffectKind::Setpoint,
             EffectKind::StopStream,

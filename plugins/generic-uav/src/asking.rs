@@ -1,41 +1,9 @@
 //! One request to the autopilot, made again while there is hope.
 
+use crate::flight::Asking;
 use crate::model::GenericUav;
-use minicbor::{Decode, Encode};
 use skein_domain::{AutopilotCommand, Refusal, RequestId};
 use skein_plugin_sdk::Effects;
-
-/// A request and how often it was made.
-#[derive(Debug, Clone, PartialEq, Default, Encode, Decode)]
-pub(crate) struct Asking {
-    /// How often it was made.
-    #[n(0)]
-    attempts: u32,
-    /// The one whose answer is awaited, and when it was made, in heard seconds.
-    #[n(1)]
-    outstanding: Option<(RequestId, f64)>,
-    /// Not to be made again before, in heard seconds.
-    #[n(2)]
-    not_before_s: f64,
-    /// The last answer, if it was a refusal.
-    #[n(3)]
-    refusal: Option<Refusal>,
-    /// When it was accepted, in heard seconds. The state that should follow may take a little longer to be seen.
-    #[n(4)]
-    accepted_s: Option<f64>,
-}
-
-impl Asking {
-    /// The request whose answer is awaited, and when it was made, in heard seconds.
-    pub(crate) fn outstanding(&self) -> Option<(RequestId, f64)> {
-        self.outstanding
-    }
-
-    /// Why it was refused so far.
-    pub(crate) fn refusal(&self) -> Option<&Refusal> {
-        self.refusal.as_ref()
-    }
-}
 
 /// Whether the autopilot may well say yes to the same request a little later.
 fn may_change(refusal: &Refusal) -> bool {
@@ -97,9 +65,6 @@ impl GenericUav {
     }
 
     fn no_answer(&self, command: AutopilotCommand) -> Refusal {
-        Refusal::TimedOut {
-            what: format!("{command:?}"),
-            after_s: self.settings.request_timeout_s,
-        }
+        Refusal::timed_out(format!("{command:?}"), self.settings.request_timeout_s)
     }
 }

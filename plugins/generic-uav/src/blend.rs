@@ -29,6 +29,16 @@ pub(crate) struct Motion {
     pub acceleration: AccelerationNed,
 }
 
+impl Motion {
+    pub(crate) fn new(position: PositionNed, velocity: VelocityNed, acceleration: AccelerationNed) -> Self {
+        Self {
+            position,
+            velocity,
+            acceleration,
+        }
+    }
+}
+
 /// A difference that fades out.
 #[derive(Debug, Clone, Copy, PartialEq, Encode, Decode)]
 pub(crate) struct Blend {

@@ -2,9 +2,7 @@
 //!
 //! Must never do: lose a command. Each one ends in exactly one of done and refused.
 
-use crate::asking::Asking;
-use crate::flight::{ActiveCommand, Arming, Phase, Purpose, WaitingCommand};
-use crate::guidance::Guided;
+use crate::flight::{ActiveCommand, Arming, Asking, Guided, Phase, Purpose, WaitingCommand};
 use crate::model::{GenericUav, is_airborne};
 use skein_domain::{CommandId, NodeTime, PositionNed, Refusal, VehicleCommand};
 use skein_plugin_sdk::Effects;
@@ -149,12 +147,11 @@ impl GenericUav {
     }
 
     fn check_values(&self, command: &VehicleCommand) -> Result<(), Refusal> {
-        let invalid = |detail: String| Err(Refusal::InvalidValue { detail });
         let finite = |name: &str, place: &PositionNed| {
             if place.is_finite() {
                 Ok(())
             } else {
-                invalid(format!("{name} is not finite"))
+                Err(Refusal::invalid(format!("{name} is not finite")))
             }
         };
         match command {
@@ -163,9 +160,9 @@ impl GenericUav {
                 if (lowest..=MAX_HEIGHT_M).contains(height_m) {
                     return Ok(());
                 }
-                invalid(format!(
+                Err(Refusal::invalid(format!(
                     "height {height_m} m is not within {lowest} to {MAX_HEIGHT_M} m"
-                ))
+                )))
             }
             VehicleCommand::LandAt { spot } => finite("the landing spot", spot),
             VehicleCommand::GoTo {
@@ -174,21 +171,19 @@ impl GenericUav {
                 speed_m_s,
             } => {
                 if yaw_rad.is_some_and(|yaw| !yaw.is_finite()) {
-                    return invalid("the yaw is not finite".to_owned());
+                    return Err(Refusal::invalid("the yaw is not finite"));
                 }
                 if speed_m_s.is_some_and(|speed| !(speed.is_finite() && speed > 0.0)) {
-                    return invalid("the speed must be above zero".to_owned());
+                    return Err(Refusal::invalid("the speed must be above zero"));
                 }
                 finite("the goal", position)
             }
             VehicleCommand::Observe { .. } if self.takes_guidance => Ok(()),
             VehicleCommand::Observe { .. } | VehicleCommand::LookAt { .. } | VehicleCommand::StopObserving => {
-                Err(Refusal::NotSupported {
-                    detail: format!(
-                        "{} needs a model with payloads, such as observation-uav",
-                        command.name()
-                    ),
-                })
+                let name = command.name();
+                Err(Refusal::not_supported(format!(
+                    "{name} needs a model with payloads, such as observation-uav"
+                )))
             }
             _ => Ok(()),
         }

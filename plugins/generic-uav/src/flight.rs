@@ -2,11 +2,12 @@
 //!
 //! Must never do: hold anything that cannot be built again from the snapshot and the settings.
 
-use crate::asking::Asking;
+mod parts;
+
+pub use parts::Goal;
+pub(crate) use parts::{Asking, Guided, Kept, Steered};
+
 use crate::blend::{Blend, Stop};
-use crate::guidance::Guided;
-use crate::keeping::Kept;
-use crate::steering::Steered;
 use minicbor::{Decode, Encode};
 use skein_domain::{
     AccelerationNed, AnchorReference, CommandId, FlightMode, FlightState, FormationHeading, Keeping, NodeTime,

@@ -6,9 +6,9 @@ use crate::blend::Motion;
 use crate::flight::{Fly, Flying, Lead, Phase, Plan, Purpose};
 use crate::keeping::turned_towards;
 use crate::model::{GenericUav, LONGEST_STEP_S};
-use crate::plan::Sample;
 use crate::tasks::age_s;
 use crate::telling::change_of_turning_rad_s2;
+use crate::way::{Sample, Track};
 use skein_domain::exchange::{OwnState, Severity};
 use skein_domain::{AutopilotCommand, FlightMode, LandedState, PositionNed, Refusal};
 use skein_plugin_sdk::Effects;
@@ -268,10 +268,7 @@ impl GenericUav {
         if at_end && near && here.velocity.norm() < STANDS_M_S {
             self.command_done(out);
         } else if late {
-            let refusal = Refusal::TimedOut {
-                what: "arrival".to_owned(),
-                after_s: flying.elapsed_s,
-            };
+            let refusal = Refusal::timed_out("arrival", flying.elapsed_s);
             self.command_refused(refusal, out);
         } else {
             return;
@@ -314,8 +311,8 @@ impl GenericUav {
     fn plan_duration_s(&self, flying: &Flying) -> f64 {
         match (&flying.plan, &self.track) {
             (Plan::Stop(stop), _) => stop.duration_s(self.settings.acceleration_m_s2),
-            (_, Some(crate::plan::Track::Straight(way))) => way.duration_s(),
-            (_, Some(crate::plan::Track::Route(way))) => way.duration_s(),
+            (_, Some(Track::Straight(way))) => way.duration_s(),
+            (_, Some(Track::Route(way))) => way.duration_s(),
             _ => 0.0,
         }
     }

@@ -2,9 +2,8 @@
 //!
 //! Must never do: ask for a take-off before arming was confirmed. PX4 accepts it even after a refused arming and flies off later.
 
-use crate::asking::Asking;
 use crate::blend::{Motion, Stop};
-use crate::flight::{Arming, Flying, Phase, Plan, Purpose, TakingOff};
+use crate::flight::{Arming, Asking, Flying, Phase, Plan, Purpose, TakingOff};
 use crate::model::{GenericUav, is_airborne};
 use crate::modes::ARMED;
 use skein_domain::exchange::{OwnState, Severity};
@@ -19,15 +18,12 @@ impl GenericUav {
         }
         let waited_s = self.flight.heard_s - arming.since_s;
         if waited_s > self.settings.arm_timeout_s {
-            let refusal = arming.arm.refusal().or(arming.mode.refusal()).cloned();
+            let refusal = arming.arm.refusal.as_ref().or(arming.mode.refusal.as_ref()).cloned();
             let refusal = refusal.unwrap_or_else(|| match own.ready_to_arm {
                 Some(false) => Refusal::NotReadyToArm {
                     detail: "the autopilot did not become ready".to_owned(),
                 },
-                _ => Refusal::TimedOut {
-                    what: "arming".to_owned(),
-                    after_s: waited_s,
-                },
+                _ => Refusal::timed_out("arming", waited_s),
             });
             self.not_armed(refusal, out);
             return;
@@ -46,11 +42,9 @@ impl GenericUav {
         match self.ask(&mut arming.arm, AutopilotCommand::Arm, u32::MAX, out) {
             // The state that follows shows it; accepted is not yet armed.
             None | Some(Ok(())) => {
-                let detail = arming
-                    .arm
-                    .refusal()
-                    .map(|refusal| format!("trying again: {refusal}"))
-                    .unwrap_or_default();
+                let refusal = arming.arm.refusal.as_ref();
+                let detail = refusal.map(|refusal| format!("trying again: {refusal}"));
+                let detail = detail.unwrap_or_default();
                 self.enter(Phase::Arming(arming), detail);
             }
             Some(Err(refusal)) => self.not_armed(refusal, out),
@@ -101,10 +95,7 @@ impl GenericUav {
         }
         let waited_s = self.flight.heard_s - taking_off.since_s;
         if waited_s > self.settings.take_off_timeout_s {
-            let refusal = Refusal::TimedOut {
-                what: "take-off".to_owned(),
-                after_s: waited_s,
-            };
+            let refusal = Refusal::timed_out("take-off", waited_s);
             self.break_off_take_off(refusal, own, out);
             return;
         }

@@ -3,66 +3,20 @@
 //! Must never do: move the reference faster than the limits, or towards a goal whose numbers are not finite.
 
 use crate::blend::Motion;
-use crate::flight::{Phase, Plan, Purpose};
+use crate::flight::{Goal, Phase, Plan, Purpose};
 use crate::model::GenericUav;
 use crate::settings::Settings;
-use minicbor::{Decode, Encode};
 use nalgebra::Vector3;
 use skein_domain::exchange::OwnState;
-use skein_domain::{CommandId, FlightState, NodeTime, PositionNed, Refusal, VehicleCommand, VehicleId, VelocityNed};
+use skein_domain::{CommandId, FlightState, NodeTime, PositionNed, Refusal, VehicleCommand, VehicleId};
 use skein_plugin_sdk::Effects;
 
-/// A goal's motion is carried on for at most this long, in seconds.
-const LONGEST_EXTRAPOLATION_S: f64 = 1.0;
 /// How fast a small distance is closed, per second: a metre off gives a metre per second.
 const CLOSING_RATE_HZ: f64 = 1.0;
 /// How fast the velocity follows the wanted one, in seconds. A quarter of the closing time: then neither overshoots.
 const VELOCITY_TIME_S: f64 = 0.25;
 /// Share of the acceleration that braking towards the goal is planned with; the rest is for a goal that moves.
 const BRAKING_SHARE: f64 = 0.7;
-
-/// Where to be, moving.
-#[derive(Debug, Clone, Copy, PartialEq, Encode, Decode)]
-pub struct Goal {
-    /// Where at `time`.
-    #[n(0)]
-    pub position: PositionNed,
-    /// How fast it moves.
-    #[n(1)]
-    pub velocity: VelocityNed,
-    /// When that was.
-    #[n(2)]
-    pub time: NodeTime,
-    /// Horizontal speed not to be exceeded on the way, in metres per second.
-    #[n(3)]
-    pub speed_m_s: f64,
-}
-
-impl Goal {
-    /// Where it is at a moment.
-    #[must_use]
-    pub fn at(&self, now: NodeTime) -> PositionNed {
-        let age_s = now.seconds_since(self.time).clamp(0.0, LONGEST_EXTRAPOLATION_S);
-        self.position.after(&self.velocity, age_s)
-    }
-
-    fn is_usable(&self) -> bool {
-        self.position.is_finite() && self.velocity.is_finite() && self.speed_m_s.is_finite() && self.speed_m_s > 0.0
-    }
-}
-
-/// A flight whose goal comes from outside of this model.
-#[derive(Debug, Clone, PartialEq, Encode, Decode)]
-pub(crate) struct Guided {
-    /// The command it began with.
-    #[n(0)]
-    pub id: CommandId,
-    #[n(1)]
-    pub command: VehicleCommand,
-    /// Brakes and stands while there is none.
-    #[n(2)]
-    pub goal: Option<Goal>,
-}
 
 /// The speed with which a distance is closed: proportional when near, and such that a constant braking ends at the goal when far.
 fn closing_m_s(distance_m: f64, acceleration_m_s2: f64) -> f64 {
@@ -232,11 +186,7 @@ impl GenericUav {
             Purpose::Guided(guided),
         ) = (plan, purpose)
         {
-            let have = Motion {
-                position: *position,
-                velocity: *velocity,
-                acceleration: *acceleration,
-            };
+            let have = Motion::new(*position, *velocity, *acceleration);
             let next = step(&have, guided.goal.as_ref(), self.now, dt_s, &self.settings);
             (*position, *velocity, *acceleration) = (next.position, next.velocity, next.acceleration);
         }

@@ -3,13 +3,12 @@
 //! Must never do: move the reference faster than the limits, or begin a trajectory before its time.
 
 use crate::blend::Motion;
-use crate::flight::{Fly, Flying, Phase, Plan, Purpose};
+use crate::flight::{Fly, Flying, Kept, Phase, Plan, Purpose};
 use crate::model::{GenericUav, LONGEST_STEP_S};
-use crate::plan::Sample;
-use minicbor::{Decode, Encode};
+use crate::way::Sample;
 use skein_domain::exchange::Severity;
 use skein_domain::frames::wrap_angle_rad;
-use skein_domain::{AccelerationNed, Keeping, NodeTime, PositionNed, Task, Trajectory, VelocityNed};
+use skein_domain::{Keeping, NodeTime, Task, Trajectory};
 use skein_flight::consensus::{self, KeepingCommand, KeepingTuning};
 use skein_flight::trajectory;
 use skein_plugin_sdk::Effects;
@@ -19,57 +18,6 @@ use skein_plugin_sdk::Effects;
 const VELOCITY_TIME_S: f64 = 0.3;
 /// How fast the nose is turned at most, in radians per second.
 pub(crate) const YAW_RATE_RAD_S: f64 = 0.8;
-
-/// The reference of a vehicle that keeps its place among neighbours.
-#[derive(Debug, Clone, Copy, PartialEq, Encode, Decode)]
-pub(crate) struct Kept {
-    #[n(0)]
-    pub position: PositionNed,
-    #[n(1)]
-    pub velocity: VelocityNed,
-    #[n(2)]
-    pub acceleration: AccelerationNed,
-    /// How far the place is off, in metres.
-    #[n(3)]
-    pub error_m: f64,
-    /// How many neighbours it goes by.
-    #[n(4)]
-    pub neighbours: u32,
-}
-
-impl Kept {
-    /// From the motion it has.
-    pub(crate) fn from(have: &Motion) -> Self {
-        Self {
-            position: have.position,
-            velocity: have.velocity,
-            acceleration: AccelerationNed::default(),
-            error_m: 0.0,
-            neighbours: 0,
-        }
-    }
-
-    pub(crate) fn motion(&self) -> Motion {
-        Motion {
-            position: self.position,
-            velocity: self.velocity,
-            acceleration: self.acceleration,
-        }
-    }
-
-    /// The reference one period later, for what the neighbours' states ask for.
-    fn moved(&self, wanted: &KeepingCommand, acceleration_m_s2: f64, dt_s: f64) -> Self {
-        let velocity = self.velocity.vector();
-        let change = ((wanted.velocity.vector() - velocity) / VELOCITY_TIME_S).cap_magnitude(acceleration_m_s2);
-        Self {
-            position: self.position.moved(velocity * dt_s + change * (0.5 * dt_s * dt_s)),
-            velocity: (velocity + change * dt_s).into(),
-            acceleration: change.into(),
-            error_m: wanted.error_m,
-            neighbours: u32::try_from(wanted.neighbours).unwrap_or(u32::MAX),
-        }
-    }
-}
 
 impl GenericUav {
     /// A task to keep a place: goes on from the present motion, and without any change if it kept one already.
@@ -114,7 +62,7 @@ impl GenericUav {
         let tuning = KeepingTuning::default();
         let wanted = consensus::command(keeping, &kept.position, &self.peers, self.now, &limits, &tuning);
         let heard_before = kept.neighbours > 0;
-        *kept = kept.moved(&wanted, self.settings.acceleration_m_s2, dt_s);
+        *kept = moved(kept, &wanted, self.settings.acceleration_m_s2, dt_s);
         match (heard_before, wanted.neighbours > 0) {
             (true, false) => {
                 out.notice(Severity::Warning, "nothing from any neighbour: holding");
@@ -131,15 +79,24 @@ impl GenericUav {
         let at = trajectory::sample(&fly.trajectory, now.max(start));
         let early_s = start.seconds_since(now).clamp(0.0, LONGEST_STEP_S);
         Sample {
-            motion: Motion {
-                position: at.position.after(&at.velocity, -early_s),
-                velocity: at.velocity,
-                acceleration: at.acceleration,
-            },
+            motion: Motion::new(at.position.after(&at.velocity, -early_s), at.velocity, at.acceleration),
             yaw: None,
             course_rad: at.yaw_rad,
             finished: at.finished,
         }
+    }
+}
+
+/// The reference one period later, for what the neighbours' states ask for.
+fn moved(kept: &Kept, wanted: &KeepingCommand, acceleration_m_s2: f64, dt_s: f64) -> Kept {
+    let velocity = kept.velocity.vector();
+    let change = ((wanted.velocity.vector() - velocity) / VELOCITY_TIME_S).cap_magnitude(acceleration_m_s2);
+    Kept {
+        position: kept.position.moved(velocity * dt_s + change * (0.5 * dt_s * dt_s)),
+        velocity: (velocity + change * dt_s).into(),
+        acceleration: change.into(),
+        error_m: wanted.error_m,
+        neighbours: u32::try_from(wanted.neighbours).unwrap_or(u32::MAX),
     }
 }
 

@@ -2,9 +2,8 @@
 //!
 //! Must never do: end the setpoint stream before the autopilot has taken the landing up. Its OFFBOARD-loss failsafe would be faster.
 
-use crate::asking::Asking;
 use crate::blend::Stop;
-use crate::flight::{Flying, Landing, Phase, Plan, Purpose};
+use crate::flight::{Asking, Flying, Landing, Phase, Plan, Purpose};
 use crate::model::GenericUav;
 use skein_domain::exchange::{OwnState, Severity};
 use skein_domain::{AutopilotCommand, FlightMode, LandedState, Refusal};
@@ -89,13 +88,7 @@ impl GenericUav {
                 Severity::Warning,
                 format!("still not on the ground after {waited_s:.0} s of landing"),
             );
-            self.command_refused(
-                Refusal::TimedOut {
-                    what: "landing".to_owned(),
-                    after_s: waited_s,
-                },
-                out,
-            );
+            self.command_refused(Refusal::timed_out("landing", waited_s), out);
         }
         self.flight.phase = Phase::Landing(landing);
     }

@@ -23,8 +23,9 @@ mod settings;
 mod steering;
 mod tasks;
 mod telling;
+mod way;
 
-pub use guidance::Goal;
+pub use flight::Goal;
 pub use model::GenericUav;
 pub use settings::Settings;
 

@@ -2,15 +2,15 @@
 
 use crate::blend::{Motion, Stop};
 use crate::flight::{Flight, Flying, Phase, Plan, Purpose, Reference, ToldState};
-use crate::plan::Track;
 use crate::settings::Settings;
+use crate::way::Track;
 use skein_domain::exchange::{Create, Event, OwnState, PeerState};
 use skein_domain::manifest::EffectKind;
 use skein_domain::{
     FlightLimits, FlightMode, LandedState, NodeTime, Refusal, RequestId, Setpoint, Stick, Task, VehicleId, VehicleTask,
 };
 use skein_flight::drag::Look;
-use skein_plugin_sdk::{CreateError, Effects, UavManifest, UavModel, log, saved};
+use skein_plugin_sdk::{CreateError, Effects, UavManifest, UavModel, saved};
 
 /// Of the saved flight state. Changes when an older one would be misunderstood; fields that are only added keep it.
 const SNAPSHOT_VERSION: u32 = 1;
@@ -55,23 +55,12 @@ impl UavModel for GenericUav {
 
     fn create(create: Create, settings: Settings) -> Result<Self, CreateError> {
         settings.check().map_err(CreateError::new)?;
-        let restored = create
-            .snapshot
-            .as_deref()
-            .map(|bytes| saved::decode(SNAPSHOT_VERSION, bytes));
-        let flight = match restored {
-            Some(Ok(flight)) => flight,
-            other => {
-                if let Some(Err(why)) = other {
-                    log::warn!("the snapshot is of no use ({why}): starting from what the vehicle does");
-                }
-                // Answers to an earlier incarnation's requests must not be taken for answers to this one's.
-                Flight {
-                    next_request: create.incarnation.0.wrapping_shl(16),
-                    ..Flight::default()
-                }
-            }
-        };
+        let restored = saved::restored(SNAPSHOT_VERSION, create.snapshot.as_deref());
+        // Answers to an earlier incarnation's requests must not be taken for answers to this one's.
+        let flight = restored.unwrap_or_else(|| Flight {
+            next_request: create.incarnation.0.wrapping_shl(16),
+            ..Flight::default()
+        });
         Ok(Self {
             settings,
             vehicle: create.vehicle,

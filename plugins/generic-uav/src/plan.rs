@@ -1,34 +1,13 @@
 //! From a purpose to a way through space, and along that way over time.
 
-use crate::asking::Asking;
 use crate::blend::{Blend, Motion, Stop};
-use crate::flight::{Flying, Lead, Phase, Plan, Purpose};
-use crate::keeping::Kept;
+use crate::flight::{Asking, Flying, Kept, Lead, Phase, Plan, Purpose};
 use crate::model::GenericUav;
+use crate::way::{Sample, Track};
 use skein_domain::exchange::Severity;
 use skein_domain::{AccelerationNed, NodeTime, PositionNed};
 use skein_flight::{GoTo, RouteTrajectory, follow};
 use skein_plugin_sdk::Effects;
-
-/// A plan's way, built once.
-pub(crate) enum Track {
-    Straight(GoTo),
-    Route(RouteTrajectory),
-    /// There is none to build, or it cannot be built.
-    None,
-}
-
-/// Where a plan wants the vehicle at one moment.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Sample {
-    pub motion: Motion,
-    /// Yaw and its rate, where the plan has its own.
-    pub yaw: Option<(f64, f64)>,
-    /// Course over ground, on a route.
-    pub course_rad: Option<f64>,
-    /// The end of the plan is reached.
-    pub finished: bool,
-}
 
 impl GenericUav {
     /// Flies for another purpose from now on: in OFFBOARD already, or after the autopilot has entered it.
@@ -36,8 +15,8 @@ impl GenericUav {
         let yaw_now = self.flight.reference.and_then(|r| r.yaw_rad);
         let (engaging, after) = match &self.flight.phase {
             Phase::Flying(flying) => (flying.engaging.clone(), flying.after),
-            Phase::Landing(landing) => (Some(Asking::default()), landing.asking.outstanding()),
-            Phase::TakingOff(taking_off) => (Some(Asking::default()), taking_off.asking.outstanding()),
+            Phase::Landing(landing) => (Some(Asking::default()), landing.asking.outstanding),
+            Phase::TakingOff(taking_off) => (Some(Asking::default()), taking_off.asking.outstanding),
             _ => (Some(Asking::default()), None),
         };
         let yaw_rad = yaw_rad
@@ -151,20 +130,12 @@ impl GenericUav {
         match (&flying.plan, &self.track) {
             (Plan::Straight { .. }, Some(Track::Straight(way))) => {
                 let (position, velocity, acceleration, finished) = way.sample(flying.elapsed_s);
-                let motion = Motion {
-                    position,
-                    velocity,
-                    acceleration,
-                };
+                let motion = Motion::new(position, velocity, acceleration);
                 standing(motion, finished)
             }
             (Plan::Route { .. }, Some(Track::Route(way))) => {
                 let at = way.sample(flying.elapsed_s);
-                let motion = Motion {
-                    position: at.position,
-                    velocity: at.velocity,
-                    acceleration: at.acceleration,
-                };
+                let motion = Motion::new(at.position, at.velocity, at.acceleration);
                 Sample {
                     motion,
                     yaw: None,
@@ -182,11 +153,7 @@ impl GenericUav {
                 },
                 _,
             ) => {
-                let motion = Motion {
-                    position: *position,
-                    velocity: *velocity,
-                    acceleration: *acceleration,
-                };
+                let motion = Motion::new(*position, *velocity, *acceleration);
                 standing(motion, false)
             }
             (Plan::Kept(kept), _) => standing(kept.motion(), false),

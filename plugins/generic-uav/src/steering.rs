@@ -4,12 +4,11 @@
 //! than its followers can swing round.
 
 use crate::blend::Motion;
-use crate::flight::{ActiveCommand, Flying, Lead, Phase, Plan, Purpose};
+use crate::flight::{ActiveCommand, Flying, Lead, Phase, Plan, Purpose, Steered};
 use crate::guidance::towards;
 use crate::keeping::YAW_RATE_RAD_S;
 use crate::model::GenericUav;
 use crate::settings::Settings;
-use minicbor::{Decode, Encode};
 use nalgebra::Vector3;
 use skein_domain::frames::wrap_angle_rad;
 use skein_domain::stick::{HAND_GONE_S, STICK_GOOD_S};
@@ -28,17 +27,6 @@ const LEASH_S: f64 = 0.3;
 const BACK_SHARE: f64 = 0.4;
 /// A reference that is slower than this stands, in metres per second.
 const STANDS_M_S: f64 = 0.3;
-
-/// A flight by hand, but for the stick itself: one from before a restart is not followed.
-#[derive(Debug, Clone, Copy, PartialEq, Encode, Decode)]
-pub(crate) struct Steered {
-    /// When a stick last came, or the flight began.
-    #[n(0)]
-    pub heard: NodeTime,
-    /// How fast it turns.
-    #[n(1)]
-    pub yaw_rate_rad_s: f64,
-}
 
 /// What a flight by hand may ask for at most.
 #[derive(Debug, Clone, Copy)]
@@ -132,11 +120,7 @@ impl GenericUav {
         let wanted = stick.zip(heading_rad).map_or(Vector3::zeros(), |(stick, heading_rad)| {
             bounded(stick.velocity(heading_rad).vector(), bounds.speed_m_s, &self.settings)
         });
-        let have = Motion {
-            position: *position,
-            velocity: *velocity,
-            acceleration: *acceleration,
-        };
+        let have = Motion::new(*position, *velocity, *acceleration);
         let next = towards(&have, wanted, dt_s, self.settings.acceleration_m_s2);
         // What was measured, and is gone on from, may be a little faster than what may be asked for.
         let within = bounded(next.velocity.vector(), self.settings.max_speed_m_s, &self.settings);

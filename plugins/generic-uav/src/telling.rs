@@ -5,7 +5,7 @@
 use crate::blend::Motion;
 use crate::flight::{Flying, Plan, Purpose};
 use crate::model::GenericUav;
-use crate::plan::Sample;
+use crate::way::Sample;
 use skein_domain::AnchorReference;
 use skein_plugin_sdk::Effects;
 

@@ -75,9 +75,7 @@ impl Aim {
             if values.iter().all(|value| value.is_finite()) {
                 return Ok(());
             }
-            Err(Refusal::InvalidValue {
-                detail: format!("{what} must be finite"),
-            })
+            Err(Refusal::invalid(format!("{what} must be finite")))
         };
         Ok(Some(match *command {
             GimbalCommand::Angles {
@@ -102,9 +100,7 @@ impl Aim {
             }
             GimbalCommand::PointAt { place } => {
                 if !place.is_valid() {
-                    return Err(Refusal::InvalidValue {
-                        detail: "place must be a place on Earth".to_owned(),
-                    });
+                    return Err(Refusal::invalid("place must be a place on Earth"));
                 }
                 Self::Place(place)
             }

@@ -16,7 +16,7 @@ use skein_domain::exchange::{Create, Event, OwnState, Severity};
 use skein_domain::manifest::EffectKind;
 use skein_domain::payload::{GimbalCommand, GimbalOwner, GimbalState};
 use skein_domain::{CommandId, Geodetic, NodeTime, Refusal, SwarmFrame};
-use skein_plugin_sdk::{CreateError, Effects, Payload, PayloadManifest, PluginKind, log, saved};
+use skein_plugin_sdk::{CreateError, Effects, Payload, PayloadManifest, PluginKind, saved};
 
 /// Changes when an older snapshot would be misunderstood. Fields that are only added keep it.
 const SNAPSHOT_VERSION: u32 = 1;
@@ -85,17 +85,9 @@ impl Payload for Gimbal {
 
     fn create(create: Create, settings: Settings) -> Result<Self, CreateError> {
         settings.check().map_err(CreateError::new)?;
-        let restored = create
-            .snapshot
-            .and_then(|bytes| match saved::decode::<Core>(SNAPSHOT_VERSION, &bytes) {
-                Ok(core) if core.device.fits(&settings) => Some(core),
-                Ok(_) => None,
-                Err(error) => {
-                    log::warn!("starts anew, the snapshot cannot be read: {error}");
-                    None
-                }
-            });
-        let core = restored.unwrap_or_else(|| Core {
+        let restored = saved::restored(SNAPSHOT_VERSION, create.snapshot.as_deref());
+        let fits = |core: &Core| core.device.fits(&settings);
+        let core = restored.filter(fits).unwrap_or_else(|| Core {
             device: Device::new(&settings, create.system_id),
             aim: Aim::Idle,
             pending: None,
@@ -159,9 +151,7 @@ impl Gimbal {
         let aim = Aim::of(&command, self.settings.rate_max_rad_s)?;
         let status = self.core.device.status(&moment(now, &self.settings, &self.own));
         if !status.connected {
-            return Err(Refusal::NotRunning {
-                what: "the gimbal".to_owned(),
-            });
+            return Err(Refusal::not_running("the gimbal"));
         }
         if let (
             Some(_),
@@ -205,12 +195,8 @@ impl Gimbal {
 
     /// Ends the command that is under way, if there is one.
     fn end(&mut self, outcome: Result<(), Refusal>, effects: &mut Effects) {
-        let Some(pending) = self.core.pending.take() else {
-            return;
-        };
-        match outcome {
-            Ok(()) => effects.done(pending.id),
-            Err(refusal) => effects.refused(pending.id, refusal),
+        if let Some(pending) = self.core.pending.take() {
+            effects.ended(pending.id, outcome);
         }
     }
 
@@ -379,9 +365,7 @@ impl Gimbal {
 }
 
 fn foreign(system_id: u8, component_id: u8) -> Refusal {
-    Refusal::NotPermitted {
-        detail: format!(
-            "the gimbal is steered by system {system_id}, component {component_id}; take control of it first"
-        ),
-    }
+    Refusal::not_permitted(format!(
+        "the gimbal is steered by system {system_id}, component {component_id}; take control of it first"
+    ))
 }

@@ -119,9 +119,9 @@ impl ObservationUav {
                 Some(_) if own.is_none_or(|own| own.frame_origin.is_none()) => Err(Refusal::NoSwarmFrame),
                 Some(_) => Ok(()),
                 None if self.uav.asked_yaw_rad().is_some() => Ok(()),
-                None => Err(Refusal::NotSupported {
-                    detail: "look_at needs a gimbal, or a vehicle in flight that can turn".to_owned(),
-                }),
+                None => Err(Refusal::not_supported(
+                    "look_at needs a gimbal, or a vehicle in flight that can turn",
+                )),
             }
         });
         if let Err(refusal) = possible {

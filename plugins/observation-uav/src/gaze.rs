@@ -48,7 +48,7 @@ impl ObservationUav {
             missing(&region.aimed.target)
         } else if region.command.is_some() && after_s > ANSWER_PATIENCE_S {
             let what = "look_at".to_owned();
-            Refusal::TimedOut { what, after_s }
+            Refusal::timed_out(what, after_s)
         } else {
             return;
         };

@@ -38,6 +38,7 @@ impl UavModel for ObservationUav {
         name: "observation-uav",
         version: env!("CARGO_PKG_VERSION"),
         description: "Flies as generic-uav does, and keeps a place, a vehicle or a track in view from a stand-off distance, with the gimbal, camera and radio of its vehicle.",
+        // Those of `GenericUav` first: one constant list cannot take in another.
         effects: &[
             EffectKind::Setpoint,
             EffectKind::StopStream,
@@ -208,7 +209,7 @@ impl ObservationUav {
         }
         if late {
             let what = "arrival at the stand-off distance".to_owned();
-            let refusal = Refusal::TimedOut { what, after_s };
+            let refusal = Refusal::timed_out(what, after_s);
             self.break_off(refusal, false, "the stand-off distance was not reached", out);
         }
     }
@@ -252,7 +253,7 @@ impl ObservationUav {
         };
         if self.watch.observation.is_some() {
             let why = "the radio is about to leave its range";
-            let refusal = Refusal::NotPermitted { detail: why.to_owned() };
+            let refusal = Refusal::not_permitted(why.to_owned());
             self.break_off(refusal, home, why, out);
         }
     }

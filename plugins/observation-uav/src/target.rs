@@ -68,9 +68,7 @@ impl Sightings {
 /// Why there is nothing to look at.
 pub(crate) fn missing(target: &Target) -> Refusal {
     match target {
-        Target::Place { .. } => Refusal::InvalidValue {
-            detail: "the place is not finite".to_owned(),
-        },
+        Target::Place { .. } => Refusal::invalid("the place is not finite"),
         Target::Vehicle { vehicle } => Refusal::UnknownVehicle { vehicle: *vehicle },
         Target::Track { track } => Refusal::UnknownTrack { track: *track },
     }
@@ -148,9 +146,7 @@ impl Aimed {
 /// Whether a target can be one for this vehicle.
 pub(crate) fn check(target: &Target, own: VehicleId) -> Result<(), Refusal> {
     match target {
-        Target::Vehicle { vehicle } if *vehicle == own => Err(Refusal::InvalidValue {
-            detail: "a vehicle cannot look at itself".to_owned(),
-        }),
+        Target::Vehicle { vehicle } if *vehicle == own => Err(Refusal::invalid("a vehicle cannot look at itself")),
         Target::Place { position } if !position.is_finite() => Err(missing(target)),
         _ => Ok(()),
     }

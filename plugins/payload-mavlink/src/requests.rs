@@ -131,10 +131,7 @@ impl<T: Clone + PartialEq> Requests<T> {
                 break;
             }
             let after_s = now.seconds_since(first.first_sent);
-            let refusal = Refusal::TimedOut {
-                what: command.map_or_else(|_| "a command".to_owned(), |c| name(&c)),
-                after_s,
-            };
+            let refusal = Refusal::timed_out(command.map_or_else(|_| "a command".to_owned(), |c| name(&c)), after_s);
             given_up.extend(self.queue.pop_front().map(|request| (request.tag, Err(refusal))));
             // Perhaps it does answer, but calls us otherwise than before.
             self.own = None;
@@ -192,12 +189,8 @@ fn refusal(result: MavResult, command: &COMMAND_LONG_DATA) -> Refusal {
     let word = format!("{result:?}");
     let word = word.strip_prefix("MAV_RESULT_").unwrap_or(&word).to_lowercase();
     match result {
-        MavResult::MAV_RESULT_UNSUPPORTED => Refusal::NotSupported {
-            detail: format!("{} by this device", name(command)),
-        },
-        MavResult::MAV_RESULT_NOT_IN_CONTROL => Refusal::NotPermitted {
-            detail: "somebody else is in control of the device".to_owned(),
-        },
+        MavResult::MAV_RESULT_UNSUPPORTED => Refusal::not_supported(format!("{} by this device", name(command))),
+        MavResult::MAV_RESULT_NOT_IN_CONTROL => Refusal::not_permitted("somebody else is in control of the device"),
         _ => Refusal::Autopilot {
             result: word,
             text: name(command),

@@ -16,7 +16,7 @@ use skein_domain::exchange::{Create, Event, OwnState, Severity};
 use skein_domain::manifest::EffectKind;
 use skein_domain::payload::{RadioCommand, RadioState};
 use skein_domain::{CommandId, NodeTime, Refusal};
-use skein_plugin_sdk::{CreateError, Effects, Payload, PayloadManifest, PluginKind, log, saved};
+use skein_plugin_sdk::{CreateError, Effects, Payload, PayloadManifest, PluginKind, saved};
 
 /// Changes when an older snapshot would be misunderstood. Fields that are only added keep it.
 const SNAPSHOT_VERSION: u32 = 1;
@@ -78,15 +78,6 @@ impl Payload for Radio {
 
     fn create(create: Create, settings: Settings) -> Result<Self, CreateError> {
         settings.check().map_err(CreateError::new)?;
-        let restored = create
-            .snapshot
-            .and_then(|bytes| match saved::decode::<Core>(SNAPSHOT_VERSION, &bytes) {
-                Ok(core) => Some(core),
-                Err(error) => {
-                    log::warn!("starts anew, the snapshot cannot be read: {error}");
-                    None
-                }
-            });
         let mut fault = String::new();
         let wifi = match settings.source {
             Source::RadioStatus => None,
@@ -96,7 +87,7 @@ impl Payload for Radio {
         };
         Ok(Self {
             settings,
-            core: restored.unwrap_or_default(),
+            core: saved::restored(SNAPSHOT_VERSION, create.snapshot.as_deref()).unwrap_or_default(),
             wifi,
             fault,
             own: OwnState::default(),
@@ -143,12 +134,7 @@ impl Radio {
         }
         self.core.incarnation = self.reporter.incarnation;
         for id in std::mem::take(&mut self.core.pending) {
-            effects.refused(
-                id,
-                Refusal::NotRunning {
-                    what: "the instance that had begun it".to_owned(),
-                },
-            );
+            effects.refused(id, Refusal::not_running("the instance that had begun it"));
         }
     }
 
@@ -163,20 +149,19 @@ impl Radio {
             return Err(Refusal::NotSupported { detail });
         };
         let change = match command {
-            RadioCommand::SetChannel { channel } => Change::channel(channel).ok_or_else(|| Refusal::InvalidValue {
-                detail: format!("there is no Wi-Fi channel {channel}"),
-            })?,
+            RadioCommand::SetChannel { channel } => Change::channel(channel)
+                .ok_or_else(|| Refusal::invalid(format!("there is no Wi-Fi channel {channel}")))?,
             RadioCommand::SetPower { power_dbm } if POWER_DBM.contains(&power_dbm) => Change::power(power_dbm),
             RadioCommand::SetPower { .. } => {
-                return Err(Refusal::InvalidValue {
-                    detail: format!("power_dbm must be within {} and {}", POWER_DBM.start(), POWER_DBM.end()),
-                });
+                return Err(Refusal::invalid(format!(
+                    "power_dbm must be within {} and {}",
+                    POWER_DBM.start(),
+                    POWER_DBM.end()
+                )));
             }
         };
         if !wifi.tell(id, change) {
-            return Err(Refusal::NotPermitted {
-                detail: "too many commands wait for the kernel's answer".to_owned(),
-            });
+            return Err(Refusal::not_permitted("too many commands wait for the kernel's answer"));
         }
         self.core.pending.push(id);
         Ok(())
@@ -204,10 +189,7 @@ impl Radio {
                 WifiReport::Fault(fault) => self.fault = fault,
                 WifiReport::Changed(id, outcome) => {
                     self.core.pending.retain(|pending| *pending != id);
-                    match outcome {
-                        Ok(()) => effects.done(id),
-                        Err(refusal) => effects.refused(id, refusal),
-                    }
+                    effects.ended(id, outcome);
                 }
             }
         }

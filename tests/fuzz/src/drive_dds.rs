@@ -16,6 +16,7 @@ use skein_px4::LinkSettings;
 /// The vehicle's number.
 const SYSTEM_ID: u8 = 7;
 
+/// Not the one of the other link: what is kept of earlier runs has its numbers read in another way.
 struct Input<'a>(&'a [u8]);
 
 impl<'a> Input<'a> {

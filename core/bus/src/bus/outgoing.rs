@@ -3,7 +3,6 @@
 //! Must never do: hold a class back because of a less urgent one.
 
 use super::{Bus, Outgoing};
-use crate::courier::Outbox;
 use crate::envelope::ENVELOPE_BYTES;
 use crate::links::Link;
 use crate::transport::{CLASSES, Class, To};
@@ -17,31 +16,6 @@ impl Bus {
     /// The next datagram to send now; none if nothing is due or the budget is used up.
     pub fn next(&mut self, now: NodeTime) -> Option<Outgoing> {
         CLASSES.into_iter().find_map(|class| self.next_of(now, class))
-    }
-
-    /// When [`Self::next`] or [`Self::expire`] must be asked again though nothing arrives.
-    #[must_use]
-    pub fn wakes_at(&self, now: NodeTime) -> Option<NodeTime> {
-        let at_once = !(self.proofs.is_empty() && self.receipts.is_empty());
-        let later = !(self.answers.is_empty() && self.haves.is_empty() && self.lacking.is_empty());
-        let commands = self.outboxes.values().filter_map(Outbox::wakes_at).min();
-        let bytes = self.settings.datagram_bytes;
-        let waits = |class: Class, due: Option<NodeTime>| {
-            due.and_then(|due| Some(due.max(self.budget.allows_at(class, bytes)?)))
-        };
-        let bulk = self.bulk_budget.allows_at(Class::Query, bytes);
-        let [changed, resting] = self.telling.wakes_at();
-        let may_rest = self.resting_budget.allows_at(Class::Query, bytes);
-        let moments = [
-            waits(Class::Command, if at_once { Some(now) } else { commands }),
-            waits(Class::State, changed),
-            waits(Class::Command, self.telling.small_wakes_at()),
-            waits(Class::State, resting).map(|at| may_rest.map_or(at, |may| at.max(may))),
-            waits(Class::State, Some(self.links.wakes_at())),
-            waits(Class::Query, if later { Some(now) } else { self.asking.wakes_at() }),
-            waits(Class::Bulk, self.sending.wakes_at(now)).map(|at| bulk.map_or(at, |bulk| at.max(bulk))),
-        ];
-        moments.into_iter().flatten().min()
     }
 
     fn next_of(&mut self, now: NodeTime, class: Class) -> Option<Outgoing> {

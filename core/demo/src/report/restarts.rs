@@ -1,6 +1,6 @@
 //! How plugin instances came back after failures.
 
-use super::criterion::{Criterion, at_least, at_most};
+use super::criterion::{Criterion, counted};
 use serde::Serialize;
 use skein_config::Isolation;
 use skein_view::{RestartRecord, Restored};
@@ -60,7 +60,7 @@ pub fn restart_criteria(restarts: &[RestartRecord], faults: u64) -> Vec<Criterio
     // An end that comes while the same plugin is still away finds nothing to end.
     let least = faults as f64 * 0.9;
     vec![
-        at_most("restarts with another state than before", Some(wrong as f64), 0.0, ""),
-        at_least("plugins that came back", Some(restarts.len() as f64), least.floor(), ""),
+        counted("restarts with another state than before", wrong).at_most(0.0, ""),
+        counted("plugins that came back", restarts.len()).at_least(least.floor(), ""),
     ]
 }

@@ -5,7 +5,7 @@
 use super::{Flight, Setup, swarm_origin};
 use crate::layout::{HEIGHT_M, SPACING_M};
 use crate::referee::Referee;
-use crate::report::{Criterion, at_least, at_most};
+use crate::report::{Criterion, counted, happened, measured};
 use crate::scenario_runner::ScenarioRunner;
 use anyhow::{Context, bail};
 use nalgebra::Vector3;
@@ -308,34 +308,14 @@ impl Flight for Fence {
     fn criteria(&self, _referee: &Referee) -> Vec<Criterion> {
         let seen = self.seen.lock();
         vec![
-            at_least("goals refused where nobody may be", Some(self.refused as f64), 3.0, ""),
-            at_least("of them with the zone's name", Some(self.named as f64), 3.0, ""),
-            at_most(
-                "off the goal behind a zone, flown around it",
-                self.around_off_m,
-                1.0,
-                "m",
-            ),
-            at_least(
-                "left to the boundary after a flight at it",
-                self.stopped_short_m,
-                0.0,
-                "m",
-            ),
-            at_least(
-                "route refused that leads a place over the boundary",
-                Some(f64::from(u8::from(self.route_refused))),
-                1.0,
-                "",
-            ),
-            at_least("slots that reached over the boundary", self.reached_over_m, 0.5, "m"),
-            at_least(
-                "route along the boundary flown",
-                Some(f64::from(u8::from(self.slid))),
-                1.0,
-                "",
-            ),
-            at_most("deepest where nobody may be", seen.deepest_m, 0.0, "m"),
+            counted("goals refused where nobody may be", self.refused).at_least(3.0, ""),
+            counted("of them with the zone's name", self.named).at_least(3.0, ""),
+            measured("off the goal behind a zone, flown around it", self.around_off_m).at_most(1.0, "m"),
+            measured("left to the boundary after a flight at it", self.stopped_short_m).at_least(0.0, "m"),
+            happened("route refused that leads a place over the boundary", self.route_refused),
+            measured("slots that reached over the boundary", self.reached_over_m).at_least(0.5, "m"),
+            happened("route along the boundary flown", self.slid),
+            measured("deepest where nobody may be", seen.deepest_m).at_most(0.0, "m"),
         ]
     }
 }

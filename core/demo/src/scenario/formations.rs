@@ -5,7 +5,7 @@ use super::car::Car;
 use super::{Flight, Setup, swarm_origin};
 use crate::layout::SPACING_M;
 use crate::referee::{Errors, Referee};
-use crate::report::{Criterion, at_least, at_most};
+use crate::report::{Criterion, counted, measured};
 use crate::scenario_runner::ScenarioRunner;
 use skein_domain::{FormationAnchor, FormationRequest, HeadingRequest, OffsetFrd, PositionNed, Route, Shape};
 use std::collections::HashSet;
@@ -225,18 +225,8 @@ impl Flight for Formations {
         let straight = |part: &Option<(Errors, Errors)>| part.as_ref().and_then(|(straight, _)| straight.rms());
         let turning = |part: &Option<(Errors, Errors)>| part.as_ref().and_then(|(_, turning)| turning.rms());
         let mut criteria = vec![
-            at_least(
-                "shapes formed",
-                Some(self.shapes.len() as f64),
-                Shape::ALL.len() as f64,
-                "",
-            ),
-            at_least(
-                "parameters changed in flight",
-                Some(self.morphs as f64),
-                MORPHS.len() as f64,
-                "",
-            ),
+            counted("shapes formed", self.shapes.len()).at_least(Shape::ALL.len() as f64, ""),
+            counted("parameters changed in flight", self.morphs).at_least(MORPHS.len() as f64, ""),
         ];
         let parts = [
             ("behind the leader", &self.behind_leader),
@@ -245,21 +235,19 @@ impl Flight for Formations {
         ];
         for (what, part) in parts {
             let name = |when: &str| format!("error {what}, {when}, root mean square");
-            criteria.push(at_most(name("straight"), straight(part), 1.0, "m"));
-            criteria.push(at_most(name("turning"), turning(part), 1.5, "m"));
+            criteria.push(measured(name("straight"), straight(part)).at_most(1.0, "m"));
+            criteria.push(measured(name("turning"), turning(part)).at_most(1.5, "m"));
         }
-        criteria.push(at_most(
-            "anchor off the reference it is told of, root mean square",
-            self.off_car.rms(),
-            1.5,
-            "m",
-        ));
-        criteria.push(at_most(
-            "of all flight changed by the separation filter",
-            self.filtered,
-            FILTERED_PERCENT,
-            "%",
-        ));
+        criteria.push(
+            measured(
+                "anchor off the reference it is told of, root mean square",
+                self.off_car.rms(),
+            )
+            .at_most(1.5, "m"),
+        );
+        criteria.push(
+            measured("of all flight changed by the separation filter", self.filtered).at_most(FILTERED_PERCENT, "%"),
+        );
         criteria
     }
 }

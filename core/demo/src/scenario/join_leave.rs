@@ -4,7 +4,7 @@
 use super::{Flight, Setup, swarm_origin};
 use crate::layout::{HEIGHT_M, SETTLE_S, SPACING_M};
 use crate::referee::Referee;
-use crate::report::{Criterion, at_least, at_most};
+use crate::report::{Criterion, counted, happened, measured};
 use crate::scenario_runner::ScenarioRunner;
 use crate::steps::{SetpointStep, StepWatch};
 use anyhow::{Context, bail};
@@ -219,28 +219,21 @@ impl Flight for JoinLeave {
 
     fn criteria(&self, _referee: &Referee) -> Vec<Criterion> {
         vec![
-            at_least("changes of who takes part", Some(self.gatherings as f64), 5.0, ""),
-            at_most("told to hold until the others regroup", self.left_s, 2.0, "s"),
-            at_most(
-                "from hovering until in a slot of the formation",
-                self.joined_s,
-                25.0,
-                "s",
-            ),
-            at_most("fallen silent until the others regroup", self.lost_s, 3.0, "s"),
-            at_most(
+            counted("changes of who takes part", self.gatherings).at_least(5.0, ""),
+            measured("told to hold until the others regroup", self.left_s).at_most(2.0, "s"),
+            measured("from hovering until in a slot of the formation", self.joined_s).at_most(25.0, "s"),
+            measured("fallen silent until the others regroup", self.lost_s).at_most(3.0, "s"),
+            measured(
                 "longest change until everyone is in its slot",
                 Some(self.latest_s).filter(|_| self.gatherings > 0),
-                CHANGE_LIMIT_S,
-                "s",
-            ),
-            at_least("roles swapped", Some(f64::from(u8::from(self.roles_swapped))), 1.0, ""),
-            at_most(
+            )
+            .at_most(CHANGE_LIMIT_S, "s"),
+            happened("roles swapped", self.roles_swapped),
+            measured(
                 "largest jump of a setpoint when roles were swapped",
                 self.at_swap.map(|s| s.beyond_m),
-                0.5,
-                "m",
-            ),
+            )
+            .at_most(0.5, "m"),
         ]
     }
 }

@@ -4,7 +4,7 @@
 use super::{Flight, Setup, swarm_origin};
 use crate::layout::{HEIGHT_M, SPACING_M};
 use crate::referee::{Errors, Referee, vehicle};
-use crate::report::{Criterion, at_least, at_most};
+use crate::report::{Criterion, happened, measured};
 use crate::scenario_runner::ScenarioRunner;
 use crate::steps::{SetpointStep, StepWatch};
 use anyhow::{Context, bail};
@@ -201,51 +201,24 @@ impl Flight for LeaderLoss {
         };
         let ((straight, turning), (later, _)) = (part(&self.after_loss), part(&self.after_replacement));
         vec![
-            at_most(
-                "loss of the leader declared until new intent",
-                self.intent_ms,
-                SUCCESSION_LIMIT_MS,
-                "ms",
-            ),
-            at_most(
-                "new intent until the successor leads",
-                self.leads_ms,
-                SUCCESSION_LIMIT_MS,
-                "ms",
-            ),
-            at_most(
+            measured("loss of the leader declared until new intent", self.intent_ms).at_most(SUCCESSION_LIMIT_MS, "ms"),
+            measured("new intent until the successor leads", self.leads_ms).at_most(SUCCESSION_LIMIT_MS, "ms"),
+            measured(
                 "largest jump of a setpoint when the leader was lost",
                 step(&self.at_loss),
-                STEP_LIMIT_M,
-                "m",
-            ),
-            at_most(
-                "all in their slots again after the loss",
-                self.whole_again_s,
-                WHOLE_AGAIN_S,
-                "s",
-            ),
-            at_most("successor off the end of the route", self.end_off_m, 1.0, "m"),
-            at_most("error after the loss, straight, root mean square", straight, 1.0, "m"),
-            at_most("error after the loss, turning, root mean square", turning, 1.5, "m"),
-            at_least(
-                "leader replaced on purpose",
-                Some(f64::from(u8::from(self.replaced))),
-                1.0,
-                "",
-            ),
-            at_most(
+            )
+            .at_most(STEP_LIMIT_M, "m"),
+            measured("all in their slots again after the loss", self.whole_again_s).at_most(WHOLE_AGAIN_S, "s"),
+            measured("successor off the end of the route", self.end_off_m).at_most(1.0, "m"),
+            measured("error after the loss, straight, root mean square", straight).at_most(1.0, "m"),
+            measured("error after the loss, turning, root mean square", turning).at_most(1.5, "m"),
+            happened("leader replaced on purpose", self.replaced),
+            measured(
                 "largest jump of a setpoint when the leader was replaced",
                 step(&self.at_replacement),
-                STEP_LIMIT_M,
-                "m",
-            ),
-            at_most(
-                "error after the replacement, straight, root mean square",
-                later,
-                1.0,
-                "m",
-            ),
+            )
+            .at_most(STEP_LIMIT_M, "m"),
+            measured("error after the replacement, straight, root mean square", later).at_most(1.0, "m"),
         ]
     }
 }

@@ -4,7 +4,7 @@
 use super::{Flight, Setup, swarm_origin};
 use crate::layout::{HEIGHT_M, SPACING_M};
 use crate::referee::{Errors, Referee, vehicle};
-use crate::report::{Criterion, at_least, at_most};
+use crate::report::{Criterion, counted, measured};
 use crate::scenario_runner::ScenarioRunner;
 use anyhow::Context;
 use nalgebra::Vector3;
@@ -145,32 +145,24 @@ impl Flight for Mixed {
         let seen = self.seen.lock();
         let (straight, turning) = self.errors.unzip();
         vec![
-            at_least("camera carriers", Some(self.carriers as f64), 1.0, ""),
-            at_most("speed of the route as it is flown", self.flown_m_s, CARRIER_M_S, "m/s"),
-            at_most(
-                "largest speed of the leader",
-                seen.fastest_m_s,
-                CARRIER_M_S + 0.3,
-                "m/s",
-            ),
-            at_most(
+            counted("camera carriers", self.carriers).at_least(1.0, ""),
+            measured("speed of the route as it is flown", self.flown_m_s).at_most(CARRIER_M_S, "m/s"),
+            measured("largest speed of the leader", seen.fastest_m_s).at_most(CARRIER_M_S + 0.3, "m/s"),
+            measured(
                 "formation error in straight legs, root mean square",
                 straight.and_then(|e| e.rms()),
-                0.5,
-                "m",
-            ),
-            at_most(
+            )
+            .at_most(0.5, "m"),
+            measured(
                 "formation error in turns, root mean square",
                 turning.and_then(|e| e.rms()),
-                1.5,
-                "m",
-            ),
-            at_least(
+            )
+            .at_most(1.5, "m"),
+            measured(
                 "smallest angle between a carrier's nose and another vehicle",
                 seen.nearest_rad.map(f64::to_degrees),
-                VIEW_HALF_DEG,
-                "deg",
-            ),
+            )
+            .at_least(VIEW_HALF_DEG, "deg"),
         ]
     }
 }

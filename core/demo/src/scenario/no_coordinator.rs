@@ -4,7 +4,7 @@
 use super::{Flight, Setup, swarm_origin};
 use crate::layout::{HEIGHT_M, SPACING_M};
 use crate::referee::{Errors, Referee, vehicle};
-use crate::report::{Criterion, at_least, at_most};
+use crate::report::{Criterion, happened, measured};
 use crate::scenario_runner::ScenarioRunner;
 use crate::steps::{SetpointStep, StepWatch};
 use anyhow::{Context, bail};
@@ -188,31 +188,19 @@ impl Flight for NoCoordinator {
     fn criteria(&self, _referee: &Referee) -> Vec<Criterion> {
         let rms = |errors: &Option<Errors>| errors.as_ref().and_then(Errors::rms);
         vec![
-            at_least("time without a coordinator", self.away_s, 20.0, "s"),
-            at_most(
-                "distances to neighbours off, root mean square",
-                rms(&self.whole),
-                2.0,
-                "m",
-            ),
-            at_most(
+            measured("time without a coordinator", self.away_s).at_least(20.0, "s"),
+            measured("distances to neighbours off, root mean square", rms(&self.whole)).at_most(2.0, "m"),
+            measured(
                 "the same after one fell silent, root mean square",
                 rms(&self.without_one),
-                2.0,
-                "m",
-            ),
-            at_least(
-                "route flown to its end",
-                Some(f64::from(u8::from(self.route_flown))),
-                1.0,
-                "",
-            ),
-            at_most(
+            )
+            .at_most(2.0, "m"),
+            happened("route flown to its end", self.route_flown),
+            measured(
                 "largest jump of a setpoint when the coordinator came back",
                 self.at_return.map(|s| s.beyond_m),
-                STEP_LIMIT_M,
-                "m",
-            ),
+            )
+            .at_most(STEP_LIMIT_M, "m"),
         ]
     }
 }

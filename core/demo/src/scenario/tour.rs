@@ -3,7 +3,7 @@
 use super::Flight;
 use crate::layout::{self, Layout};
 use crate::referee::Referee;
-use crate::report::{Criterion, at_most};
+use crate::report::{Criterion, measured};
 use crate::scenario_runner::ScenarioRunner;
 use anyhow::bail;
 use skein_domain::payload::{PayloadKind, Target};
@@ -91,26 +91,21 @@ impl Flight for Tour {
     fn criteria(&self, referee: &Referee) -> Vec<Criterion> {
         let figures = referee.figures();
         let mut criteria = vec![
-            at_most(
+            measured(
                 "formation error in straight legs, root mean square",
                 figures.straight.rms(),
-                0.5,
-                "m",
-            ),
-            at_most(
-                "formation error in turns, root mean square",
-                figures.turning.rms(),
-                1.5,
-                "m",
-            ),
+            )
+            .at_most(0.5, "m"),
+            measured("formation error in turns, root mean square", figures.turning.rms()).at_most(1.5, "m"),
         ];
         if figures.expects_gimbals() {
-            criteria.push(at_most(
-                "gimbals off what they look at, root mean square",
-                figures.pointing.rms().map(f64::to_degrees),
-                5.0,
-                "deg",
-            ));
+            criteria.push(
+                measured(
+                    "gimbals off what they look at, root mean square",
+                    figures.pointing.rms().map(f64::to_degrees),
+                )
+                .at_most(5.0, "deg"),
+            );
         }
         criteria
     }

@@ -4,16 +4,8 @@ use crate::NodeTime;
 use serde::{Deserialize, Serialize};
 
 /// Something found in a picture. Pixels count from the picture's left upper corner.
-#[derive(
-    Debug,
-    Clone,
-    PartialEq,
-    Default,
-    Serialize,
-    Deserialize,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
+#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 #[serde(default)]
 pub struct Finding {
     /// What it is taken for, for example `uav`.
@@ -45,16 +37,8 @@ impl Finding {
 }
 
 /// The state of a detector: what it found in the last picture that it has looked at. A detector may say more beside it.
-#[derive(
-    Debug,
-    Clone,
-    PartialEq,
-    Default,
-    Serialize,
-    Deserialize,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
+#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct DetectorState {
     /// The vehicle's camera whose picture it was; empty if it has but one.
     #[serde(default)]

@@ -5,20 +5,8 @@ use minicbor::{Decode, Encode};
 use serde::{Deserialize, Serialize};
 
 /// How the bytes of a frame are to be read.
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    PartialEq,
-    Eq,
-    Default,
-    Serialize,
-    Deserialize,
-    Encode,
-    Decode,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Serialize, Deserialize, Encode, Decode, ts_rs::TS, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[cbor(index_only)]
 pub enum PixelFormat {
@@ -35,18 +23,8 @@ pub enum PixelFormat {
 }
 
 /// What is known of a frame beside its bytes. The bytes stay where they are: `id` names them.
-#[derive(
-    Debug,
-    Clone,
-    PartialEq,
-    Default,
-    Serialize,
-    Deserialize,
-    Encode,
-    Decode,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
+#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Serialize, Deserialize, Encode, Decode, ts_rs::TS, schemars::JsonSchema)]
 pub struct FrameHeader {
     /// Names the bytes at the boundary they cross; the host's and only good there.
     #[n(0)]
@@ -78,19 +56,8 @@ pub struct FrameHeader {
 }
 
 /// Where a camera was and looked when it took a frame.
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    PartialEq,
-    Default,
-    Serialize,
-    Deserialize,
-    Encode,
-    Decode,
-    ts_rs::TS,
-    schemars::JsonSchema
-)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Serialize, Deserialize, Encode, Decode, ts_rs::TS, schemars::JsonSchema)]
 pub struct CameraPose {
     /// Position in the swarm frame.
     #[n(0)]

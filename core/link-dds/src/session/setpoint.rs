@@ -28,19 +28,14 @@ pub struct Sender {
 #[must_use]
 pub fn command(command: &Command, confirmation: u8, stamp_us: u64, target_system: u8, from: Sender) -> VehicleCommand {
     let [param1, param2, param3, param4, param5, param6, param7] = command.parameters;
-    // Places keep their last digit here.
-    let place = command
-        .place
-        .map(|(_, x, y)| (f64::from(x) * 1e-7, f64::from(y) * 1e-7));
-    let (param5, param6) = place.unwrap_or((f64::from(param5), f64::from(param6)));
     VehicleCommand {
         timestamp: stamp_us,
         param1,
         param2,
         param3,
         param4,
-        param5,
-        param6,
+        param5: f64::from(param5),
+        param6: f64::from(param6),
         param7,
         command: u32::from(command.number()),
         target_system,

@@ -6,7 +6,7 @@ mod properties;
 use super::*;
 use crate::sample::Place;
 use autopilot::{Autopilot, Rig};
-use skein_domain::{Geodetic, LocalPositionNed, VehicleId, VelocityNed};
+use skein_domain::{FlightMode, Geodetic, LandedState, LocalPositionNed, VehicleId, VelocityNed};
 
 const ORIGIN: Geodetic = Geodetic {
     latitude_deg: 47.397_74,

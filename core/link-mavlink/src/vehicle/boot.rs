@@ -131,12 +131,6 @@ impl BootWatch {
             Stamp::Rebooted
         }
     }
-
-    /// The newest stamp of the present boot.
-    #[must_use]
-    pub fn newest_ms(&self) -> Option<u32> {
-        self.current.map(|line| line.stamp_ms)
-    }
 }
 
 #[cfg(test)]
@@ -158,7 +152,7 @@ mod tests {
         assert_eq!(boot.judge(at(2.0), 61_500), Stamp::Fresh, "slightly late");
         assert_eq!(boot.judge(at(2.0), 55_000), Stamp::Doubtful, "very late");
         assert_eq!(boot.judge(at(2.02), 62_000), Stamp::Fresh);
-        assert_eq!(boot.newest_ms(), Some(62_000));
+        assert_eq!(boot.current.map(|line| line.stamp_ms), Some(62_000));
     }
 
     #[test]
@@ -176,7 +170,7 @@ mod tests {
         let mut boot = BootWatch::default();
         assert_eq!(boot.judge(at(0.0), u32::MAX - 5), Stamp::Fresh);
         assert_eq!(boot.judge(at(0.02), 14), Stamp::Fresh);
-        assert_eq!(boot.newest_ms(), Some(14));
+        assert_eq!(boot.current.map(|line| line.stamp_ms), Some(14));
     }
 
     #[test]

@@ -8,10 +8,11 @@ use mavlink::dialects::common::{
     AUTOPILOT_VERSION_DATA, GLOBAL_POSITION_INT_DATA, GPS_GLOBAL_ORIGIN_DATA, TIMESYNC_DATA,
 };
 use skein_domain::link::LinkEvent;
-use skein_domain::{FlightMode, LandedState, NodeTime, Refusal};
+use skein_domain::{FlightMode, NodeTime, Refusal};
 use skein_px4::acknowledgement::Acknowledgement;
 use skein_px4::local_origin::OriginChange;
 use skein_px4::modes::Px4Mode;
+use skein_px4::offboard::OffboardControl;
 use skein_px4::status_text::StatusText;
 
 impl VehicleCore {
@@ -31,7 +32,7 @@ impl VehicleCore {
             Inbound::Heartbeat(heartbeat) => self.on_heartbeat(now, heartbeat),
             Inbound::ExtendedState(state) => {
                 if self.estimate.on_extended_state(&state) {
-                    self.poll_commands(now);
+                    self.control(now, OffboardControl::poll_commands);
                 }
             }
             Inbound::SystemStatus(status) => self.estimate.on_system_status(now, &status),
@@ -48,7 +49,7 @@ impl VehicleCore {
             Inbound::Acknowledgement(ack) => self.on_acknowledgement(now, &ack),
             Inbound::TimeSync(message) => self.on_time_sync(now, &message),
             Inbound::StatusText(message) => {
-                let text = self.texts.on_message(now, &message);
+                let text = self.offboard.texts.on_message(now, &message);
                 self.on_text(text);
             }
             Inbound::ParameterValue(value) => {
@@ -82,9 +83,8 @@ impl VehicleCore {
     fn on_acknowledgement(&mut self, now: NodeTime, ack: &Acknowledgement) {
         let ours = |id: u8, own: u8| id == 0 || id == own;
         let (system, component) = (self.settings.own_system_id, self.settings.own_component_id);
-        if ours(ack.target_system, system) && ours(ack.target_component, component) && !self.acknowledge_emergency(ack)
-        {
-            self.with_commands(now, |commands, around| commands.on_ack(around, ack));
+        if ours(ack.target_system, system) && ours(ack.target_component, component) {
+            self.control(now, |offboard, moment| offboard.on_ack(moment, ack));
         }
     }
 
@@ -95,7 +95,7 @@ impl VehicleCore {
         } else {
             // One back by more than two seconds has been taken for a restart by the stamps of the messages long before.
             if let Some(by_s) = self.clock.on_answer(now, message) {
-                self.events.push(LinkEvent::ClockJumped { by_s });
+                self.offboard.events.push(LinkEvent::ClockJumped { by_s });
             }
         }
     }
@@ -117,25 +117,10 @@ impl VehicleCore {
         self.parameters.set_armed(armed);
         let mode = heartbeat.px4_mode().map_or(FlightMode::Unknown, Px4Mode::flight_mode);
         self.estimate.set_mode(mode, armed, heartbeat.failsafe());
-        if armed_before.is_some_and(|before| before != armed) {
-            self.events.push(LinkEvent::ArmedChanged { armed });
-        }
-        self.see_emergency(now, armed);
-        if let Some(change) = self.modes.on_mode(now, mode) {
-            let (from, to, commanded) = (change.from, change.to, change.commanded);
-            self.events.push(LinkEvent::ModeChanged { from, to, commanded });
-            // On the ground nobody is taken out of anyone's control: after a landing PX4 changes its mode by itself.
-            if from == FlightMode::Offboard && !commanded && armed {
-                let action = self.stream.taken_over();
-                self.act(now, action);
-            }
-        }
-        if self.is_standing_disarmed() {
-            self.stream.unbar();
-        } else if mode == FlightMode::Offboard {
-            self.stream.handed_back();
-        }
-        self.poll_commands(now);
+        let round_trip_s = self.clock.round_trip_s().unwrap_or(0.0);
+        self.control(now, |offboard, moment| {
+            offboard.on_state(moment, armed_before, round_trip_s)
+        });
     }
 
     /// Judges a message's time stamp; a restart is noticed here.
@@ -156,7 +141,7 @@ impl VehicleCore {
 
     /// The autopilot restarted: it has forgotten its rates, its frame, and every command; so must we.
     fn on_reboot(&mut self, now: NodeTime) {
-        self.events.push(LinkEvent::Rebooted);
+        self.offboard.events.push(LinkEvent::Rebooted);
         self.rates.restart(self.system_id, now);
         self.origin.restart();
         self.clock = ClockSync::default();
@@ -167,12 +152,11 @@ impl VehicleCore {
             result: "rebooted".to_owned(),
             text: String::new(),
         };
-        self.commands.end_all(&mut self.ended, &refusal);
-        self.finish_commands();
+        self.offboard.end_commands(&refusal);
+        self.heed_rates();
         self.break_off_route(&refusal);
         // Its frame may be another now: no old position must reach it.
-        let action = self.stream.stop();
-        self.act(now, action);
+        self.stop_stream(now);
         self.next_heartbeat = now;
     }
 
@@ -184,12 +168,7 @@ impl VehicleCore {
 
     pub(super) fn on_text(&mut self, text: Option<StatusText>) {
         if let Some(StatusText { severity, text, .. }) = text {
-            self.events.push(LinkEvent::StatusText { severity, text });
+            self.offboard.events.push(LinkEvent::StatusText { severity, text });
         }
-    }
-
-    fn is_standing_disarmed(&self) -> bool {
-        let telemetry = self.estimate.telemetry();
-        !telemetry.armed && telemetry.landed == LandedState::OnGround
     }
 }

@@ -4,26 +4,36 @@
 
 use crate::outbox::Outbox;
 use mavlink::dialects::common::{
-    COMMAND_INT_DATA, COMMAND_LONG_DATA, MavFrame, PositionTargetTypemask as Mask, SET_POSITION_TARGET_LOCAL_NED_DATA,
+    COMMAND_LONG_DATA, MavFrame, PositionTargetTypemask as Mask, SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
 use skein_domain::setpoint::LocalSetpoint;
 use skein_px4::commands::CommandOutlet;
+use skein_px4::offboard::Wire;
 use skein_px4::plan::Command;
 
-/// The way out over MAVLink, to a system and component.
-pub struct FramesTo<'a>(pub &'a mut Outbox, pub (u8, u8));
+/// The way out over MAVLink.
+pub struct FramesTo<'a> {
+    /// Takes the frames.
+    pub outbox: &'a mut Outbox,
+    /// System and component that they are for.
+    pub target: (u8, u8),
+    /// When they are sent, in milliseconds of this node.
+    pub stamp_ms: u32,
+}
 
 impl CommandOutlet for FramesTo<'_> {
     fn command(&mut self, command: &Command, confirmation: u8) {
-        let Self(outbox, target) = self;
-        match command_int(command, *target) {
-            Some(message) => outbox.push(&message),
-            None => outbox.push(&command_long(command, confirmation, *target)),
-        }
+        self.outbox.push(&command_long(command, confirmation, self.target));
     }
 }
 
-/// The message, if it is a COMMAND_LONG.
+impl Wire for FramesTo<'_> {
+    fn setpoint(&mut self, setpoint: &LocalSetpoint) {
+        self.outbox.push(&position_target(setpoint, self.stamp_ms, self.target));
+    }
+}
+
+/// The message.
 #[must_use]
 pub fn command_long(command: &Command, confirmation: u8, target: (u8, u8)) -> COMMAND_LONG_DATA {
     let [param1, param2, param3, param4, param5, param6, param7] = command.parameters;
@@ -40,28 +50,6 @@ pub fn command_long(command: &Command, confirmation: u8, target: (u8, u8)) -> CO
         target_component: target.1,
         confirmation,
     }
-}
-
-/// The message, if it is a COMMAND_INT.
-#[must_use]
-pub fn command_int(command: &Command, target: (u8, u8)) -> Option<COMMAND_INT_DATA> {
-    let (frame, x, y) = command.place?;
-    let [param1, param2, param3, param4, _, _, z] = command.parameters;
-    Some(COMMAND_INT_DATA {
-        param1,
-        param2,
-        param3,
-        param4,
-        x,
-        y,
-        z,
-        command: command.id,
-        target_system: target.0,
-        target_component: target.1,
-        frame,
-        current: 0,
-        autocontinue: 0,
-    })
 }
 
 /// The setpoint as PX4 reads it: the vehicle's own frame (`MAV_FRAME_LOCAL_NED`, the one that keeps OFFBOARD alive), and every
@@ -124,26 +112,8 @@ mod tests {
     //! What is left out is masked, and what is given comes through.
 
     use super::*;
-    use mavlink::dialects::common::MavCmd;
     use proptest::prelude::*;
     use skein_domain::{AccelerationNed, LocalPositionNed, VelocityNed};
-
-    #[test]
-    fn a_place_on_earth_goes_as_whole_numbers() {
-        let place = Command::int(
-            MavCmd::MAV_CMD_DO_SET_ROI_LOCATION,
-            [1.0, 2.0, 3.0, 4.0],
-            MavFrame::MAV_FRAME_GLOBAL,
-            5,
-            6,
-            7.0,
-        );
-        let message = command_int(&place, (9, 1)).unwrap();
-        assert_eq!((message.param4, message.x, message.y, message.z), (4.0, 5, 6, 7.0));
-        assert_eq!((message.target_system, message.frame), (9, MavFrame::MAV_FRAME_GLOBAL));
-        let long = Command::long(MavCmd::MAV_CMD_IMAGE_START_CAPTURE, [0.0; 7]);
-        assert!(command_int(&long, (9, 1)).is_none());
-    }
 
     proptest! {
         /// A bit of the mask is set exactly where a part is left out, and the parts that are given come through.

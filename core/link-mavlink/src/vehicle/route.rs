@@ -97,7 +97,7 @@ impl VehicleCore {
         let refusal = self.refusal(now, false).or_else(|| wrong(route));
         if let Some(refusal) = refusal {
             let outcome = Err(refusal);
-            self.events.push(LinkEvent::Result { request, outcome });
+            self.offboard.events.push(LinkEvent::Result { request, outcome });
             return;
         }
         self.break_off_route(&Refusal::Superseded);
@@ -129,7 +129,7 @@ impl VehicleCore {
             let busy = upload.asked.is_none() && now.seconds_since(upload.first) < BUSY_FOR_S && result == "error";
             if !busy {
                 if now >= until {
-                    let text = self.texts.between(upload.first, now);
+                    let text = self.offboard.texts.between(upload.first, now);
                     self.end_route(Err(Refusal::Autopilot { result, text }));
                 }
                 return;
@@ -142,7 +142,7 @@ impl VehicleCore {
                 None => "an answer to a route".to_owned(),
                 Some(item) => format!("the end of an upload, {} of {} items", item + 1, upload.items.len()),
             };
-            self.end_route(Err(Refusal::TimedOut { what, after_s }));
+            self.end_route(Err(Refusal::timed_out(what, after_s)));
             return;
         }
         upload.next = now.plus_seconds(self.settings.ack_timeout_s);
@@ -209,7 +209,7 @@ impl VehicleCore {
             RouteMessage::Reached { item } => {
                 let again = self.route.reached.replace(item) == Some(item);
                 if let Some(Some(index)) = self.route.points.get(usize::from(item)).copied().filter(|_| !again) {
-                    self.events.push(LinkEvent::RoutePointReached { index });
+                    self.offboard.events.push(LinkEvent::RoutePointReached { index });
                 }
             }
             _ => {}
@@ -240,7 +240,7 @@ impl VehicleCore {
         if upload.restarts >= RESTARTS_MAX {
             let after_s = now.seconds_since(upload.first);
             let what = "the autopilot to ask for this route and no other".to_owned();
-            self.end_route(Err(Refusal::TimedOut { what, after_s }));
+            self.end_route(Err(Refusal::timed_out(what, after_s)));
             return;
         }
         upload.restarts += 1;
@@ -278,7 +278,7 @@ impl VehicleCore {
     fn end_route(&mut self, outcome: Result<(), Refusal>) {
         if let Some(Upload { request, .. }) = self.route.upload.take() {
             self.route.must_cancel |= outcome.is_err();
-            self.events.push(LinkEvent::Result { request, outcome });
+            self.offboard.events.push(LinkEvent::Result { request, outcome });
         }
     }
 }

@@ -1,43 +1,16 @@
-//! What is asked of a vehicle that moves nothing: services of its cameras and gimbals, messages of payloads, parameters.
+//! What is asked of a vehicle that moves nothing: messages of payloads, parameters.
 //!
 //! Must never do: send a command that flies or arms.
 
 use super::parameters::{ParameterMessage, Parameters};
 use super::{AUTOPILOT_COMPONENT, VehicleCore};
-use skein_domain::link::LinkEvent;
 use skein_domain::payload::MavlinkMessage;
-use skein_domain::{CommandId, NodeTime, ParameterError, ParameterValue, ReadingAction, Refusal, RequestId};
-use skein_px4::commands::Origin;
-use skein_px4::plan::{self, Class, Command, Condition, Goal, Plan, PlanStep};
+use skein_domain::{CommandId, NodeTime, ParameterError, ParameterValue, ReadingAction, Refusal};
 
 impl VehicleCore {
     /// Its parameters.
     pub fn parameters(&mut self) -> &mut Parameters {
         &mut self.parameters
-    }
-
-    /// Sends a command that moves nothing (a camera's, a gimbal's); the outcome comes as an event.
-    pub fn send_service(&mut self, now: NodeTime, request: RequestId, command: Command) {
-        if let Some(refusal) = self.refusal(now, false).or_else(|| plan::not_a_service(&command)) {
-            self.events.push(LinkEvent::Result {
-                request,
-                outcome: Err(refusal),
-            });
-            return;
-        }
-        let steps = vec![PlanStep {
-            command,
-            goal: Goal::Acknowledged,
-        }];
-        let plan = Plan {
-            name: "command",
-            class: Class::Service,
-            condition: Condition::None,
-            steps,
-        };
-        self.with_commands(now, |commands, around| {
-            commands.start(around, Origin::Request(request), plan)
-        });
     }
 
     /// Sends a message of a payload; nobody waits for an answer here.

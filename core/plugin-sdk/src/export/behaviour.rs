@@ -99,12 +99,7 @@ impl<P: Payload> Carried<P> {
     fn command(&mut self, now: NodeTime, id: CommandId, command_json: &str, effects: &mut Effects) {
         match serde_json::from_str::<P::Command>(command_json) {
             Ok(command) => self.0.command(now, id, command, effects),
-            Err(error) => effects.refused(
-                id,
-                Refusal::InvalidValue {
-                    detail: format!("command: {error}"),
-                },
-            ),
+            Err(error) => effects.refused(id, Refusal::invalid(format!("command: {error}"))),
         }
     }
 }

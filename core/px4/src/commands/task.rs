@@ -195,7 +195,7 @@ impl Task {
             };
             let what = format!("{end} {}{beside}", self.name);
             let after_s = now.seconds_since(*first);
-            return Next::End(Err(Refusal::TimedOut { what, after_s }));
+            return Next::End(Err(Refusal::timed_out(what, after_s)));
         }
         *confirmation += 1;
         *deadline = now.plus_seconds(settings.ack_timeout_s);

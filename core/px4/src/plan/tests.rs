@@ -144,24 +144,3 @@ fn landing_waits_for_a_take_off_that_has_not_begun_and_makes_no_sense_on_the_gro
         );
     }
 }
-
-#[test]
-fn what_moves_the_vehicle_is_no_service() {
-    let command = |id| Command::long(id, [0.0; 7]);
-    for id in [
-        MavCmd::MAV_CMD_NAV_LAND,
-        MavCmd::MAV_CMD_NAV_TAKEOFF,
-        MavCmd::MAV_CMD_DO_SET_MODE,
-        MavCmd::MAV_CMD_COMPONENT_ARM_DISARM,
-        MavCmd::MAV_CMD_DO_FLIGHTTERMINATION,
-        MavCmd::MAV_CMD_DO_REPOSITION,
-    ] {
-        assert!(not_a_service(&command(id)).is_some(), "{id:?}");
-    }
-    for id in [
-        MavCmd::MAV_CMD_IMAGE_START_CAPTURE,
-        MavCmd::MAV_CMD_DO_GIMBAL_MANAGER_PITCHYAW,
-    ] {
-        assert!(not_a_service(&command(id)).is_none(), "{id:?}");
-    }
-}

@@ -209,9 +209,7 @@ async fn point_gimbal(
     };
     match serde_json::to_value(command) {
         Ok(command) => taken(node.command_payload(id, &gimbal.name, &command).await),
-        Err(error) => refused(&Refusal::InvalidValue {
-            detail: error.to_string(),
-        }),
+        Err(error) => refused(&Refusal::invalid(error.to_string())),
     }
 }
 

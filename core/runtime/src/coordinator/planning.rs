@@ -69,11 +69,7 @@ impl CoordinatorState {
                 Ok((formation, forecast))
             })
             .await;
-            let outcome = planned.unwrap_or_else(|_| {
-                Err(Refusal::NotRunning {
-                    what: "the formation planner".into(),
-                })
-            });
+            let outcome = planned.unwrap_or_else(|_| Err(Refusal::not_running("the formation planner")));
             // A coordinator that has ended has told the asker by dropping the reply.
             let _ = myself.cast(CoordinatorMessage::Planned(Box::new(Planned {
                 request,

@@ -75,11 +75,7 @@ impl CoordinatorState {
         let myself = myself.clone();
         tokio::spawn(async move {
             let planned = tokio::task::spawn_blocking(move || coordination::plan_trajectories(&input, &peers)).await;
-            let outcome = planned.unwrap_or_else(|_| {
-                Err(of_all(Refusal::NotRunning {
-                    what: "the trajectory planner".into(),
-                }))
-            });
+            let outcome = planned.unwrap_or_else(|_| Err(of_all(Refusal::not_running("the trajectory planner"))));
             // A coordinator that has ended has told the asker by dropping the reply.
             let _ = myself.cast(CoordinatorMessage::TrajectoriesPlanned(Box::new(PlannedTrajectories {
                 ask,

@@ -47,9 +47,7 @@ pub fn payload_record(
     vehicle: &VehicleRecord,
     rule: &PayloadRule,
 ) -> Result<PayloadRecord, Refusal> {
-    let invalid = |detail: String| Refusal::InvalidValue {
-        detail: format!("payload {:?}: {detail}", rule.name),
-    };
+    let invalid = |detail: String| Refusal::invalid(format!("payload {:?}: {detail}", rule.name));
     rule.check().map_err(invalid)?;
     let plugin = (shared.plugins.catalog.get(&rule.plugin))
         .ok_or_else(|| invalid(format!("the plugin \"{}\" is not among those found", rule.plugin)))?;
@@ -91,9 +89,10 @@ impl FleetState {
     ) -> Result<(), Refusal> {
         let record = self.shared.vehicles.known(vehicle)?;
         if record.payload(&rule.name).is_some() {
-            return Err(Refusal::InvalidValue {
-                detail: format!("vehicle {vehicle} has a payload \"{}\" already", rule.name),
-            });
+            return Err(Refusal::invalid(format!(
+                "vehicle {vehicle} has a payload \"{}\" already",
+                rule.name
+            )));
         }
         let payload = Arc::new(payload_record(&self.shared, &record, rule)?);
         record.attach(payload);

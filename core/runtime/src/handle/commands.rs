@@ -151,9 +151,7 @@ impl NodeHandle {
             receipts.push(answer.await.unwrap_or_else(|_| CommandReceipt {
                 vehicle,
                 id: CommandId(0),
-                refusal: Some(Refusal::NotRunning {
-                    what: format!("actor of vehicle {vehicle}"),
-                }),
+                refusal: Some(Refusal::not_running(format!("actor of vehicle {vehicle}"))),
             }));
         }
         // Who did not take the command up goes on as before; the coordinator takes it back in.
@@ -207,9 +205,7 @@ impl NodeHandle {
         let Some(record) = self.shared.vehicles.record(vehicle) else {
             return refused(Refusal::UnknownVehicle { vehicle });
         };
-        let not_running = Refusal::NotRunning {
-            what: format!("actor of vehicle {vehicle}"),
-        };
+        let not_running = Refusal::not_running(format!("actor of vehicle {vehicle}"));
         let Some(actor) = record.actor.get() else {
             return refused(not_running);
         };
@@ -232,10 +228,10 @@ impl NodeHandle {
         }
         match actor.call(|reply| message(Some(reply)), Some(ANSWER_WITHIN)).await {
             Ok(CallResult::Success(receipt)) => receipt,
-            Ok(CallResult::Timeout) => refused(Refusal::TimedOut {
-                what: format!("the actor of vehicle {vehicle}"),
-                after_s: ANSWER_WITHIN.as_secs_f64(),
-            }),
+            Ok(CallResult::Timeout) => refused(Refusal::timed_out(
+                format!("the actor of vehicle {vehicle}"),
+                ANSWER_WITHIN.as_secs_f64(),
+            )),
             _ => refused(not_running),
         }
     }

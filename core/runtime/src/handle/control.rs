@@ -58,9 +58,9 @@ impl NodeHandle {
         action: &ControlAction,
     ) -> Result<Vec<ControlReceipt>, Refusal> {
         if !console.is_sound() {
-            return Err(Refusal::InvalidValue {
-                detail: "a console has an id and a name of 1 to 64 characters each".into(),
-            });
+            return Err(Refusal::invalid(
+                "a console has an id and a name of 1 to 64 characters each",
+            ));
         }
         let ids = match targets {
             Targets::All => self.shared.vehicle_ids(),

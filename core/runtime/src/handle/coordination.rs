@@ -24,23 +24,17 @@ const PICTURE_POLL: Duration = Duration::from_millis(2);
 const API_WITHIN: Duration = Duration::from_secs(20);
 
 fn no_coordinator() -> Refusal {
-    Refusal::NotRunning {
-        what: "a coordinator of this swarm (none is there)".into(),
-    }
+    Refusal::not_running("a coordinator of this swarm (none is there)")
 }
 
 fn strange(node: NodeId) -> Refusal {
-    Refusal::NotRunning {
-        what: format!("node {node} (it answers something else)"),
-    }
+    Refusal::not_running(format!("node {node} (it answers something else)"))
 }
 
 impl NodeHandle {
     /// Asks another node of the swarm.
     pub(crate) async fn ask(&self, node: NodeId, ask: Ask, within: Duration) -> Result<Answer, Refusal> {
-        let not_running = || Refusal::NotRunning {
-            what: "this node's part in a swarm".into(),
-        };
+        let not_running = || Refusal::not_running("this node's part in a swarm");
         let actor = self.shared.swarm.as_ref().and_then(|swarm| swarm.actor.load_full());
         let (message, answered) = asking(node, ask, within);
         actor
@@ -60,9 +54,7 @@ impl NodeHandle {
         };
         let role = swarm.role.load();
         if role.observer {
-            return Err(Refusal::NotPermitted {
-                detail: "this node is an observer".into(),
-            });
+            return Err(Refusal::not_permitted("this node is an observer"));
         }
         if role.acting.is_some() {
             return Ok(None);
@@ -165,9 +157,7 @@ impl NodeHandle {
         &self,
         message: impl FnOnce(RpcReplyPort<Result<T, Refusal>>) -> CoordinatorMessage,
     ) -> Result<T, Refusal> {
-        let not_running = || Refusal::NotRunning {
-            what: "the coordinator".into(),
-        };
+        let not_running = || Refusal::not_running("the coordinator");
         if !self.shared.coordinates() {
             return Err(no_coordinator());
         }
@@ -175,10 +165,7 @@ impl NodeHandle {
         self.picture_of_now().await;
         match coordinator.call(message, Some(PLAN_WITHIN)).await {
             Ok(CallResult::Success(answer)) => answer,
-            Ok(CallResult::Timeout) => Err(Refusal::TimedOut {
-                what: "the coordinator".into(),
-                after_s: PLAN_WITHIN.as_secs_f64(),
-            }),
+            Ok(CallResult::Timeout) => Err(Refusal::timed_out("the coordinator", PLAN_WITHIN.as_secs_f64())),
             _ => Err(not_running()),
         }
     }
@@ -196,15 +183,13 @@ impl NodeHandle {
     /// When that node cannot coordinate, or does not answer.
     pub async fn make_coordinator(&self, node: NodeId) -> Result<(), Refusal> {
         let Some(swarm) = &self.shared.swarm else {
-            return Err(Refusal::NotPermitted {
-                detail: "this node flies its vehicles alone; it is in no swarm".into(),
-            });
+            return Err(Refusal::not_permitted(
+                "this node flies its vehicles alone; it is in no swarm",
+            ));
         };
         let role = **swarm.role.load();
         if role.observer {
-            return Err(Refusal::NotPermitted {
-                detail: "this node is an observer".into(),
-            });
+            return Err(Refusal::not_permitted("this node is an observer"));
         }
         if role.node == node {
             return take_leadership(self).await;

@@ -52,9 +52,9 @@ impl NodeHandle {
     pub async fn emergency_stop(&self, key: &str, targets: &Targets) -> Result<Vec<CommandReceipt>, Refusal> {
         let now = self.now();
         if !self.shared().operators.is_emergency_key(key, now) {
-            return Err(Refusal::NotPermitted {
-                detail: format!("emergency stop without the key of an unlocking in the last {UNLOCKED_S:.0} s"),
-            });
+            return Err(Refusal::not_permitted(format!(
+                "emergency stop without the key of an unlocking in the last {UNLOCKED_S:.0} s"
+            )));
         }
         let ids = match targets {
             Targets::All => self.shared().vehicle_ids(),

@@ -58,7 +58,7 @@ impl NodeHandle {
         let count = plan.zones.len();
         self.shared()
             .set_fences(plan)
-            .map_err(|e| Refusal::InvalidValue { detail: e.to_string() })?;
+            .map_err(|e| Refusal::invalid(e.to_string()))?;
         if let Some(swarm) = &self.shared().swarm {
             let term = swarm.role.load().acting;
             let mut revision = swarm.fence_revision.lock();

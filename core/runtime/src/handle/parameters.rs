@@ -68,9 +68,7 @@ impl NodeHandle {
             self.shared.events.record(now, Some(vehicle), severity, kind, text);
             return Err(error);
         }
-        let not_running = || Refusal::NotRunning {
-            what: format!("actor of vehicle {vehicle}"),
-        };
+        let not_running = || Refusal::not_running(format!("actor of vehicle {vehicle}"));
         let actor = record.actor.get().ok_or_else(not_running)?;
         let id = self.shared.next_command_id();
         let order = |reply| {

@@ -271,10 +271,8 @@ impl NodeHandle {
 }
 
 fn not_running(vehicle: VehicleId, payload: Option<&str>) -> Refusal {
-    Refusal::NotRunning {
-        what: match payload {
-            None => format!("actor of vehicle {vehicle}"),
-            Some(payload) => format!("payload {payload} of vehicle {vehicle}"),
-        },
-    }
+    Refusal::not_running(match payload {
+        None => format!("actor of vehicle {vehicle}"),
+        Some(payload) => format!("payload {payload} of vehicle {vehicle}"),
+    })
 }

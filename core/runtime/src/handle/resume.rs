@@ -12,9 +12,7 @@ impl NodeHandle {
     /// # Errors
     /// When nothing is asked.
     pub async fn resume(&self, fly_on: bool) -> Result<(), Refusal> {
-        let nothing = || Refusal::NotPermitted {
-            detail: "nothing waits to be flown on".into(),
-        };
+        let nothing = || Refusal::not_permitted("nothing waits to be flown on");
         self.shared.resume.question().ok_or_else(nothing)?;
         if !fly_on {
             self.shared.resume.end();

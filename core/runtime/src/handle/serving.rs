@@ -48,9 +48,7 @@ pub async fn carry_out(handle: NodeHandle, ask: Ask, ahead_us: Option<i64>) -> A
 /// # Errors
 /// When it cannot coordinate, or is in no swarm.
 pub async fn take_leadership(handle: &NodeHandle) -> Result<(), Refusal> {
-    let not_running = || Refusal::NotRunning {
-        what: "this node's part in a swarm".into(),
-    };
+    let not_running = || Refusal::not_running("this node's part in a swarm");
     let actor = handle.shared().swarm.as_ref().and_then(|swarm| swarm.actor.load_full());
     let actor = actor.ok_or_else(not_running)?;
     let (answer, answered) = tokio::sync::oneshot::channel();

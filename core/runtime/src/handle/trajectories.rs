@@ -50,9 +50,7 @@ impl NodeHandle {
 
     pub(crate) async fn ask_trajectories_here(&self, request: TrajectoryRequest, fly: bool) -> TrajectoryAnswer {
         let against = |refusal| Err(vec![TrajectoryObjection { vehicle: None, refusal }]);
-        let not_running = Refusal::NotRunning {
-            what: "the coordinator".into(),
-        };
+        let not_running = Refusal::not_running("the coordinator");
         let Some(coordinator) = self.parts.coordinator.load_full() else {
             return against(not_running);
         };
@@ -68,10 +66,7 @@ impl NodeHandle {
         self.picture_of_now().await;
         match coordinator.call(message, Some(PLAN_WITHIN)).await {
             Ok(CallResult::Success(answer)) => answer,
-            Ok(CallResult::Timeout) => against(Refusal::TimedOut {
-                what: "the coordinator".into(),
-                after_s: PLAN_WITHIN.as_secs_f64(),
-            }),
+            Ok(CallResult::Timeout) => against(Refusal::timed_out("the coordinator", PLAN_WITHIN.as_secs_f64())),
             _ => against(not_running),
         }
     }

@@ -151,9 +151,7 @@ impl VehicleState {
                 let sent = record.actor.get().map(|actor| actor.cast(message).is_ok());
                 sent.filter(|sent| *sent)
                     .map(|_| ())
-                    .ok_or_else(|| Refusal::NotRunning {
-                        what: format!("payload {payload} of vehicle {}", self.record.id),
-                    })
+                    .ok_or_else(|| Refusal::not_running(format!("payload {payload} of vehicle {}", self.record.id)))
             }
         };
         if let Err(refusal) = asked {
@@ -171,9 +169,7 @@ impl VehicleState {
         let checked = if self.pilot && command == AutopilotCommand::EnterOffboard {
             Err(Refusal::PilotInControl)
         } else if self.shared.is_stopping() && command == AutopilotCommand::EnterOffboard {
-            Err(Refusal::NotPermitted {
-                detail: "the node is stopping".into(),
-            })
+            Err(Refusal::not_permitted("the node is stopping"))
         } else if self.record.is_stopped() && command != AutopilotCommand::Disarm {
             Err(emergency::stopped())
         } else {

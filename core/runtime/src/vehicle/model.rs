@@ -83,9 +83,7 @@ impl VehicleState {
     /// Says of commands that two incarnations failed with, or that none will come for, that they are not carried out.
     pub(super) fn refuse_lost(&mut self) {
         for id in self.model.life.take_lost() {
-            let refusal = Refusal::NotRunning {
-                what: format!("model of vehicle {}", self.record.id),
-            };
+            let refusal = Refusal::not_running(format!("model of vehicle {}", self.record.id));
             self.progress(id, CommandProgress::Refused { refusal });
         }
     }

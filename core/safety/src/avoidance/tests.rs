@@ -1,5 +1,6 @@
 //! The filter on single encounters: what is left alone, what is changed, and by how little.
 
+use super::surroundings::Carried;
 use super::*;
 
 const NOW_S: f64 = 100.0;
@@ -38,15 +39,39 @@ fn fly(velocity: [f64; 3]) -> Setpoint {
 }
 
 fn run(own: &VehicleKinematics, wanted: &Setpoint, neighbours: &[Neighbour]) -> Filtered {
-    filter(
-        VehicleId(1),
-        own,
-        wanted,
-        neighbours,
-        &[],
-        &AvoidanceSettings::default(),
-        now(),
-    )
+    prepared(VehicleId(1), own, wanted, neighbours, now())
+}
+
+/// As it is flown: with surroundings that are prepared once.
+fn prepared(
+    id: VehicleId,
+    own: &VehicleKinematics,
+    wanted: &Setpoint,
+    neighbours: &[Neighbour],
+    now: NodeTime,
+) -> Filtered {
+    let settings = AvoidanceSettings::default();
+    let conditions = Conditions {
+        surroundings: &Surroundings::new(neighbours, &settings, now),
+        bounds: &[],
+        settings: &settings,
+    };
+    filter(id, own, wanted, &conditions, now)
+}
+
+/// The same, looking at every neighbour in turn.
+fn one_by_one(
+    id: VehicleId,
+    own: &VehicleKinematics,
+    wanted: &Setpoint,
+    neighbours: &[Neighbour],
+    now: NodeTime,
+) -> Filtered {
+    let settings = AvoidanceSettings::default();
+    let own = own_now(id, own, wanted, &settings, now).expect("is in numbers");
+    let carried = neighbours.iter().filter_map(|n| Carried::new(n, &settings, now));
+    let demands: Vec<Demand> = carried.filter_map(|peer| demand(&own, &peer, &settings)).collect();
+    decide(&own, wanted, &demands, &[], &settings)
 }
 
 #[test]
@@ -105,12 +130,8 @@ fn nearest_m(mut a: VehicleKinematics, mut b: VehicleKinematics, wants: [Setpoin
         };
         let own = |id: u16, own: &VehicleKinematics, wanted: &Setpoint, other: Neighbour| {
             let all = [other];
-            let filtered = filter(VehicleId(id), own, wanted, &all, &[], &settings, now);
-            let around = Surroundings::new(&all, &settings, now);
-            assert_eq!(
-                filtered,
-                filter_in(VehicleId(id), own, wanted, &around, &[], &settings, now)
-            );
+            let filtered = prepared(VehicleId(id), own, wanted, &all, now);
+            assert_eq!(filtered, one_by_one(VehicleId(id), own, wanted, &all, now));
             filtered.setpoint.velocity.expect("wants a velocity").vector()
         };
         let (for_a, for_b) = (own(1, &a, &wants[0], other(2, &b)), own(2, &b, &wants[1], other(1, &a)));
@@ -194,16 +215,14 @@ proptest::proptest! {
         ages in proptest::collection::vec(0.0_f64..2.0, 40),
         wanted in proptest::array::uniform3(-8.0_f64..8.0),
     ) {
-        let settings = AvoidanceSettings::default();
         let others: Vec<Neighbour> = (2..).zip(places.iter().zip(&speeds).zip(&ages)).map(|(id, ((place, speed), age_s))| Neighbour {
             measured: now().plus_seconds(-age_s),
             cooperation: if *age_s < 0.5 { Cooperation::Shares } else { Cooperation::DoesNot },
             ..neighbour(id, *place, *speed)
         }).collect();
         let own = kinematics([0.0; 3], [1.0, -2.0, 0.5]);
-        let around = Surroundings::new(&others, &settings, now());
-        let all = filter(VehicleId(1), &own, &fly(wanted), &others, &[], &settings, now());
-        let few = filter_in(VehicleId(1), &own, &fly(wanted), &around, &[], &settings, now());
+        let all = one_by_one(VehicleId(1), &own, &fly(wanted), &others, now());
+        let few = prepared(VehicleId(1), &own, &fly(wanted), &others, now());
         let velocity = |f: &Filtered| f.setpoint.velocity.expect("a velocity").vector();
         // The order of the demands is another, and with it the rounding.
         proptest::prop_assert!((velocity(&all) - velocity(&few)).norm() < 1e-3, "{all:?}\n{few:?}");

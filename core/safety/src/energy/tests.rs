@@ -163,6 +163,12 @@ fn the_way_between_two_places() {
     assert!(above.climb_m == 0.0 && (above.descent_m - 60.0).abs() < 1e-9);
 }
 
+/// Share of a full battery that hovering, and flying, takes per second, as far as known.
+fn rates_per_s(estimator: &EnergyEstimator, settings: &EnergySettings) -> (f64, f64) {
+    let rates = estimator.consumption.rates(settings);
+    (rates.hovering, rates.flying)
+}
+
 /// Flies with these true rates, hovering and flying by turns, and gives what was learned.
 fn learned(
     hovering: f64,
@@ -186,7 +192,7 @@ fn learned(
         estimator.observe(at(t), &sample, settings);
     }
     assert!(estimator.consumption.is_learned(settings));
-    estimator.rates_per_s(settings)
+    rates_per_s(&estimator, settings)
 }
 
 #[test]
@@ -274,7 +280,7 @@ fn nothing_is_learned_on_the_ground() {
         };
         estimator.observe(at(f64::from(i)), &idle, &settings);
     }
-    let (h, f) = estimator.rates_per_s(&settings);
+    let (h, f) = rates_per_s(&estimator, &settings);
     assert!((h - 1.0 / 1200.0).abs() < 1e-12 && (f - 1.0 / 1200.0).abs() < 1e-12);
 }
 

@@ -55,9 +55,11 @@ impl FailsafePolicy {
         });
         match forbids {
             None => Ok(()),
-            Some((trigger, _)) => Err(Refusal::NotPermitted {
-                detail: format!("{} while: {}", command.name(), words::title(*trigger)),
-            }),
+            Some((trigger, _)) => Err(Refusal::not_permitted(format!(
+                "{} while: {}",
+                command.name(),
+                words::title(*trigger)
+            ))),
         }
     }
 

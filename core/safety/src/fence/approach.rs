@@ -7,7 +7,7 @@ use super::zone::Zone;
 use super::{Excess, ON_EDGE_M};
 use crate::half_space::HalfSpace;
 use nalgebra::Vector3;
-use skein_domain::{PositionNed, Refusal, VelocityNed, ZoneKind};
+use skein_domain::{PositionNed, ZoneKind};
 
 /// Nearer than this to a wall, the direction to it is taken from the wall itself, in metres.
 const TOUCHING_M: f64 = 1e-9;
@@ -106,24 +106,6 @@ impl Fences {
             }
         }
         limits.found
-    }
-
-    /// Whether a vehicle that brakes now on a straight line stands before it has left.
-    ///
-    /// # Errors
-    /// As [`Fences::may_move`].
-    pub fn stops_inside(
-        &self,
-        position: &PositionNed,
-        velocity: &VelocityNed,
-        approach: &Approach,
-    ) -> Result<(), Refusal> {
-        let speed_m_s = velocity.norm();
-        if speed_m_s == 0.0 || self.is_empty() {
-            return Ok(());
-        }
-        let way_m = velocity.vector() * (approach.stopping_m(speed_m_s) / speed_m_s);
-        self.may_move(position, &position.moved(way_m), true)
     }
 
     /// The ceiling and the floor of an inclusion that a place is in, where no other inclusion goes on behind them.

@@ -306,9 +306,7 @@ fn finite(position: &PositionNed) -> Result<(), Refusal> {
     if position.is_finite() {
         return Ok(());
     }
-    Err(Refusal::InvalidValue {
-        detail: "position is not finite".to_owned(),
-    })
+    Err(Refusal::invalid("position is not finite"))
 }
 
 /// The refusal for a place that breaks a zone.

@@ -1,35 +1,20 @@
-//! What the gate asks of the fences: where a setpoint leads, whether the vehicle can still stop, and the way up at a take-off.
+//! What the gate asks of the fences: where a setpoint leads a vehicle on the ground, and the way up at a take-off.
 
-use super::{Gate, MAX_BRAKING_M_S2, braking_m_s2, driven_share_s};
-use crate::fence::Approach;
+use super::Gate;
+use nalgebra::Vector3;
 use skein_domain::telemetry::VehicleKinematics;
-use skein_domain::{PositionNed, Refusal, Setpoint};
+use skein_domain::{PositionNed, Refusal, Setpoint, VelocityNed};
 
-/// From the refusal of a setpoint until the vehicle brakes: two control periods and the time it takes to tilt.
-const REACTION_S: f64 = 0.1;
+/// Slowing down counts when it is looked where a velocity leads, but no more than this, in metres per second squared.
+const MAX_BRAKING_M_S2: f64 = 3.0;
 
 impl Gate {
-    /// How vehicles are taken to stop in front of a fence.
-    pub(super) fn approach(&self) -> Approach {
-        Approach {
-            max_speed_m_s: self.limits.max_speed_m_s.max(self.limits.max_climb_m_s),
-            braking_m_s2: MAX_BRAKING_M_S2,
-            reaction_s: REACTION_S,
-            margin_m: 0.0,
-        }
-    }
-
-    /// Whether a setpoint keeps a vehicle inside: the asked place and where its velocity leads within the horizon are inside, and so is
-    /// the way there; and a vehicle that could not stop any more at its present velocity is asked for one that it can stop from.
-    pub(super) fn setpoint_in_fences(
-        &self,
-        own: &VehicleKinematics,
-        airborne: bool,
-        setpoint: &Setpoint,
-    ) -> Result<(), Refusal> {
+    /// Whether a setpoint keeps a vehicle that stands inside: the asked place and where its velocity leads within the horizon. In the air
+    /// the fences bound the velocity instead.
+    pub(super) fn setpoint_on_the_ground(&self, own: &VehicleKinematics, setpoint: &Setpoint) -> Result<(), Refusal> {
         let (fences, here) = (&self.fences, &own.position);
         if let Some(position) = &setpoint.position {
-            fences.may_move(here, position, airborne)?;
+            fences.may_move(here, position, false)?;
         }
         let base = setpoint.position.unwrap_or(*here);
         let Some(velocity) = &setpoint.velocity else {
@@ -42,28 +27,7 @@ impl Gate {
         let end = base.moved(velocity.vector() * seconds);
         // Who is outside is measured by where it is, not by the place it was asked to come back to.
         let start = if fences.contains(here).is_ok() { &base } else { here };
-        fences.may_move(start, &end, airborne)?;
-        if airborne {
-            self.can_stop(own, setpoint)?;
-        }
-        Ok(())
-    }
-
-    /// A vehicle that comes in too fast to stop may only be given a velocity from which it could: what follows a refusal is braking
-    /// straight on, so that it must come before that is too late, however slantingly the boundary is approached.
-    fn can_stop(&self, own: &VehicleKinematics, setpoint: &Setpoint) -> Result<(), Refusal> {
-        let approach = self.approach();
-        let Err(refusal) = self.fences.stops_inside(&own.position, &own.velocity, &approach) else {
-            return Ok(());
-        };
-        // A setpoint that is ahead of the vehicle brakes for the place where it is itself: no reaction to be added.
-        let at_once = Approach {
-            reaction_s: 0.0,
-            ..approach
-        };
-        let asked = setpoint.velocity.unwrap_or_default();
-        let yields = self.fences.stops_inside(&own.position, &asked, &at_once).is_ok();
-        if yields { Ok(()) } else { Err(refusal) }
+        fences.may_move(start, &end, false)
     }
 
     /// Whether a take-off from the ground to a height over it is inside: the top, and the way up as far as exclusions go.
@@ -78,6 +42,33 @@ impl Gate {
                 detail: format!("the way up to {height_m:.1} m crosses \"{}\"", zone.name),
             })
         })
+    }
+}
+
+/// How strongly an acceleration brakes a velocity, as far as it is believed.
+fn braking_m_s2(velocity: &VelocityNed, acceleration: &Vector3<f64>) -> f64 {
+    let speed = velocity.norm();
+    if speed > 0.0 {
+        (-acceleration.dot(&velocity.vector()) / speed).clamp(0.0, MAX_BRAKING_M_S2)
+    } else {
+        0.0
+    }
+}
+
+/// For how many seconds at the present speed the way within the horizon would last, when braking.
+fn driven_share_s(speed_m_s: f64, braking_m_s2: f64, horizon_s: f64) -> f64 {
+    if braking_m_s2 * horizon_s >= speed_m_s {
+        // It stands before the horizon: v²/2b of way, over v. Without braking the speed is zero here.
+        return if braking_m_s2 > 0.0 {
+            0.5 * speed_m_s / braking_m_s2
+        } else {
+            0.0
+        };
+    }
+    if speed_m_s > 0.0 {
+        horizon_s - 0.5 * braking_m_s2 * horizon_s * horizon_s / speed_m_s
+    } else {
+        0.0
     }
 }
 

@@ -1,8 +1,8 @@
 //! What becomes of a setpoint in flight: refused if it makes no sense or asks for a place behind a fence, else changed as little as keeps
 //! the vehicle off others and inside of the fences.
 
-use super::{Gate, invalid};
-use crate::avoidance::{AvoidanceSettings, Change, Filtered, Surroundings, as_velocity, filter_in};
+use super::Gate;
+use crate::avoidance::{AvoidanceSettings, Change, Conditions, Filtered, Surroundings, as_velocity, filter};
 use crate::fence::Approach;
 use crate::half_space::HalfSpace;
 use nalgebra::Vector3;
@@ -68,7 +68,7 @@ impl Gate {
         now: NodeTime,
     ) -> Result<Steered, Refusal> {
         if !wanted.is_well_formed() {
-            return Err(invalid(
+            return Err(Refusal::invalid(
                 "a setpoint needs a position or a velocity, and finite numbers only",
             ));
         }
@@ -80,7 +80,7 @@ impl Gate {
             self.velocity(velocity)?;
         }
         if !own.airborne {
-            self.setpoint_in_fences(here, own.airborne, wanted)?;
+            self.setpoint_on_the_ground(here, wanted)?;
             return Ok(Steered {
                 setpoint: *wanted,
                 change: None,
@@ -170,15 +170,12 @@ impl Gate {
         surroundings: &Surroundings,
         now: NodeTime,
     ) -> Filtered {
-        filter_in(
-            own.id,
-            own.kinematics,
-            wanted,
+        let conditions = Conditions {
             surroundings,
             bounds,
-            &self.avoidance(),
-            now,
-        )
+            settings: &self.avoidance(),
+        };
+        filter(own.id, own.kinematics, wanted, &conditions, now)
     }
 }
 

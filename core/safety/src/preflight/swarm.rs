@@ -44,11 +44,8 @@ pub fn swarm_report(checks: &SwarmChecks, settings: &PreflightSettings, now: Nod
 }
 
 fn frame(c: &SwarmChecks) -> PreflightItem {
-    let subject = Subject {
-        id: "swarm_frame",
-        title: "Common frame",
-        why: "without it no place of one vehicle means anything to another",
-    };
+    let subject = Subject::new("swarm_frame", "Common frame")
+        .because("without it no place of one vehicle means anything to another");
     subject.word(
         must_be(Some(c.frame_known)),
         if c.frame_known { "known" } else { "not known" },
@@ -56,11 +53,8 @@ fn frame(c: &SwarmChecks) -> PreflightItem {
 }
 
 fn ground_distance(c: &SwarmChecks, s: &PreflightSettings) -> PreflightItem {
-    let subject = Subject {
-        id: "ground_distance",
-        title: "Distance on the ground",
-        why: "vehicles that stand too close touch when they take off",
-    };
+    let subject = Subject::new("ground_distance", "Distance on the ground")
+        .because("vehicles that stand too close touch when they take off");
     let mut closest: Option<(f64, VehicleId, VehicleId)> = None;
     for (i, (a, at)) in c.on_ground.iter().enumerate() {
         for (b, other) in c.on_ground.iter().skip(i + 1) {
@@ -84,11 +78,8 @@ fn ground_distance(c: &SwarmChecks, s: &PreflightSettings) -> PreflightItem {
 }
 
 fn clock_spread(c: &SwarmChecks, s: &PreflightSettings) -> PreflightItem {
-    let subject = Subject {
-        id: "clock_spread",
-        title: "Clocks agree",
-        why: "vehicles that fly together start together and know each other's positions of the same moment",
-    };
+    let subject = Subject::new("clock_spread", "Clocks agree")
+        .because("vehicles that fly together start together and know each other's positions of the same moment");
     if c.clock_offsets_s.is_empty() {
         return subject.word(ItemStatus::Amber, "not known");
     }
@@ -109,11 +100,7 @@ fn clock_spread(c: &SwarmChecks, s: &PreflightSettings) -> PreflightItem {
 }
 
 fn coordinator(c: &SwarmChecks) -> PreflightItem {
-    let subject = Subject {
-        id: "coordinator",
-        title: "Coordinator",
-        why: "it decides who leads and who has which slot",
-    };
+    let subject = Subject::new("coordinator", "Coordinator").because("it decides who leads and who has which slot");
     let value = if c.coordinator_running {
         "running"
     } else {
@@ -123,22 +110,15 @@ fn coordinator(c: &SwarmChecks) -> PreflightItem {
 }
 
 fn coordinator_vehicles(c: &SwarmChecks, s: &PreflightSettings) -> PreflightItem {
-    let subject = Subject {
-        id: "coordinator_vehicle",
-        title: "Vehicles that can host the coordinator",
-        why: "one of them carries on when the coordinator is lost",
-    };
+    let subject = Subject::new("coordinator_vehicle", "Vehicles that can host the coordinator")
+        .because("one of them carries on when the coordinator is lost");
     let count = f64::from(c.coordinator_capable);
     let needed = if s.require_coordinator_vehicle { 1.0 } else { 0.0 };
     subject.at_least(Some(count), needed, needed, Unit::COUNT)
 }
 
 fn fences(c: &SwarmChecks, s: &PreflightSettings) -> PreflightItem {
-    let subject = Subject {
-        id: "fences",
-        title: "Fences",
-        why: "what bounds the flight must be known before it begins",
-    };
+    let subject = Subject::new("fences", "Fences").because("what bounds the flight must be known before it begins");
     match c.fences {
         None => subject.word(ItemStatus::Red, "could not be loaded"),
         Some(0) if s.require_fence => subject.word(ItemStatus::Red, "none"),
@@ -148,11 +128,8 @@ fn fences(c: &SwarmChecks, s: &PreflightSettings) -> PreflightItem {
 }
 
 fn homes(c: &SwarmChecks) -> PreflightItem {
-    let subject = Subject {
-        id: "homes_inside",
-        title: "Launch places inside of the fences",
-        why: "a return would lead out of the fence",
-    };
+    let subject = Subject::new("homes_inside", "Launch places inside of the fences")
+        .because("a return would lead out of the fence");
     let list = |vehicles: &[VehicleId]| vehicles.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
     if !c.homes_outside.is_empty() {
         return subject.word(ItemStatus::Red, format!("outside: {}", list(&c.homes_outside)));

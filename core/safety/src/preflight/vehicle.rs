@@ -136,26 +136,11 @@ pub fn vehicle_report(checks: &VehicleChecks, settings: &PreflightSettings, now:
 }
 
 fn link_items(c: &VehicleChecks, s: &PreflightSettings) -> Vec<PreflightItem> {
-    let link = Subject {
-        id: "link",
-        title: "Link",
-        why: "what is not heard cannot be commanded, nor stopped",
-    };
-    let loss = Subject {
-        id: "link_loss",
-        title: "Frames lost",
-        why: "commands and positions come late or not at all",
-    };
-    let duplicate = Subject {
-        id: "duplicate_system_id",
-        title: "System id of its own",
-        why: "a command would reach two vehicles",
-    };
-    let ready = Subject {
-        id: "ready_to_arm",
-        title: "Autopilot ready",
-        why: "the autopilot's own checks",
-    };
+    let link = Subject::new("link", "Link").because("what is not heard cannot be commanded, nor stopped");
+    let loss = Subject::new("link_loss", "Frames lost").because("commands and positions come late or not at all");
+    let duplicate =
+        Subject::new("duplicate_system_id", "System id of its own").because("a command would reach two vehicles");
+    let ready = Subject::new("ready_to_arm", "Autopilot ready").because("the autopilot's own checks");
     // In such a mode it says that it is not ready whatever its checks find. The mode is left before it is armed, and its word is waited for.
     let of_the_mode = c.ready_to_arm == Some(false) && !c.mode.arms_by_command();
     let ready_value = match (c.ready_to_arm, &c.not_ready_because) {
@@ -186,26 +171,13 @@ fn link_items(c: &VehicleChecks, s: &PreflightSettings) -> Vec<PreflightItem> {
 }
 
 fn position_items(c: &VehicleChecks, s: &PreflightSettings) -> Vec<PreflightItem> {
-    let position = Subject {
-        id: "position",
-        title: "Position estimate",
-        why: "separation, fence and way home are reckoned from it",
-    };
-    let fix = Subject {
-        id: "gnss_fix",
-        title: "Satellite fix",
-        why: "the position drifts away without one",
-    };
-    let satellites = Subject {
-        id: "gnss_satellites",
-        title: "Satellites",
-        why: "with few of them the fix is lost at the first turn",
-    };
-    let agreement = Subject {
-        id: "gnss_agreement",
-        title: "Sources of the position agree",
-        why: "one of them is wrong, and it is not known which",
-    };
+    let position =
+        Subject::new("position", "Position estimate").because("separation, fence and way home are reckoned from it");
+    let fix = Subject::new("gnss_fix", "Satellite fix").because("the position drifts away without one");
+    let satellites =
+        Subject::new("gnss_satellites", "Satellites").because("with few of them the fix is lost at the first turn");
+    let agreement = Subject::new("gnss_agreement", "Sources of the position agree")
+        .because("one of them is wrong, and it is not known which");
     let position_item = match (c.estimator_good, c.position_age_s) {
         (Some(false), _) => position.word(ItemStatus::Red, "the estimator does not know where it is"),
         (_, age_s) => position.at_most(age_s, s.position_within_s, s.position_within_s, Unit::SECONDS),
@@ -227,16 +199,9 @@ fn position_items(c: &VehicleChecks, s: &PreflightSettings) -> Vec<PreflightItem
 }
 
 fn energy_items(c: &VehicleChecks, s: &PreflightSettings) -> Vec<PreflightItem> {
-    let level = Subject {
-        id: "battery",
-        title: "Charge",
-        why: "there must be enough to come back from any flight",
-    };
-    let flight = Subject {
-        id: "battery_for_flight",
-        title: "Charge for the asked flight",
-        why: "flight, way home and reserve must be paid for",
-    };
+    let level = Subject::new("battery", "Charge").because("there must be enough to come back from any flight");
+    let flight = Subject::new("battery_for_flight", "Charge for the asked flight")
+        .because("flight, way home and reserve must be paid for");
     let mut items = vec![level.at_least(c.battery, s.full_battery_share, s.min_battery_share, Unit::SHARE)];
     if let Some(needs) = c.flight_needs {
         items.push(flight.at_least(c.battery, needs, needs, Unit::SHARE));
@@ -245,26 +210,12 @@ fn energy_items(c: &VehicleChecks, s: &PreflightSettings) -> Vec<PreflightItem> 
 }
 
 fn place_items(c: &VehicleChecks, s: &PreflightSettings) -> Vec<PreflightItem> {
-    let home = Subject {
-        id: "home",
-        title: "Launch place",
-        why: "without one there is no way home",
-    };
-    let fence = Subject {
-        id: "inside_fence",
-        title: "Inside of the fence",
-        why: "a flight must not begin where it may not be",
-    };
-    let ground = Subject {
-        id: "on_ground",
-        title: "On the ground",
-        why: "only what stands is armed",
-    };
-    let still = Subject {
-        id: "not_moving",
-        title: "Stands still",
-        why: "a vehicle that is carried, or whose estimate drifts, is not ready",
-    };
+    let home = Subject::new("home", "Launch place").because("without one there is no way home");
+    let fence =
+        Subject::new("inside_fence", "Inside of the fence").because("a flight must not begin where it may not be");
+    let ground = Subject::new("on_ground", "On the ground").because("only what stands is armed");
+    let still = Subject::new("not_moving", "Stands still")
+        .because("a vehicle that is carried, or whose estimate drifts, is not ready");
     let (fence_status, fence_value) = match (c.has_fence, c.inside_fence) {
         (false, _) => (ItemStatus::Green, "no fence"),
         (true, Some(true)) => (ItemStatus::Green, "inside"),
@@ -287,36 +238,19 @@ fn place_items(c: &VehicleChecks, s: &PreflightSettings) -> Vec<PreflightItem> {
 }
 
 fn part_items(c: &VehicleChecks, s: &PreflightSettings) -> Vec<PreflightItem> {
-    let clock = Subject {
-        id: "clock",
-        title: "Clock",
-        why: "the age of positions, and so where vehicles are now, is reckoned from it",
-    };
-    let model = Subject {
-        id: "model",
-        title: "Model",
-        why: "the plugin that flies the vehicle",
-    };
-    let payloads = Subject {
-        id: "payloads",
-        title: "Payloads",
-        why: "what the vehicle carries is to work",
-    };
-    let alarms = Subject {
-        id: "alarms",
-        title: "No alarm that would act in flight",
-        why: "it would be held or called home as soon as it is in the air",
-    };
+    let clock = Subject::new("clock", "Clock")
+        .because("the age of positions, and so where vehicles are now, is reckoned from it");
+    let model = Subject::new("model", "Model").because("the plugin that flies the vehicle");
+    let payloads = Subject::new("payloads", "Payloads").because("what the vehicle carries is to work");
+    let alarms = Subject::new("alarms", "No alarm that would act in flight")
+        .because("it would be held or called home as soon as it is in the air");
     let alarms_item = match &c.alarms {
         Some(standing) if standing.is_empty() => alarms.word(ItemStatus::Green, "none"),
         Some(standing) => alarms.word(ItemStatus::Red, standing.join("; ")),
         None => alarms.word(ItemStatus::Red, "not known"),
     };
-    let limits = Subject {
-        id: "limits",
-        title: "Limits and parameters",
-        why: "what the vehicle can fly bounds what it is asked",
-    };
+    let limits =
+        Subject::new("limits", "Limits and parameters").because("what the vehicle can fly bounds what it is asked");
     let model_item = match &c.model {
         Some(m) if m.running => model.word(ItemStatus::Green, m.name.clone()),
         Some(m) => model.word(ItemStatus::Red, format!("{} is not running", m.name)),

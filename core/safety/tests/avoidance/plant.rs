@@ -7,7 +7,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{NodeTime, Setpoint, VehicleId};
-use skein_safety::avoidance::{AvoidanceSettings, Cooperation, Neighbour, NeighbourId, filter};
+use skein_safety::avoidance::{
+    AvoidanceSettings, Conditions, Cooperation, Neighbour, NeighbourId, Surroundings, filter,
+};
 
 pub const DT_S: f64 = 0.02;
 /// States are sent every second period: 25 Hz.
@@ -251,7 +253,12 @@ impl World {
             let own = self.measured(i);
             let neighbours = self.neighbours(i, t_s);
             let id = VehicleId(i as u16);
-            let filtered = filter(id, &own, &wanted, &neighbours, &[], &self.settings, self.now());
+            let conditions = Conditions {
+                surroundings: &Surroundings::new(&neighbours, &self.settings, self.now()),
+                bounds: &[],
+                settings: &self.settings,
+            };
+            let filtered = filter(id, &own, &wanted, &conditions, self.now());
             outcome.calls += 1;
             if let Some(change) = &filtered.change {
                 outcome.changed += 1;

@@ -5,26 +5,16 @@
 /// Red, green and blue, each 0..=255 but with fractions.
 pub(super) type Colour = [f32; 3];
 
-/// Where pixels are put.
-pub(super) trait Canvas {
-    /// Sets the pixels of one row from its first on; `colour` is asked for each.
-    fn row(&mut self, row: usize, width: usize, colour: impl FnMut(usize) -> Colour);
+/// Where pixels are put: three bytes each.
+pub(super) struct Canvas<'a>(&'a mut [u8]);
 
-    /// Covers a share of a pixel, 0..=1.
-    fn cover(&mut self, pixel: usize, colour: Colour, share: f32);
-}
-
-/// Three bytes per pixel.
-pub(super) struct Rgb<'a>(&'a mut [u8]);
-
-impl<'a> Rgb<'a> {
+impl<'a> Canvas<'a> {
     pub(super) fn new(bytes: &'a mut [u8]) -> Self {
         Self(bytes)
     }
-}
 
-impl Canvas for Rgb<'_> {
-    fn row(&mut self, row: usize, width: usize, mut colour: impl FnMut(usize) -> Colour) {
+    /// Sets the pixels of one row from its first on; `colour` is asked for each.
+    pub(super) fn row(&mut self, row: usize, width: usize, mut colour: impl FnMut(usize) -> Colour) {
         let Some(bytes) = self.0.get_mut(3 * row * width..3 * (row + 1) * width) else {
             return;
         };
@@ -33,44 +23,14 @@ impl Canvas for Rgb<'_> {
         }
     }
 
-    fn cover(&mut self, pixel: usize, colour: Colour, share: f32) {
+    /// Covers a share of a pixel, 0..=1.
+    pub(super) fn cover(&mut self, pixel: usize, colour: Colour, share: f32) {
         let Some(bytes) = self.0.get_mut(3 * pixel..3 * pixel + 3) else {
             return;
         };
         for (byte, value) in bytes.iter_mut().zip(colour) {
             let before = f32::from(*byte);
             *byte = (before + (value - before) * share).round() as u8;
-        }
-    }
-}
-
-/// One byte of brightness per pixel.
-pub(super) struct Gray<'a>(&'a mut [u8]);
-
-impl<'a> Gray<'a> {
-    pub(super) fn new(bytes: &'a mut [u8]) -> Self {
-        Self(bytes)
-    }
-}
-
-fn brightness([red, green, blue]: Colour) -> f32 {
-    0.299 * red + 0.587 * green + 0.114 * blue
-}
-
-impl Canvas for Gray<'_> {
-    fn row(&mut self, row: usize, width: usize, mut colour: impl FnMut(usize) -> Colour) {
-        let Some(bytes) = self.0.get_mut(row * width..(row + 1) * width) else {
-            return;
-        };
-        for (column, pixel) in bytes.iter_mut().enumerate() {
-            *pixel = brightness(colour(column)) as u8;
-        }
-    }
-
-    fn cover(&mut self, pixel: usize, colour: Colour, share: f32) {
-        if let Some(byte) = self.0.get_mut(pixel) {
-            let before = f32::from(*byte);
-            *byte = (before + (brightness(colour) - before) * share).round() as u8;
         }
     }
 }

@@ -40,7 +40,7 @@ const MULTIROTOR_PARTS: [Ellipsoid; 7] = [
 const MARKER_PARTS: [Ellipsoid; 1] = [ellipsoid([0.0, 0.0, 0.0], [0.5, 0.5, 0.5])];
 
 /// Draws one target over what is there.
-pub(super) fn draw(target: &SceneTarget, lens: &Lens, canvas: &mut impl Canvas) {
+pub(super) fn draw(target: &SceneTarget, lens: &Lens, canvas: &mut Canvas<'_>) {
     let depth_m = lens.depth_m(&target.position);
     let Some((right_px, down_px)) = lens.project(&target.position.vector()) else {
         return;

@@ -29,7 +29,7 @@ struct Ground {
 }
 
 /// Draws every pixel.
-pub(super) fn draw(seed: u32, ground_down_m: f64, lens: &Lens, canvas: &mut impl Canvas) {
+pub(super) fn draw(seed: u32, ground_down_m: f64, lens: &Lens, canvas: &mut Canvas<'_>) {
     let ground = Ground {
         seed,
         eye_north_m: lens.eye.x as f32,

@@ -1,4 +1,4 @@
-//! PX4's numbers for its flight modes, and what each mode needs.
+//! PX4's numbers for its flight modes, and what each mode needs. The links have a table of their own: what one of the two has wrong, flights show.
 
 use skein_domain::FlightMode;
 

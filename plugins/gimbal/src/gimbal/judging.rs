@@ -38,7 +38,7 @@ impl Gimbal {
             self.end(Ok(()), effects);
         } else if after_s > self.settings.turn_timeout_s {
             let what = "the gimbal to look where it is to look".to_owned();
-            self.end(Err(Refusal::TimedOut { what, after_s }), effects);
+            self.end(Err(Refusal::timed_out(what, after_s)), effects);
         }
     }
 

@@ -56,13 +56,10 @@ impl WifiError {
     pub(crate) fn refusal(&self) -> Refusal {
         let detail = self.to_string();
         match self {
-            Self::Kernel(error) if error.kind() == ErrorKind::PermissionDenied => Refusal::NotPermitted {
-                detail: format!("{detail}; CAP_NET_ADMIN is needed"),
-            },
-            Self::Silent => Refusal::TimedOut {
-                what: "the kernel's answer".to_owned(),
-                after_s: ANSWER_WAIT.as_secs_f64(),
-            },
+            Self::Kernel(error) if error.kind() == ErrorKind::PermissionDenied => {
+                Refusal::not_permitted(format!("{detail}; CAP_NET_ADMIN is needed"))
+            }
+            Self::Silent => Refusal::timed_out("the kernel's answer", ANSWER_WAIT.as_secs_f64()),
             _ => Refusal::NotSupported { detail },
         }
     }

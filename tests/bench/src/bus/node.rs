@@ -17,6 +17,8 @@ use std::time::{Duration, Instant};
 const BEACON_S: f64 = 0.1;
 const VEHICLE_S: f64 = 0.2;
 const SELDOM_S: f64 = 2.0;
+/// It looks at least as often as the program does for what waits for the budget, or for an answer.
+const LOOK_S: f64 = 0.01;
 const BEACON: Key = Key(1);
 const VEHICLE: Key = Key(2);
 const INTENT: Key = Key(3);
@@ -154,10 +156,8 @@ impl Node {
                     self.happened(now, event);
                 }
                 self.count();
-                let moments = [self.bus.wakes_at(now), self.next.into_iter().min()];
-                let due = moments.into_iter().flatten().min().unwrap_or(now);
-                let pause_s = due.seconds_since(now).clamp(0.0, 0.1);
-                std::thread::park_timeout(Duration::from_secs_f64(pause_s));
+                let due_s = self.next.into_iter().min().map_or(0.0, |due| due.seconds_since(now));
+                std::thread::park_timeout(Duration::from_secs_f64(due_s.clamp(0.0, LOOK_S)));
             }
         });
         Ok(Running {

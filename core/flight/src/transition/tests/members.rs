@@ -238,7 +238,11 @@ fn without_a_leader_the_first_moves_too() {
         OffsetFrd::new(0.0, 40.0, 0.0),
         OffsetFrd::new(0.0, 50.0, 0.0),
     ];
-    let plan = plan_members(&from, &slots, &LIMITS, &[], false, START).unwrap();
+    let change = Change {
+        led: false,
+        ..Change::new(&from, &slots, &LIMITS)
+    };
+    let plan = change.plan(START).unwrap();
     let rights: Vec<f64> = plan.moves.iter().map(|slot| slot.to.right_m.round()).collect();
     assert_eq!(rights, [-10.0, 0.0, 10.0]);
     assert_eq!(plan.moves[0].from, from[0]);

@@ -50,10 +50,10 @@ impl NodeHandle {
         };
         match actor.call(message, Some(ANSWER_WITHIN)).await {
             Ok(CallResult::Success(receipt)) => Ok(receipt),
-            Ok(CallResult::Timeout) => Err(Refusal::TimedOut {
-                what: format!("payload {payload} of vehicle {vehicle}"),
-                after_s: ANSWER_WITHIN.as_secs_f64(),
-            }),
+            Ok(CallResult::Timeout) => Err(Refusal::timed_out(
+                format!("payload {payload} of vehicle {vehicle}"),
+                ANSWER_WITHIN.as_secs_f64(),
+            )),
             _ => Err(not_running(vehicle, Some(payload))),
         }
     }
@@ -80,9 +80,7 @@ impl NodeHandle {
         &self,
         message: impl FnOnce(ractor::RpcReplyPort<Result<(), Refusal>>) -> FleetMessage,
     ) -> Result<(), Refusal> {
-        let gone = || Refusal::NotRunning {
-            what: "the fleet".into(),
-        };
+        let gone = || Refusal::not_running("the fleet");
         let fleet = self.parts.fleet.load_full().ok_or_else(gone)?;
         match fleet.call(message, Some(ANSWER_WITHIN)).await {
             Ok(CallResult::Success(answer)) => answer,
@@ -107,14 +105,10 @@ impl NodeHandle {
         let mut seen = std::collections::BTreeSet::new();
         for track in &tracks {
             if !track.position.is_finite() || !track.velocity.is_finite() {
-                return Err(Refusal::InvalidValue {
-                    detail: format!("track {} is not finite", track.track),
-                });
+                return Err(Refusal::invalid(format!("track {} is not finite", track.track)));
             }
             if !seen.insert(track.track) {
-                return Err(Refusal::InvalidValue {
-                    detail: format!("track {} is there twice", track.track),
-                });
+                return Err(Refusal::invalid(format!("track {} is there twice", track.track)));
             }
         }
         self.shared.observed.tell_tracks(tracks);

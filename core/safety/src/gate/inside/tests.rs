@@ -1,12 +1,12 @@
 //! Fences at the gate: what is refused names its zone, and who flies at a fence at full speed stands before it.
 
-use super::super::Limits;
+use super::super::{Limits, Steered, Steering};
 use super::*;
+use crate::avoidance::Surroundings;
 use crate::fence::tests::polygon_about;
 use crate::fence::{Fence, Fences, Zone};
-use nalgebra::Vector3;
 use proptest::prelude::*;
-use skein_domain::{BreachAction, NodeTime, Route, VehicleCommand, VehicleId, VelocityNed, ZoneKind};
+use skein_domain::{BreachAction, NodeTime, Route, VehicleCommand, VehicleId, ZoneKind};
 
 const LIMITS: Limits = Limits {
     max_speed_m_s: 10.0,
@@ -16,8 +16,10 @@ const LIMITS: Limits = Limits {
     separation_horizon_s: 0.8,
 };
 const PERIOD_S: f64 = 0.02;
-/// What a vehicle that holds brakes with at least: a little more than the gate reckons with.
+/// What a vehicle brakes with at least: a little more than the gate reckons with.
 const BRAKING_M_S2: f64 = 3.2;
+/// Two control periods and the time it takes to tilt.
+const REACTION_S: f64 = 0.1;
 
 fn at(north_m: f64, east_m: f64, height_m: f64) -> PositionNed {
     PositionNed::new(north_m, east_m, -height_m)
@@ -93,6 +95,19 @@ fn asked(velocity: Vector3<f64>) -> Setpoint {
     }
 }
 
+/// In the air, with nobody else about.
+fn steer(gate: &Gate, own: &VehicleKinematics, velocity: Vector3<f64>, now: NodeTime) -> Steered {
+    let own = Steering {
+        id: VehicleId(1),
+        kinematics: own,
+        airborne: true,
+        ground_down_m: None,
+    };
+    let surroundings = Surroundings::new(&[], &gate.avoidance(), now);
+    gate.steer(&own, &asked(velocity), &surroundings, now)
+        .expect("is within the limits")
+}
+
 #[test]
 fn who_cannot_stop_any_more_is_only_given_what_turns_away_or_brakes() {
     let fences = Fences::new(vec![zone("field", ZoneKind::Inclusion, 100.0, [2.0, 80.0])]);
@@ -102,12 +117,24 @@ fn who_cannot_stop_any_more_is_only_given_what_turns_away_or_brakes() {
         velocity: VelocityNed::new(9.0, 0.0, 0.0),
         ..VehicleKinematics::default()
     };
-    let verdict = |v: [f64; 3]| gate.setpoint(VehicleId(1), &own, true, &asked(v.into()), &[], NodeTime(0));
-    assert!(verdict([9.0, 0.0, 0.0]).is_err(), "12 m are not enough from 9 m/s");
-    assert!(verdict([8.6, 0.0, 0.0]).is_err());
-    assert!(verdict([0.0, 9.0, 0.0]).is_ok(), "along the boundary");
-    assert!(verdict([5.0, 0.0, 0.0]).is_ok(), "slower");
-    assert!(verdict([-3.0, 0.0, 0.0]).is_ok());
+    let given = |v: [f64; 3]| steer(&gate, &own, v.into(), NodeTime(0));
+    for too_fast_m_s in [9.0, 8.6] {
+        let brakes = given([too_fast_m_s, 0.0, 0.0]).setpoint.velocity.unwrap_or_default();
+        assert!(brakes.north_m_s < 7.0, "12 m are not enough from 9 m/s: {brakes:?}");
+    }
+    for (v, why) in [
+        ([0.0, 9.0, 0.0], "along the boundary"),
+        ([5.0, 0.0, 0.0], "slower"),
+        ([-3.0, 0.0, 0.0], "away"),
+    ] {
+        assert_eq!(given(v).change, None, "{why}");
+    }
+}
+
+/// The velocity that it is given in place of the wanted one.
+fn given(gate: &Gate, own: &VehicleKinematics, wanted: Vector3<f64>, now: NodeTime) -> Vector3<f64> {
+    let setpoint = steer(gate, own, wanted, now).setpoint;
+    setpoint.velocity.expect("a velocity stays one").vector()
 }
 
 proptest! {
@@ -123,8 +150,8 @@ proptest! {
         let gate = Gate::new(LIMITS, fences.clone());
         let mut own = VehicleKinematics { position: at(centre[0], centre[1], 30.0), ..VehicleKinematics::default() };
         for step in 0..1500_u64 {
-            let verdict = gate.setpoint(VehicleId(1), &own, true, &asked(wanted), &[], NodeTime(step * 20_000));
-            let (target, most) = if verdict.is_ok() { (wanted, 4.0) } else { (Vector3::zeros(), BRAKING_M_S2) };
+            let target = given(&gate, &own, wanted, NodeTime(step * 20_000));
+            let most = if target == wanted { 4.0 } else { BRAKING_M_S2 };
             let velocity = own.velocity.vector();
             own.velocity = (velocity + (target - velocity).cap_magnitude(most * PERIOD_S)).into();
             own.position = own.position.after(&own.velocity, PERIOD_S);
@@ -145,14 +172,14 @@ proptest! {
             let wanted = Vector3::new(ask.0, ask.1, ask.2);
             for step in 0..100_u64 {
                 let now = NodeTime((index as u64 * 100 + step) * 20_000);
-                let verdict = gate.setpoint(VehicleId(1), &own, true, &asked(wanted), &[], now);
-                let (target, most) = if verdict.is_ok() { (wanted, 4.0) } else { (Vector3::zeros(), BRAKING_M_S2) };
+                let target = given(&gate, &own, wanted, now);
+                let most = if target == wanted { 4.0 } else { BRAKING_M_S2 };
                 let velocity = own.velocity.vector();
                 own.velocity = (velocity + (target - velocity).cap_magnitude(most * PERIOD_S)).into();
                 own.position = own.position.after(&own.velocity, PERIOD_S);
                 let out_m = fences.excess(&own.position).distance_m();
                 fastest_m_s = fastest_m_s.max(own.velocity.norm());
-                let allowed_m = gate.approach().stopping_m(fastest_m_s);
+                let allowed_m = fastest_m_s * REACTION_S + 0.5 * fastest_m_s * fastest_m_s / MAX_BRAKING_M_S2;
                 prop_assert!(out_m <= allowed_m, "{out_m} m out, {allowed_m} m to stop");
             }
         }
