@@ -3,7 +3,7 @@
 //! Must never do: hold two definitions of one topic and version that a sample's length does not tell apart.
 
 use crate::cdr::{CdrError, Encoding, decode, fits};
-use crate::messages::{Field, Message, estimate, incoming, sensors, size_bytes, state};
+use crate::messages::{Field, Message, incoming, size_bytes};
 use crate::sample::{Implausible, Sample};
 use crate::type_hash;
 use std::fmt;
@@ -249,33 +249,18 @@ impl Definition {
     }
 }
 
-use Release::{Later, V1_15, V1_16, V1_17, V1_18};
+/// The topic of each message that PX4 sends, by the name of the message.
+mod topic_of {
+    pub use super::Topic::{
+        Attitude as VehicleAttitude, Battery as BatteryStatus, CommandAck as VehicleCommandAck,
+        GlobalPosition as VehicleGlobalPosition, Gnss as SensorGps, Home as HomePosition,
+        LandDetected as VehicleLandDetected, LocalPosition as VehicleLocalPosition, Status as VehicleStatus,
+        Timesync as TimesyncStatus,
+    };
+}
 
-/// All of them.
-pub const DEFINITIONS: &[Definition] = &[
-    Definition::new::<state::VehicleStatus1_15>(Topic::Status, 0, &[V1_15]),
-    Definition::new::<state::VehicleStatus1>(Topic::Status, 1, &[V1_16, V1_17]),
-    Definition::new::<state::VehicleStatus4>(Topic::Status, 4, &[V1_18, Later]),
-    Definition::new::<estimate::VehicleLocalPosition1_15>(Topic::LocalPosition, 0, &[V1_15]),
-    Definition::new::<estimate::VehicleLocalPosition1>(Topic::LocalPosition, 0, &[V1_16]),
-    Definition::new::<estimate::VehicleLocalPosition1>(Topic::LocalPosition, 1, &[V1_17, V1_18, Later]),
-    Definition::new::<state::VehicleLandDetected>(Topic::LandDetected, 0, &Release::ALL),
-    Definition::new::<state::VehicleCommandAck>(Topic::CommandAck, 0, &[V1_15, V1_16, V1_17]),
-    Definition::new::<state::VehicleCommandAck>(Topic::CommandAck, 1, &[V1_18, Later]),
-    Definition::new::<estimate::VehicleAttitude>(Topic::Attitude, 0, &Release::ALL),
-    Definition::new::<estimate::VehicleGlobalPosition1_15>(Topic::GlobalPosition, 0, &[V1_15]),
-    Definition::new::<estimate::VehicleGlobalPosition0>(Topic::GlobalPosition, 0, &[V1_16, V1_17, V1_18, Later]),
-    Definition::new::<sensors::BatteryStatus1_15>(Topic::Battery, 0, &[V1_15]),
-    Definition::new::<sensors::BatteryStatus0>(Topic::Battery, 0, &[V1_16]),
-    Definition::new::<sensors::BatteryStatus1>(Topic::Battery, 1, &[V1_17, V1_18, Later]),
-    Definition::new::<sensors::SensorGps1_15>(Topic::Gnss, 0, &[V1_15, V1_16]),
-    Definition::new::<sensors::SensorGps1_17>(Topic::Gnss, 0, &[V1_17]),
-    Definition::new::<sensors::SensorGps1_18>(Topic::Gnss, 0, &[V1_18, Later]),
-    Definition::new::<sensors::HomePosition0>(Topic::Home, 0, &[V1_15, V1_16]),
-    Definition::new::<sensors::HomePosition1>(Topic::Home, 1, &[V1_17, V1_18]),
-    Definition::new::<sensors::HomePosition2>(Topic::Home, 2, &[Later]),
-    Definition::new::<state::TimesyncStatus>(Topic::Timesync, 0, &Release::ALL),
-];
+/// All of them: each message in each shape, with the releases from the one that brought it up to the one before the next.
+pub const DEFINITIONS: &[Definition] = include!(concat!(env!("OUT_DIR"), "/definitions.rs"));
 
 /// The definitions of a topic in a version.
 pub fn of(topic: Topic, version: u32) -> impl Iterator<Item = &'static Definition> {

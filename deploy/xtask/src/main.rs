@@ -18,6 +18,7 @@ mod output;
 mod plugins;
 mod processes;
 mod px4;
+mod px4_messages;
 mod report;
 mod screenshot;
 mod step;
@@ -75,6 +76,8 @@ enum Task {
     },
     /// Builds everything and flies the demo with instances of your own build of PX4, in the simulation that PX4 carries.
     Px4(px4::Px4Arguments),
+    /// Compares the messages that the link over DDS knows with a source tree of PX4, and takes over what a release changed.
+    Px4Messages(px4_messages::MessagesArguments),
     /// Measures the program beside plain loops, SciPy and rclpy; arguments go on to `skein bench fleet`. `bench ros2` measures ROS 2 alone.
     Bench {
         /// For example `--vehicles 100 --seconds 10`, or `ros2 --seconds 30`.
@@ -131,6 +134,7 @@ fn run(task: Task) -> Result<ExitCode> {
         Task::BuildUi => ui::build(&workspace).map(|()| ExitCode::SUCCESS),
         Task::Demo { arguments } => demo::run(&workspace, &arguments),
         Task::Px4(arguments) => px4::run(&workspace, &arguments),
+        Task::Px4Messages(arguments) => px4_messages::run(&workspace, &arguments),
         Task::Bench { arguments } => bench::run(&workspace, &arguments),
         Task::Tidy => tidy::run(&workspace),
         Task::Docs => docs::run(&workspace),

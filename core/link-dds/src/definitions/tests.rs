@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::cdr::encode;
+use crate::messages::v1_15;
 use crate::naming::type_name;
 use proptest::prelude::*;
 
@@ -72,7 +73,7 @@ fn names_lead_to_topics_and_back() {
 
 #[test]
 fn a_truncated_or_longer_sample_is_named_as_such() {
-    let ack = state::VehicleCommandAck {
+    let ack = v1_15::VehicleCommandAck {
         timestamp: 5,
         command: 400,
         result: 1,

@@ -4,6 +4,15 @@ use super::*;
 use crate::cdr::{Encoding, decode, encode};
 use crate::messages::incoming::VehicleCommand;
 use byteorder::BigEndian;
+use std::path::Path;
+
+#[path = "../../build.rs"]
+#[allow(
+    dead_code,
+    clippy::duplicate_mod,
+    reason = "this is the build's own program, and not all of it is run here"
+)]
+mod build;
 
 fn command() -> VehicleCommand {
     VehicleCommand {
@@ -59,4 +68,31 @@ fn fields_are_told_as_they_are_declared() {
         ("position", Kind::F32, Some(3))
     );
     assert_eq!(first[2].kind.word(), "float32");
+}
+
+#[test]
+fn a_line_that_defines_nothing_ends_the_build_with_its_place() {
+    let parsed = |text: &str| build::parse(Path::new("1.19/Some.msg"), text).map(|shape| shape.fields.len());
+    assert_eq!(
+        parsed("uint32 MESSAGE_VERSION = 3\nuint64 timestamp\nfloat32[4] q\n"),
+        Ok(2)
+    );
+    for bad in [
+        "",
+        "# text",
+        "uint64",
+        "uint64 ",
+        "uint64  timestamp",
+        "uint64 timestamp # text",
+        "string name",
+        "int128 wide",
+        "float32[] q",
+        "float32[x] q",
+        "float32[4 q",
+        "uint8 FIX = 3",
+        "uint32 MESSAGE_VERSION = x",
+    ] {
+        let error = parsed(&format!("uint64 timestamp\n{bad}\n")).unwrap_err();
+        assert!(error.starts_with("1.19/Some.msg:2: "), "{error}");
+    }
 }

@@ -5,20 +5,19 @@
 use super::{
     Ack, Attitude, BatteryReport, GnssReport, Landed, LocalPosition, Place, Sample, Status, Timesync, Validity,
 };
-use crate::messages::{estimate, sensors, state};
 use skein_domain::Geodetic;
 
 macro_rules! each {
-    ($($shape:path),+ => |$message:ident| $sample:expr) => {
-        $(impl From<$shape> for Sample {
-            fn from($message: $shape) -> Self {
+    ($name:ident in $($release:ident),+ => |$message:ident| $sample:expr) => {
+        $(impl From<$crate::messages::$release::$name> for Sample {
+            fn from($message: $crate::messages::$release::$name) -> Self {
                 $sample
             }
         })+
     };
 }
 
-each!(state::VehicleStatus1_15, state::VehicleStatus1, state::VehicleStatus4 => |message| Self::Status(Status {
+each!(VehicleStatus in v1_15, v1_16, v1_18 => |message| Self::Status(Status {
     stamp_us: message.timestamp,
     system_id: message.system_id,
     arming_state: message.arming_state,
@@ -28,7 +27,7 @@ each!(state::VehicleStatus1_15, state::VehicleStatus1, state::VehicleStatus4 => 
     took_off: message.takeoff_time != 0,
 }));
 
-each!(estimate::VehicleLocalPosition1_15, estimate::VehicleLocalPosition1 => |message| Self::Local(LocalPosition {
+each!(VehicleLocalPosition in v1_15, v1_16, v1_17 => |message| Self::Local(LocalPosition {
     stamp_us: message.timestamp,
     measured_us: message.timestamp_sample,
     valid: Validity {
@@ -53,7 +52,7 @@ fn place(latitude_deg: f64, longitude_deg: f64, altitude_amsl_m: f64) -> Geodeti
     }
 }
 
-each!(estimate::VehicleGlobalPosition1_15 => |message| Self::Global(Place {
+each!(VehicleGlobalPosition in v1_15 => |message| Self::Global(Place {
     stamp_us: message.timestamp,
     measured_us: message.timestamp_sample,
     // This release sends it only while it is valid.
@@ -61,24 +60,24 @@ each!(estimate::VehicleGlobalPosition1_15 => |message| Self::Global(Place {
     place: place(message.lat, message.lon, message.alt.into()),
 }));
 
-each!(estimate::VehicleGlobalPosition0 => |message| Self::Global(Place {
+each!(VehicleGlobalPosition in v1_16 => |message| Self::Global(Place {
     stamp_us: message.timestamp,
     measured_us: message.timestamp_sample,
     valid: message.lat_lon_valid && message.alt_valid,
     place: place(message.lat, message.lon, message.alt.into()),
 }));
 
-each!(estimate::VehicleAttitude => |message| Self::Attitude(Attitude {
+each!(VehicleAttitude in v1_15 => |message| Self::Attitude(Attitude {
     stamp_us: message.timestamp,
     quaternion: message.q,
 }));
 
-each!(state::VehicleLandDetected => |message| Self::Landed(Landed {
+each!(VehicleLandDetected in v1_15 => |message| Self::Landed(Landed {
     stamp_us: message.timestamp,
     landed: message.landed,
 }));
 
-each!(sensors::BatteryStatus1_15, sensors::BatteryStatus0, sensors::BatteryStatus1 => |message| {
+each!(BatteryStatus in v1_15, v1_16, v1_17 => |message| {
     Self::Battery(BatteryReport {
         stamp_us: message.timestamp,
         id: message.id,
@@ -91,7 +90,7 @@ each!(sensors::BatteryStatus1_15, sensors::BatteryStatus0, sensors::BatteryStatu
     })
 });
 
-each!(sensors::SensorGps1_15, sensors::SensorGps1_17, sensors::SensorGps1_18 => |message| Self::Gnss(GnssReport {
+each!(SensorGps in v1_15, v1_17, v1_18 => |message| Self::Gnss(GnssReport {
     stamp_us: message.timestamp,
     fix_type: message.fix_type,
     satellites: message.satellites_used,
@@ -99,21 +98,21 @@ each!(sensors::SensorGps1_15, sensors::SensorGps1_17, sensors::SensorGps1_18 => 
     place: place(message.latitude_deg, message.longitude_deg, message.altitude_msl_m),
 }));
 
-each!(sensors::HomePosition0, sensors::HomePosition1, sensors::HomePosition2 => |message| Self::Home(Place {
+each!(HomePosition in v1_15, v1_17, later => |message| Self::Home(Place {
     stamp_us: message.timestamp,
     measured_us: message.timestamp,
     valid: message.valid_hpos && message.valid_alt,
     place: place(message.lat, message.lon, message.alt.into()),
 }));
 
-each!(state::TimesyncStatus => |message| Self::Timesync(Timesync {
+each!(TimesyncStatus in v1_15 => |message| Self::Timesync(Timesync {
     stamp_us: message.timestamp,
     source: message.source_protocol,
     offset_us: message.estimated_offset,
     round_trip_us: message.round_trip_time,
 }));
 
-each!(state::VehicleCommandAck => |message| Self::Ack(Ack {
+each!(VehicleCommandAck in v1_15, v1_18 => |message| Self::Ack(Ack {
     command: message.command,
     result: message.result,
     target_system: message.target_system,

@@ -6,7 +6,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use skein_domain::Geodetic;
 use skein_link_dds::cdr::{Encoding, decode};
 use skein_link_dds::definitions::{DEFINITIONS, Definition};
-use skein_link_dds::messages::state;
+use skein_link_dds::messages::v1_18;
 use skein_link_dds::sample::Sample;
 use skein_sim::topics::{AttitudeReport, LandedReport};
 
@@ -223,7 +223,7 @@ fn each_mode_has_the_number_that_the_link_reads() {
 fn the_other_fields_of_a_status_are_a_quadrotors() {
     let (_, record) = outgoing(&all()[0], Release::V1_18).expect("is published");
     let octets = sample(of(Topic::Status, Release::V1_18).fields, &record).0;
-    let read: state::VehicleStatus4 = decode(Encoding::LittleEndian, &octets).expect("is one");
+    let read: v1_18::VehicleStatus = decode(Encoding::LittleEndian, &octets).expect("is one");
     assert_eq!((read.vehicle_type, read.system_type, read.component_id), (1, 2, 1));
     assert_eq!((read.armed_time, read.accepts_offboard_setpoints), (9_000_000, true));
 }
