@@ -32,6 +32,18 @@ pub struct Finding {
     what: String,
 }
 
+impl Finding {
+    /// About a whole file.
+    fn of(path: impl Into<String>, rule: &'static str, what: impl Into<String>) -> Self {
+        Self {
+            path: path.into(),
+            line: 0,
+            rule,
+            what: what.into(),
+        }
+    }
+}
+
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let line = if self.line == 0 {
@@ -61,10 +73,8 @@ impl File {
 
     fn finding(&self, line: usize, rule: &'static str, what: impl Into<String>) -> Finding {
         Finding {
-            path: self.path.clone(),
             line,
-            rule,
-            what: what.into(),
+            ..Finding::of(&self.path, rule, what)
         }
     }
 }

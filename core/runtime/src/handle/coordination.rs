@@ -143,7 +143,7 @@ impl NodeHandle {
 
     /// Plans are made from the picture of a control period, and whoever asks for one may have seen what came after it (the last vehicle
     /// has just come up): waits for a picture that has it all. A node too busy for that plans with what it has.
-    pub(super) async fn picture_of_now(&self) {
+    async fn picture_of_now(&self) {
         let asked = self.shared.now();
         let fresh = async {
             while self.shared.peers().made < asked {
@@ -157,14 +157,22 @@ impl NodeHandle {
         &self,
         message: impl FnOnce(RpcReplyPort<Result<T, Refusal>>) -> CoordinatorMessage,
     ) -> Result<T, Refusal> {
-        let not_running = || Refusal::not_running("the coordinator");
         if !self.shared.coordinates() {
             return Err(no_coordinator());
         }
+        self.ask_coordinator(message).await?
+    }
+
+    /// Asks the coordinator of this node.
+    pub(super) async fn ask_coordinator<T: Send + 'static>(
+        &self,
+        message: impl FnOnce(RpcReplyPort<T>) -> CoordinatorMessage,
+    ) -> Result<T, Refusal> {
+        let not_running = || Refusal::not_running("the coordinator");
         let coordinator = self.parts.coordinator.load_full().ok_or_else(not_running)?;
         self.picture_of_now().await;
         match coordinator.call(message, Some(PLAN_WITHIN)).await {
-            Ok(CallResult::Success(answer)) => answer,
+            Ok(CallResult::Success(answer)) => Ok(answer),
             Ok(CallResult::Timeout) => Err(Refusal::timed_out("the coordinator", PLAN_WITHIN.as_secs_f64())),
             _ => Err(not_running()),
         }

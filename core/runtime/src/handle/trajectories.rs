@@ -2,7 +2,6 @@
 
 use super::{NodeHandle, PLAN_WITHIN};
 use crate::coordinator::{CoordinatorMessage, TrajectoryAnswer, TrajectoryAsk};
-use ractor::rpc::CallResult;
 use skein_coordination::Flight;
 use skein_domain::link::RoutePoint;
 use skein_domain::{
@@ -50,10 +49,6 @@ impl NodeHandle {
 
     pub(crate) async fn ask_trajectories_here(&self, request: TrajectoryRequest, fly: bool) -> TrajectoryAnswer {
         let against = |refusal| Err(vec![TrajectoryObjection { vehicle: None, refusal }]);
-        let not_running = Refusal::not_running("the coordinator");
-        let Some(coordinator) = self.parts.coordinator.load_full() else {
-            return against(not_running);
-        };
         let asked_at = self.now();
         let message = |reply| {
             CoordinatorMessage::PlanTrajectories(Box::new(TrajectoryAsk {
@@ -63,12 +58,7 @@ impl NodeHandle {
                 reply,
             }))
         };
-        self.picture_of_now().await;
-        match coordinator.call(message, Some(PLAN_WITHIN)).await {
-            Ok(CallResult::Success(answer)) => answer,
-            Ok(CallResult::Timeout) => against(Refusal::timed_out("the coordinator", PLAN_WITHIN.as_secs_f64())),
-            _ => against(not_running),
-        }
+        self.ask_coordinator(message).await.unwrap_or_else(against)
     }
 
     /// Ends all trajectories; who flew one holds. Whose they were.

@@ -83,11 +83,9 @@ fn map_of_the_code(workspace: &Workspace, files: &[File]) -> Vec<Finding> {
     let named = |folder: &str| text.contains(&format!("`{folder}`"));
     let missing = workspace.packages.iter().filter(|package| !named(&package.folder));
     missing
-        .map(|package| Finding {
-            path: "ARCHITECTURE.md".to_owned(),
-            line: 0,
-            rule: "map",
-            what: format!("does not name the member `{}`", package.folder),
+        .map(|package| {
+            let what = format!("does not name the member `{}`", package.folder);
+            Finding::of("ARCHITECTURE.md", "map", what)
         })
         .collect()
 }

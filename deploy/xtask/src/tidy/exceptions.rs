@@ -37,12 +37,7 @@ pub fn without(list: &str, findings: BTreeSet<Finding>) -> Result<Vec<Finding>> 
     for exception in &list.exception {
         let before = left.len();
         left.retain(|finding| !(finding.rule == exception.rule && finding.path == exception.path));
-        let complaint = |what: String| Finding {
-            path: LIST.to_owned(),
-            line: 0,
-            rule: "exceptions",
-            what,
-        };
+        let complaint = |what: String| Finding::of(LIST, "exceptions", what);
         if left.len() == before {
             let what = format!(
                 "the exception from {} for {} is not needed any more",

@@ -69,12 +69,7 @@ pub fn check(workspace: &Workspace) -> Vec<Finding> {
 }
 
 fn finding(package: &Package, what: String) -> Finding {
-    Finding {
-        path: format!("{}/Cargo.toml", package.folder),
-        line: 0,
-        rule: "layers",
-        what,
-    }
+    Finding::of(format!("{}/Cargo.toml", package.folder), "layers", what)
 }
 
 fn place(name: &str) -> Option<usize> {

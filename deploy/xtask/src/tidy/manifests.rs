@@ -34,14 +34,7 @@ pub fn check(workspace: &Workspace, files: &[File]) -> Vec<Finding> {
     let mut findings = Vec::new();
     for package in &workspace.packages {
         let path = format!("{}/Cargo.toml", package.folder);
-        let mut broken = |rule, what: String| {
-            findings.push(Finding {
-                path: path.clone(),
-                line: 0,
-                rule,
-                what,
-            })
-        };
+        let mut broken = |rule, what: String| findings.push(Finding::of(&path, rule, what));
         if let Some(name) = wanted_name(&package.folder).filter(|name| *name != package.name) {
             broken("crate-name", format!("is {}; by its folder it is {name}", package.name));
         }

@@ -21,14 +21,10 @@ pub fn check(workspace: &Workspace, files: &[File]) -> Vec<Finding> {
 pub fn of_crate(folder: &str, files: &[File]) -> Vec<Finding> {
     let root = format!("{folder}/src/");
     let imports = imports(&root, files);
-    let finding = |circle: Vec<&str>| Finding {
-        path: format!("{root}lib.rs"),
-        line: 0,
-        rule: "modules",
-        what: format!(
-            "imports go round: {}; put what they share into a module below them",
-            circle.join(" → ")
-        ),
+    let finding = |circle: Vec<&str>| {
+        let round = circle.join(" → ");
+        let what = format!("imports go round: {round}; put what they share into a module below them");
+        Finding::of(format!("{root}lib.rs"), "modules", what)
     };
     circles(&imports).into_iter().map(finding).collect()
 }

@@ -32,13 +32,9 @@ fn tests(package: &Package) -> impl Iterator<Item = &str> {
 }
 
 fn finding(package: &Package, name: &str, tier: &Package) -> Finding {
-    Finding {
-        path: format!("{}/tests/{name}.rs", package.folder),
-        line: 0,
-        rule: "tiers",
-        what: format!(
-            "{} has a test of this name too: call it otherwise, or both run in both tiers",
-            tier.folder
-        ),
-    }
+    let what = format!(
+        "{} has a test of this name too: call it otherwise, or both run in both tiers",
+        tier.folder
+    );
+    Finding::of(format!("{}/tests/{name}.rs", package.folder), "tiers", what)
 }
