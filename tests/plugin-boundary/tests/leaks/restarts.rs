@@ -2,7 +2,7 @@
 
 use skein_domain::NodeTime;
 use skein_domain::exchange::{Effect, Event, EventBatch, FaultDrill};
-use skein_plugin_host::{Answer, Isolation, Plugin, PluginError, Runners};
+use skein_plugin_host::{Isolation, Plugin, PluginAnswer, PluginError, Runners};
 use skein_testkit::{eventually, patience};
 use skein_tests_plugin_boundary::{create_uav, fixture, shipped, tick, wrong_instance};
 use std::sync::Arc;
@@ -88,7 +88,7 @@ async fn a_model_restarted_a_thousand_times_keeps_its_state() {
             now: NodeTime(life * 20_000),
             events: vec![own, Event::Tick],
         };
-        let Answer {
+        let PluginAnswer {
             effects,
             snapshot: taken,
             ..
