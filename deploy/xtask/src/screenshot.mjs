@@ -160,7 +160,7 @@ async function console_(browser, name, width, height) {
   await page.close();
 }
 
-const MOVING = { frames: 45, every_ms: 400, shown_ms: 150, width: 1200, height: 750, scale: 0.75, quality: 20 };
+const MOVING = { frames: 45, every_ms: 400, shown_ms: 150, width: 1200, height: 752, scale: 0.75, quality: 20 };
 
 const number = (value, bytes) => {
   const into = Buffer.alloc(bytes);
