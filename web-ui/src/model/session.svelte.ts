@@ -37,7 +37,7 @@ export class Session {
   info = $state.raw<FleetInfo>(NO_INFO);
   /** The nodes of the swarm; null where the node flies its vehicles alone. */
   swarm = $state.raw<SwarmSnapshot | null>(null);
-  /** Who has control authority over which vehicle, by its id; the others are under nobody's. */
+  /** Who has control authority over which vehicle, by its id; nobody has it over the others. */
   control = $state.raw<ReadonlyMap<number, VehicleControl>>(new Map());
   rows = $state.raw<readonly VehicleRow[]>([]);
   /** Counts ticks; reading it in an effect makes the effect run with the list. */

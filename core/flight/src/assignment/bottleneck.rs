@@ -1,6 +1,6 @@
-//! Bottleneck assignment, whose longest distance is as short as possible: a search for the smallest length under which as many get a slot as can at all (Garfinkel, *An improved
-//! algorithm for the bottleneck assignment problem*, Operations Research 19, 1971), with maximum matchings by augmenting paths
-//! (Hopcroft, Karp, SIAM J. Comput. 2, 1973) over sets of bits.
+//! Bottleneck assignment, whose longest distance is as short as possible: a search for the smallest length under which as many get a slot
+//! as can at all (Garfinkel, *An improved algorithm for the bottleneck assignment problem*, Operations Research 19, 1971), with maximum
+//! matchings by augmenting paths (Hopcroft, Karp, SIAM J. Comput. 2, 1973) over sets of bits.
 
 use super::Costs;
 

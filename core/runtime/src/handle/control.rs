@@ -36,7 +36,7 @@ pub struct ControlReceipt {
 }
 
 impl NodeHandle {
-    /// Who has control authority over which vehicles, by ascending id; the others are under nobody's.
+    /// Who has control authority over which vehicles, by ascending id; nobody has it over the others.
     #[must_use]
     pub fn control(&self) -> Vec<VehicleControl> {
         self.shared.operators.control().picture(self.now())

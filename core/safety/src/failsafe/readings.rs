@@ -9,7 +9,7 @@ use skein_domain::{EnergyLevel, FlightMode, NodeTime, Reaction, Trigger};
 /// What is to be done about a trigger that lasts.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Course<'a> {
-    /// FailsafeStep by step with the time.
+    /// Step by step with the time.
     Steps(&'a [FailsafeStep]),
     /// One reaction, once it has been wanted for so long.
     Wanted {
