@@ -129,19 +129,19 @@ fn passed_with_certificates_over(protocol: &'static str) {
 }
 
 #[test]
-#[ignore = "long: part of `cargo xtask test --all`"]
+#[ignore = "long: part of `cargo xtask test wire`"]
 fn the_suite_is_passed_over_tls_with_certificates() {
     passed_with_certificates_over("tls");
 }
 
 #[test]
-#[ignore = "long: part of `cargo xtask test --all`"]
+#[ignore = "long: part of `cargo xtask test wire`"]
 fn the_suite_is_passed_over_quic_with_certificates() {
     passed_with_certificates_over("quic");
 }
 
 #[test]
-#[ignore = "long: part of `cargo xtask test --all`"]
+#[ignore = "long: part of `cargo xtask test wire`"]
 fn who_has_a_certificate_of_another_authority_is_not_let_in() {
     let (ours, theirs) = (Certificates::new(), Certificates::new());
     let mut rig = Loopback {

@@ -68,7 +68,7 @@ fn one_flies_there_by_setpoints_survives_their_end_and_lands() {
 }
 
 #[test]
-#[ignore = "long: part of `cargo xtask test --all`"]
+#[ignore = "long: part of `cargo xtask test wire`"]
 fn six_fly_at_once() {
     let mut rig = Rig::start(calm(6), |_| {});
     let mut pilots = rig.pilots();

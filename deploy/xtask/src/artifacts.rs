@@ -16,6 +16,8 @@ use std::process::{Command, Stdio};
 pub struct Artifact {
     /// Folder of its package, as in [`Package::folder`].
     pub folder: String,
+    /// Name of the target.
+    pub name: String,
     /// `lib`, `bin`, `cdylib`, `test`, …
     pub kind: Vec<String>,
     /// The files.
@@ -39,6 +41,7 @@ struct Message {
 
 #[derive(Deserialize)]
 struct MessageTarget {
+    name: String,
     kind: Vec<String>,
 }
 
@@ -69,9 +72,11 @@ impl Message {
             .strip_prefix(&workspace.root)
             .ok()?
             .to_path_buf();
+        let target = self.target?;
         Some(Artifact {
             folder: folder.to_string_lossy().replace('\\', "/"),
-            kind: self.target?.kind,
+            name: target.name,
+            kind: target.kind,
             files: self.filenames,
             is_test: self.profile?.test,
             executable: self.executable,

@@ -25,7 +25,7 @@ const TAKE_FOREIGN_INPUT: [&str; 6] = [
     "skein-plugin-host",
 ];
 /// Crates whose own tests are in part so long that the unit tier leaves them out.
-const HAVE_LONG_TESTS: [&str; 3] = ["skein-bus-zenoh", "skein-sim-dds", "skein-bench"];
+const HAVE_LONG_TESTS: [&str; 1] = ["skein-bench"];
 /// The flights, each with its report; a row of them in place of one long flight, which would show nothing new after two minutes. The
 /// scenarios are flown by the tier e2e.
 const FLIGHTS: [(&str, &[&str]); 8] = [

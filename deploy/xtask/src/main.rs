@@ -52,7 +52,7 @@ enum Task {
     },
     /// Everything CI runs, or the tiers named. Sets up what they need.
     Test {
-        /// Tiers: static, unit, integration, plugin-boundary, faults, seeded, e2e, multihost, interop, ui, ui-soak. None: all of them,
+        /// Tiers: static, unit, wire, integration, plugin-boundary, faults, seeded, e2e, multihost, interop, ui, ui-soak. None: all of them,
         /// without what takes long.
         #[arg(value_parser = tiers::parse)]
         tiers: Vec<tiers::Tier>,

@@ -25,6 +25,8 @@ pub enum Tier {
     Static,
     /// Beside the code: every crate's own tests, and the dashboard's.
     Unit,
+    /// The crates' own tests in real time: links, transports and the API over sockets.
+    Wire,
     /// The whole node in one process, against simulated vehicles.
     Integration,
     /// Built plugin libraries, good and misbehaving.
@@ -45,9 +47,10 @@ pub enum Tier {
     UiSoak,
 }
 
-const ALL: [(Tier, &str); 11] = [
+const ALL: [(Tier, &str); 12] = [
     (Tier::Static, "static"),
     (Tier::Unit, "unit"),
+    (Tier::Wire, "wire"),
     (Tier::Integration, "integration"),
     (Tier::PluginBoundary, "plugin-boundary"),
     (Tier::Faults, "faults"),
@@ -88,18 +91,25 @@ impl Tier {
     fn at_a_time(self) -> &'static str {
         match self {
             Self::Unit => "4",
-            Self::Integration | Self::Faults => "3",
+            Self::Wire | Self::Integration | Self::Faults => "3",
             _ => "1",
         }
     }
 
-    /// What its tests are told besides: those that are ignored for their length run where the tier is named, and with `--all`.
-    fn only_when_whole(self, whole: bool) -> &'static [&'static str] {
-        if whole && self != Self::Unit {
-            &["--include-ignored"]
-        } else {
-            &[]
-        }
+    /// The same, as its test programs are told it.
+    fn threads(self) -> Vec<String> {
+        ["--test-threads", self.at_a_time()].map(str::to_owned).into()
+    }
+
+    /// What its test programs are told besides: tests that are ignored for their length run where the tier is named, and with `--all`.
+    fn told(self, whole: bool) -> Vec<String> {
+        let includes = whole && self != Self::Unit;
+        includes.then(|| "--include-ignored".to_owned()).into_iter().collect()
+    }
+
+    /// What to do where its tests fail.
+    fn advice(self) -> String {
+        format!("{SEE_TESTS} `cargo xtask test {}`", self.name())
     }
 
     /// Whether it takes all of the processor that it gets. The others mostly wait.
@@ -122,7 +132,7 @@ impl Tier {
     /// The crate that holds the tier, if it is one.
     fn package(self) -> Option<&'static str> {
         match self {
-            Self::Static | Self::Unit | Self::Ui | Self::UiSoak => None,
+            Self::Static | Self::Unit | Self::Wire | Self::Ui | Self::UiSoak => None,
             Self::Integration => Some("skein-tests-integration"),
             Self::PluginBoundary => Some("skein-tests-plugin-boundary"),
             Self::Faults => Some("skein-tests-faults"),
@@ -197,6 +207,7 @@ impl<'r> Run<'r> {
         match tier {
             Tier::Static => lints::check(workspace, report),
             Tier::Unit => unit(workspace, report, built),
+            Tier::Wire => wire(report, built, self.whole),
             Tier::Ui => browser_tests(workspace, report, built, self.whole),
             Tier::UiSoak => browser_soak(workspace, report, built),
             Tier::Multihost => multihost(workspace, report, built, self.everything),
@@ -275,10 +286,9 @@ fn build_all(run: &Run<'_>, tiers: &[Tier], report: &mut Report) -> Option<Built
 }
 
 fn unit<'r>(workspace: &'r Workspace, report: &mut Report<'r>, built: &'r Built) {
-    let advice = format!("{SEE_TESTS} `cargo xtask test unit`");
-    let at_a_time = ["--test-threads", Tier::Unit.at_a_time()].map(str::to_owned);
-    let crates = move |arguments: &[String]| built.unit_tests(arguments);
-    report.same_each_time("unit: crates", &advice, crates(&at_a_time), move |names| {
+    let advice = Tier::Unit.advice();
+    let crates = move |arguments: &[String]| built.own_tests(false, arguments);
+    report.same_each_time("unit: crates", &advice, crates(&Tier::Unit.threads()), move |names| {
         crates(&alone(names))
     });
     let documented = "unit: examples in the documentation";
@@ -297,6 +307,14 @@ fn unit<'r>(workspace: &'r Workspace, report: &mut Report<'r>, built: &'r Built)
     report.step("unit: dashboard", "run `npm test` in web-ui", tests);
 }
 
+fn wire<'r>(report: &mut Report<'r>, built: &'r Built, whole: bool) {
+    let tier = Tier::Wire;
+    let told = tier.told(whole);
+    let first = built.own_tests(true, &[tier.threads(), told.clone()].concat());
+    let again = move |names: &[String]| built.own_tests(true, &[told.clone(), alone(names)].concat());
+    report.tests(tier.name(), &tier.advice(), first, again);
+}
+
 fn multihost<'r>(workspace: &'r Workspace, report: &mut Report<'r>, built: &'r Built, may_be_left_out: bool) {
     let advice =
         "run it as root, on a Linux kernel with namespaces, veth and TUN devices; it needs ip and tc of iproute2";
@@ -313,12 +331,9 @@ fn crate_tier<'r>(workspace: &'r Workspace, report: &mut Report<'r>, tier: Tier,
     let Some(package) = tier.package().and_then(|name| workspace.package(name)) else {
         return;
     };
-    let told: Vec<String> = (tier.only_when_whole(whole).iter())
-        .map(|argument| (*argument).to_owned())
-        .collect();
-    let at_a_time = ["--test-threads", tier.at_a_time()].map(str::to_owned);
-    let first = built.tests_of(package, &[&at_a_time[..], &told].concat());
-    let advice = format!("{SEE_TESTS} `cargo xtask test {}`", tier.name());
+    let told = tier.told(whole);
+    let first = built.tests_of(package, &[tier.threads(), told.clone()].concat());
+    let advice = tier.advice();
     let again = move |names: &[String]| built.tests_of(package, &[told.clone(), alone(names)].concat());
     if tier.is_in_real_time() {
         report.tests(tier.name(), &advice, first, again);

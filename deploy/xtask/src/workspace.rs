@@ -28,6 +28,8 @@ pub struct Package {
     pub dependencies: Vec<Dependency>,
     /// What cargo builds from it.
     pub targets: Vec<Target>,
+    /// Its test programs that run in real time, over sockets: `package.metadata.in-real-time` of its manifest.
+    pub in_real_time: Vec<String>,
 }
 
 /// One dependency of a member.
@@ -72,6 +74,14 @@ struct RawPackage {
     manifest_path: PathBuf,
     dependencies: Vec<Dependency>,
     targets: Vec<Target>,
+    metadata: Option<OwnKeys>,
+}
+
+/// The keys of a manifest that are for xtask alone.
+#[derive(Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+struct OwnKeys {
+    in_real_time: Vec<String>,
 }
 
 impl Workspace {
@@ -143,6 +153,7 @@ impl Package {
             folder,
             dependencies: raw.dependencies,
             targets: raw.targets,
+            in_real_time: raw.metadata.map(|keys| keys.in_real_time).unwrap_or_default(),
         })
     }
 

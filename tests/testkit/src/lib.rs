@@ -5,6 +5,7 @@
 //! | the program and the plugins under test, built once per run | [`skein_binary`], [`plugins_dir`] |
 //! | a library that a fixture of a tier builds | [`example_library`] |
 //! | a file of the repository | [`repository`] |
+//! | the longest time without a setpoint that a flight in real time is allowed | [`LONGEST_GAP_S`] |
 //! | waiting for something without sleeping | [`eventually`] with [`patience`] |
 //! | a port that nobody uses | [`free_udp_port`], [`free_tcp_port`] |
 //! | a child process that cannot outlive its test | [`Process`] |
@@ -18,6 +19,7 @@
 mod artefacts;
 #[cfg(feature = "swarm")]
 mod flock;
+mod gap;
 mod patience;
 mod ports;
 mod process;
@@ -27,6 +29,7 @@ mod swarm;
 pub use artefacts::{example_library, plugins_dir, repository, skein_binary};
 #[cfg(feature = "swarm")]
 pub use flock::{Flock, Member, vehicles};
+pub use gap::LONGEST_GAP_S;
 pub use patience::{eventually, patience};
 pub use ports::{free_tcp_port, free_udp_port};
 pub use process::Process;

@@ -16,6 +16,7 @@ fn package(name: &str, folder: &str) -> Package {
         folder: folder.to_owned(),
         dependencies: Vec::new(),
         targets: Vec::new(),
+        in_real_time: Vec::new(),
     }
 }
 
@@ -275,6 +276,25 @@ fn tests_of_a_library_that_says_it_has_none_are_found() {
     assert_eq!(rules(&manifests::check(&workspace, &files)), ["test"]);
     workspace.packages[0].targets[0].test = true;
     assert!(manifests::check(&workspace, &files).is_empty());
+}
+
+#[test]
+fn a_test_in_real_time_that_is_not_there_is_found() {
+    let mut package = package("skein-x", "core/x");
+    package.in_real_time = vec!["peers".to_owned()];
+    let mut workspace = Workspace {
+        root: "/".into(),
+        target: "/target".into(),
+        packages: vec![package],
+    };
+    assert_eq!(rules(&tiers::check(&workspace)), ["tiers"]);
+    workspace.packages[0].targets.push(Target {
+        name: "peers".to_owned(),
+        kind: vec!["test".to_owned()],
+        src_path: "core/x/tests/peers.rs".into(),
+        test: true,
+    });
+    assert!(tiers::check(&workspace).is_empty());
 }
 
 #[test]

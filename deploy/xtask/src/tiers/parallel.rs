@@ -58,6 +58,7 @@ fn longest_first(mut tiers: Vec<Tier>) -> VecDeque<Tier> {
         Tier::Integration,
         Tier::Ui,
         Tier::Interop,
+        Tier::Wire,
         Tier::PluginBoundary,
         Tier::E2e,
     ];

@@ -29,6 +29,8 @@ struct Program {
     /// Folder of its package, relative to the root.
     folder: String,
     path: PathBuf,
+    /// As its manifest says: see [`Package::in_real_time`].
+    in_real_time: bool,
 }
 
 impl Built {
@@ -38,7 +40,14 @@ impl Built {
         let program = |artifact: Artifact| {
             let path = artifact.executable.filter(|_| artifact.is_test)?;
             let folder = artifact.folder;
-            Some(Program { folder, path })
+            let mut packages = workspace.packages.iter();
+            let package = packages.find(|package| package.folder == folder);
+            let in_real_time = package.is_some_and(|package| package.in_real_time.contains(&artifact.name));
+            Some(Program {
+                folder,
+                path,
+                in_real_time,
+            })
         };
         Self {
             root: workspace.root.clone(),
@@ -57,18 +66,21 @@ impl Built {
             .env("SKEIN_EXAMPLES", &self.examples)
     }
 
-    /// The tests beside the code, and the own test files of crates that are no tier. The arguments are those of the test programs.
-    pub fn unit_tests(&self, arguments: &[String]) -> Step {
-        self.tests(|folder| !is_tier_or_fixture(folder), arguments)
+    /// The tests beside the code, and the own test files of crates that are no tier: those in real time, or the others. The arguments are those
+    /// of the test programs.
+    pub fn own_tests(&self, in_real_time: bool, arguments: &[String]) -> Step {
+        let is_selected =
+            |program: &Program| program.in_real_time == in_real_time && !is_tier_or_fixture(&program.folder);
+        self.tests(is_selected, arguments)
     }
 
     /// The tests of one tier's crate.
     pub fn tests_of(&self, package: &Package, arguments: &[String]) -> Step {
-        self.tests(|folder| folder == package.folder, arguments)
+        self.tests(|program| program.folder == package.folder, arguments)
     }
 
-    fn tests(&self, is_selected: impl Fn(&str) -> bool, arguments: &[String]) -> Step {
-        let selected = self.programs.iter().filter(|program| is_selected(&program.folder));
+    fn tests(&self, is_selected: impl Fn(&Program) -> bool, arguments: &[String]) -> Step {
+        let selected = self.programs.iter().filter(|program| is_selected(program));
         let command = |program: &Program| {
             let folder = self.root.join(&program.folder);
             let mut command = Command::new(&program.path);

@@ -2,12 +2,9 @@
 
 use skein_domain::{FlightMode, FlightState, FormationRequest, Shape, VehicleId};
 use skein_runtime::Fault;
-use skein_testkit::Swarm;
+use skein_testkit::{LONGEST_GAP_S, Swarm};
 use skein_view::FleetSnapshot;
 use std::time::Duration;
-
-/// No gap between two setpoints may be longer, in seconds.
-const LONGEST_GAP_S: f64 = 0.2;
 
 async fn in_a_wedge(vehicles: usize) -> Swarm {
     let swarm = Swarm::start(vehicles).await;

@@ -38,7 +38,7 @@ async fn a_formation_holds_whatever_each_vehicle_calls_its_origin() {
     };
     let receipt = swarm.node().set_formation(request).await.expect("is flown");
     let extra = Duration::from_secs_f64(receipt.duration_s);
-    swarm
+    let fleet = swarm
         .until("everyone in its slot", extra, |fleet| {
             let followers = fleet.vehicles.iter().filter(|v| !v.is_leader);
             fleet.formation.as_ref().is_some_and(|f| fleet.time > f.settled_at)
@@ -48,7 +48,9 @@ async fn a_formation_holds_whatever_each_vehicle_calls_its_origin() {
         })
         .await;
     let truth = swarm.truth_now().await;
-    let leader = position(&truth, 1);
+    // Any of them may lead.
+    let leader = fleet.vehicles.iter().find(|v| v.is_leader).expect("one leads");
+    let leader = position(&truth, leader.system_id.0);
     let mut places: Vec<f64> = (1..=4).map(|id| position(&truth, id).east_m - leader.east_m).collect();
     places.sort_by(f64::total_cmp);
     for (place, wanted) in places.iter().zip([-6.0, 0.0, 6.0, 12.0]) {

@@ -4,7 +4,7 @@
 use skein_domain::fence::{AltitudeReference, BreachAction, FencePlan, FenceZone, ZoneKind, ZoneOutline};
 use skein_domain::{FlightState, FormationRequest, NodeId, PositionNed, Route, Shape, VehicleCommand, VehicleId};
 use skein_runtime::Targets;
-use skein_testkit::{Flock, Member};
+use skein_testkit::{Flock, LONGEST_GAP_S, Member};
 use skein_view::FleetSnapshot;
 use skein_view::LeaderStateKind;
 use std::time::Duration;
@@ -211,7 +211,7 @@ async fn four_vehicles_on_four_computers_fly_as_one_swarm_and_another_node_takes
         let truth = flock.simulation(node).truth();
         let gaps = truth.vehicles.iter().map(|v| v.offboard_gap_sender_max_s);
         let gap_s = gaps.fold(0.0, f64::max);
-        assert!(gap_s < 0.2, "vehicle {node}: {gap_s} s without a setpoint");
+        assert!(gap_s < LONGEST_GAP_S, "vehicle {node}: {gap_s} s without a setpoint");
     }
     flock.stop().await;
 }

@@ -10,7 +10,7 @@ use skein_config::{AdoptionRule, Escalation, Isolation, PayloadRule};
 use skein_domain::{FlightState, PositionNed, Refusal, VehicleCommand, VehicleId};
 use skein_runtime::{Fault, Targets};
 use skein_sim::PayloadPlan;
-use skein_testkit::{Swarm, example_library};
+use skein_testkit::{LONGEST_GAP_S, Swarm, example_library};
 use skein_view::ActorStatus;
 use skein_view::{FleetSnapshot, PayloadSnapshot, Restored};
 use std::time::Duration;
@@ -245,7 +245,7 @@ async fn payloads_are_attached_and_detached_in_flight() {
     // Nobody went without setpoints for it, neither its own vehicle nor another one.
     for vehicle in &swarm.truth_now().await.vehicles {
         let gap_s = vehicle.offboard_gap_sender_max_s;
-        assert!(gap_s < 0.2, "{gap_s:.3} s without a setpoint");
+        assert!(gap_s < LONGEST_GAP_S, "{gap_s:.3} s without a setpoint");
     }
     swarm.stop().await;
 }

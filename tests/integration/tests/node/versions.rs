@@ -8,7 +8,7 @@
 use skein_config::Isolation;
 use skein_domain::{FormationRequest, Shape};
 use skein_runtime::{NodeHandle, PluginRefusal, UpgradeReceipt};
-use skein_testkit::{Swarm, example_library};
+use skein_testkit::{LONGEST_GAP_S, Swarm, example_library};
 use skein_view::{FleetSnapshot, Restored};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -111,7 +111,7 @@ async fn a_model_is_exchanged_in_flight_and_goes_back_if_it_must() {
         .await;
     for vehicle in &swarm.truth_now().await.vehicles {
         assert!(
-            vehicle.offboard_gap_sender_max_s < 0.2,
+            vehicle.offboard_gap_sender_max_s < LONGEST_GAP_S,
             "{}",
             vehicle.offboard_gap_sender_max_s
         );

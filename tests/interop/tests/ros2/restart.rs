@@ -8,15 +8,13 @@ use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 use skein_domain::{FlightMode, FlightState, PositionNed, VelocityNed};
 use skein_sim::ModeCause;
-use skein_testkit::Swarm;
+use skein_testkit::{LONGEST_GAP_S, Swarm};
 use skein_tests_interop::{Ros2, Script, say};
 use std::time::{Duration, Instant};
 
 const VEHICLES: u8 = 4;
 /// Who is steered; the others follow each other.
 const ALONE: u8 = 4;
-/// The longest time without a setpoint that a sender may leave, in seconds.
-const GAP_S: f64 = 0.2;
 
 fn commander(ros2: &Ros2, domain_id: u16, mode: &str) -> Result<Watched> {
     let arguments: Vec<String> = std::iter::once(mode.to_owned()).chain(names(VEHICLES)).collect();
@@ -45,7 +43,11 @@ async fn nothing_disturbed(swarm: &Swarm) -> Result<()> {
             .find(|change| change.from == FlightMode::Offboard && change.cause != ModeCause::Commanded);
         ensure!(unasked.is_none(), "{} left OFFBOARD: {unasked:?}", vehicle.system_id);
         let gap_s = vehicle.offboard_gap_sender_max_s;
-        ensure!(gap_s < GAP_S, "{}: {gap_s:.3} s without a setpoint", vehicle.system_id);
+        ensure!(
+            gap_s < LONGEST_GAP_S,
+            "{}: {gap_s:.3} s without a setpoint",
+            vehicle.system_id
+        );
     }
     Ok(())
 }
