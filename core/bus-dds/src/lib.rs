@@ -97,12 +97,7 @@ impl Transport for Dds {
     }
 
     fn send(&mut self, _now: NodeTime, to: To, class: Class, bytes: &[u8]) -> Result<(), SendError> {
-        if bytes.len() > LARGEST_BYTES {
-            return Err(SendError::TooLarge {
-                bytes: bytes.len(),
-                most: LARGEST_BYTES,
-            });
-        }
+        self.check_size(bytes)?;
         if !self.reading.goes_on() {
             return Err(SendError::Down("the thread that reads has ended".to_owned()));
         }

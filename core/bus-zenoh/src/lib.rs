@@ -159,12 +159,7 @@ impl Transport for Zenoh {
     }
 
     fn send(&mut self, _now: NodeTime, to: To, class: Class, bytes: &[u8]) -> Result<(), SendError> {
-        if bytes.len() > LARGEST_BYTES {
-            return Err(SendError::TooLarge {
-                bytes: bytes.len(),
-                most: LARGEST_BYTES,
-            });
-        }
+        self.check_size(bytes)?;
         let to = match to {
             To::One(node) => Some(node),
             To::All => None,

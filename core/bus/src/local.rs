@@ -56,12 +56,7 @@ impl Transport for Local {
     }
 
     fn send(&mut self, _now: NodeTime, to: To, class: Class, bytes: &[u8]) -> Result<(), SendError> {
-        if bytes.len() > LARGEST_BYTES {
-            return Err(SendError::TooLarge {
-                bytes: bytes.len(),
-                most: LARGEST_BYTES,
-            });
-        }
+        self.check_size(bytes)?;
         for arrivals in self.hub.reached(self.node, to) {
             arrivals.put(self.node, class, bytes.to_vec());
         }

@@ -110,11 +110,7 @@ impl<T: Transport> Transport for Radio<T> {
     }
 
     fn send(&mut self, now: NodeTime, to: To, class: Class, bytes: &[u8]) -> Result<(), SendError> {
-        let most = self.largest_bytes();
-        if bytes.len() > most {
-            let bytes = bytes.len();
-            return Err(SendError::TooLarge { bytes, most });
-        }
+        self.check_size(bytes)?;
         let arrivals = self.air.0.lock().sent(now, self.node(), to, bytes.len());
         for (node, at) in arrivals {
             self.last += 1;

@@ -213,11 +213,7 @@ impl<A: Transport, B: Transport> Transport for Redundant<A, B> {
     }
 
     fn send(&mut self, now: NodeTime, to: To, class: Class, bytes: &[u8]) -> Result<(), SendError> {
-        let most = self.largest_bytes();
-        if bytes.len() > most {
-            let bytes = bytes.len();
-            return Err(SendError::TooLarge { bytes, most });
-        }
+        self.check_size(bytes)?;
         match (class, to) {
             (Class::Bulk, To::One(node)) => {
                 let place = self.way_of_bulk(now, node);

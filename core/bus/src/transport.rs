@@ -81,6 +81,19 @@ pub trait Transport: Send {
         false
     }
 
+    /// Whether it carries so large a datagram.
+    ///
+    /// # Errors
+    ///
+    /// [`SendError::TooLarge`] if not.
+    fn check_size(&self, bytes: &[u8]) -> Result<(), SendError> {
+        let (bytes, most) = (bytes.len(), self.largest_bytes());
+        if bytes > most {
+            return Err(SendError::TooLarge { bytes, most });
+        }
+        Ok(())
+    }
+
     /// Sends a datagram; that nobody is there is no error.
     ///
     /// # Errors

@@ -155,7 +155,7 @@ impl Actor for Swarm {
         });
         let state = SwarmState::new(shared, carry_out, &setup, transport, ways, look_waiting, looks)?;
         if let Some(swarm) = &state.shared.swarm {
-            swarm.actor.store(Some(Arc::new(myself)));
+            swarm.speak_through(Some(myself));
         }
         Ok(state)
     }

@@ -103,7 +103,7 @@ impl FencesTold {
     /// Puts them in force if they are newer than those in force.
     pub fn take_up(self, shared: &SharedState) {
         let Some(swarm) = &shared.swarm else { return };
-        let mut revision = swarm.fence_revision.lock();
+        let mut revision = swarm.fence_revision();
         if *revision < self.revision && shared.set_fences(self.plan).is_ok() {
             *revision = self.revision;
         }

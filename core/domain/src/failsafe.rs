@@ -200,6 +200,9 @@ pub enum ReportOnly {
     /// An operator took the vehicle up while the trigger lasted; its next step reacts again.
     #[n(3)]
     Overruled,
+    /// The vehicle lands where it is, which is more than the trigger asks for.
+    #[n(4)]
+    Landing,
 }
 
 /// One thing that the failsafe policy of a vehicle noticed or did.

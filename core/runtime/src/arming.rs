@@ -80,7 +80,7 @@ fn checks(shared: &SharedState, record: &VehicleRecord, entry: &PeerEntry, now: 
     let fences = gate.fences();
     let position = entry.kinematics.map(|k| k.position);
     let running = |status: ActorStatus| status == ActorStatus::Running;
-    let model = record.model.health.lock().clone();
+    let model = record.model.health().clone();
     // Each lock is let go before the next is taken: within one expression all would be held to its end, and the monitor over the vehicle
     // takes these two the other way round.
     let alarms = record.failsafe.lock().would_act(&shared.config.safety.failsafe);
@@ -98,7 +98,7 @@ fn checks(shared: &SharedState, record: &VehicleRecord, entry: &PeerEntry, now: 
             .iter()
             .map(|payload| NamedRunning {
                 name: payload.name.clone(),
-                running: running(payload.life.health.lock().status),
+                running: running(payload.life.health().status),
             })
             .collect(),
         limits_known: Some(limits_known),

@@ -203,7 +203,7 @@ impl CoordinatorState {
             }
         }
         if let Some(swarm) = &self.shared.swarm {
-            for (id, remote) in swarm.vehicles.write().iter_mut() {
+            for (id, remote) in swarm.change_vehicles().iter_mut() {
                 if Some(*id) != leader {
                     remote.anchor = None;
                 }

@@ -377,7 +377,7 @@ impl NodeState {
             Part::Coordinator => self.arguments.handle.parts().coordinator.store(None),
             Part::Swarm => {
                 if let Some(swarm) = &self.arguments.handle.shared().swarm {
-                    swarm.actor.store(None);
+                    swarm.speak_through(None);
                     swarm.silence();
                 }
             }

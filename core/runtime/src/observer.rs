@@ -84,7 +84,7 @@ fn fleet(shared: &SharedState, sequence: u64) -> FleetSnapshot {
         formation: formation(&coordination, &peers, intent_version, now),
         actors,
         tracks: shared.observed.tracks().as_ref().clone(),
-        swarm: shared.swarm.as_ref().map(|swarm| swarm.picture.load().as_ref().clone()),
+        swarm: shared.swarm.as_ref().map(|swarm| swarm.picture().as_ref().clone()),
         resume: shared.resume.question(),
     }
 }
@@ -96,7 +96,7 @@ fn vehicles(
     leader: Option<VehicleId>,
     now: NodeTime,
 ) -> Vec<VehicleSnapshot> {
-    let node = shared.swarm.as_ref().map(|swarm| swarm.role.load().node);
+    let node = shared.swarm.as_ref().map(|swarm| swarm.role().node);
     let records = shared.vehicles.records();
     let mut all: Vec<VehicleSnapshot> = records
         .iter()
@@ -104,7 +104,7 @@ fn vehicles(
         .map(|vehicle| VehicleSnapshot { node, ..vehicle })
         .collect();
     if let Some(swarm) = &shared.swarm {
-        let remote = swarm.vehicles.read();
+        let remote = swarm.vehicles();
         let others = remote.iter().filter(|(id, _)| shared.vehicles.record(**id).is_none());
         all.extend(others.filter_map(|(id, remote)| remote.snapshot(peers.entry(*id)?, leader, now)));
         all.sort_by_key(|vehicle| vehicle.id);

@@ -79,7 +79,7 @@ impl Actor for Payload {
         {
             let mut published = record.change_state();
             published.actor = ActorHealth {
-                name: record.life.health.lock().name.clone(),
+                name: record.life.health().name.clone(),
                 status: ActorStatus::Running,
                 incarnation,
                 last_error: std::mem::take(&mut published.actor.last_error),
@@ -134,7 +134,7 @@ impl Actor for Payload {
             }
             // Without its state if it was given up: it failed with that often enough.
             PayloadMessage::Reset => {
-                let fresh = state.record.life.health.lock().status == ActorStatus::GivenUp;
+                let fresh = state.record.life.health().status == ActorStatus::GivenUp;
                 state.life.reset(fresh);
                 state.refuse_lost();
             }
@@ -173,7 +173,7 @@ impl PayloadState {
     }
 
     async fn try_command(&mut self, id: CommandId, command_json: String) -> Result<(), Refusal> {
-        let plugin = self.record.life.plugin.load_full();
+        let plugin = self.record.life.plugin();
         plugin
             .manifest()
             .check_command(&command_json)

@@ -49,7 +49,7 @@ impl PluginLife {
     /// For a new incarnation of the actor: goes on where the record says.
     pub fn new(shared: Arc<SharedState>, record: Arc<PluginRecord>, limits: &'static RestartLimits) -> Self {
         let (incarnation, given_up) = {
-            let health = record.health.lock();
+            let health = record.health();
             (health.incarnation.next(), health.status == ActorStatus::GivenUp)
         };
         Self {
@@ -86,8 +86,8 @@ impl PluginLife {
         if self.start_at.is_none_or(|at| at > now) {
             return (false, None);
         }
-        let plugin = self.record.plugin.load_full();
-        let snapshot = self.record.snapshot.lock().clone();
+        let plugin = self.record.plugin();
+        let snapshot = self.record.snapshot();
         let asked = Instant::now();
         match self.create(plugin, snapshot, self.incarnation).await {
             Ok((instance, restored)) => {
@@ -140,8 +140,8 @@ impl PluginLife {
         let restart = self.failed.take();
         self.statistics_at = NodeTime(0);
         {
-            let plugin = self.record.plugin.load();
-            let mut health = self.record.health.lock();
+            let plugin = self.record.plugin();
+            let mut health = self.record.change_health();
             health.status = ActorStatus::Running;
             health.incarnation = self.incarnation;
             health.since = now;
@@ -171,7 +171,7 @@ impl PluginLife {
     }
 
     fn keep_restart(&self, time: NodeTime, took_s: f64, backoff_s: f64, restored: Restored) {
-        let name = self.record.health.lock().name.clone();
+        let name = self.record.health().name.clone();
         self.shared.plugins.note_restart(RestartRecord {
             time,
             name,
@@ -195,7 +195,7 @@ impl PluginLife {
         let now = self.shared.now();
         match instance.call(EventBatch { now, events }, frames).await {
             Ok(answer) => {
-                *self.record.snapshot.lock() = Some(answer.snapshot);
+                self.record.keep_snapshot(Some(answer.snapshot));
                 Called::Answered(answer.effects, answer.frames)
             }
             Err(error) => {
@@ -224,7 +224,7 @@ impl PluginLife {
             Decision::GiveUp => (ActorStatus::GivenUp, None),
         };
         {
-            let mut health = self.record.health.lock();
+            let mut health = self.record.change_health();
             health.status = status;
             health.last_error = error.to_owned();
             health.since = now;
@@ -252,7 +252,7 @@ impl PluginLife {
     pub async fn exchange(&mut self, plugin: Arc<Plugin>) -> Result<Restored, PluginError> {
         let snapshot = match &self.instance {
             Some(instance) => Some(instance.snapshot().await?),
-            None => self.record.snapshot.lock().clone(),
+            None => self.record.snapshot(),
         };
         let incarnation = self.incarnation.next();
         let (instance, restored) = self.create(plugin.clone(), snapshot, incarnation).await?;
@@ -267,13 +267,13 @@ impl PluginLife {
                 &[],
             )
             .await?;
-        *self.record.snapshot.lock() = Some(answer.snapshot);
+        self.record.keep_snapshot(Some(answer.snapshot));
         self.instance = Some(instance);
         self.incarnation = incarnation;
         self.statistics_at = NodeTime(0);
-        let before = self.record.plugin.swap(plugin.clone());
+        let before = self.record.exchange(plugin.clone());
         {
-            let mut health = self.record.health.lock();
+            let mut health = self.record.change_health();
             health.status = ActorStatus::Running;
             health.incarnation = incarnation;
             health.since = now;
@@ -293,7 +293,7 @@ impl PluginLife {
     pub fn reset(&mut self, fresh: bool) {
         self.record.forget_failures();
         if fresh {
-            *self.record.snapshot.lock() = None;
+            self.record.keep_snapshot(None);
         }
         self.forget_left_over();
         if self.instance.take().is_some() {
@@ -301,7 +301,7 @@ impl PluginLife {
         }
         self.failed = None;
         self.start_at = Some(self.shared.now());
-        self.record.health.lock().status = ActorStatus::Restarting;
+        self.record.change_health().status = ActorStatus::Restarting;
         self.tell(
             Severity::Advisory,
             ActorStatus::Restarting,
@@ -334,7 +334,7 @@ impl PluginLife {
         }
         self.statistics_at = now.plus_seconds(0.5);
         let statistics = instance.statistics();
-        let mut health = self.record.health.lock();
+        let mut health = self.record.change_health();
         health.calls = statistics.calls;
         health.call_p50_us = statistics.p50_us;
         health.call_p99_us = statistics.p99_us;
@@ -344,7 +344,7 @@ impl PluginLife {
     fn tell(&self, severity: Severity, status: ActorStatus, what: &str) {
         let record = &self.record;
         let kind = EventKind::Supervision {
-            actor: record.health.lock().name.clone(),
+            actor: record.health().name.clone(),
             status,
         };
         let text = format!("{} {what}", record.label);

@@ -23,7 +23,7 @@ use ractor::{Actor, ActorProcessingErr, ActorRef};
 use skein_domain::exchange::{CommandProgress, Event, FaultDrill, Severity};
 use skein_domain::{CommandId, FlightState, Incarnation, NodeTime, PositionNed, Refusal, VehicleCommand};
 use skein_state::restart::VEHICLE_LIMITS;
-use skein_state::{SharedState, VehicleMessage, VehicleRecord};
+use skein_state::{Itinerary, SharedState, VehicleMessage, VehicleRecord};
 use skein_view::{ActorHealth, ActorStatus, CommandReceipt, EventKind};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -165,7 +165,7 @@ impl Actor for VehicleActor {
             }
             // Without its state if it was given up: what it thought then is not what the autopilot has done since.
             VehicleMessage::Reset => {
-                let fresh = state.record.model.health.lock().status == ActorStatus::GivenUp;
+                let fresh = state.record.model.health().status == ActorStatus::GivenUp;
                 state.model.life.reset(fresh);
                 state.refuse_lost();
                 state.task_version = 0;
@@ -218,11 +218,16 @@ impl VehicleState {
         }
         // Most of the time the model has said of the former leg that it is replaced; between two legs it had nothing to say.
         self.abandon_itinerary();
-        *self.record.under_way.lock() = Some((id, command));
+        self.record.commanded.begin(id, command);
         if flown_id != id {
-            let returns = matches!(command, VehicleCommand::Return);
             self.record_progress(id, command.name(), &CommandProgress::Executing);
-            self.begin_itinerary(id, command.name(), legs, flown_id, returns);
+            self.begin_itinerary(Itinerary {
+                id,
+                name: command.name(),
+                returns: matches!(command, VehicleCommand::Return),
+                legs,
+                current: Some(flown_id),
+            });
         }
         Ok(())
     }
@@ -285,7 +290,7 @@ impl VehicleState {
     /// Writes a command's progress to the event log.
     fn record_progress(&self, id: CommandId, name: &str, progress: &CommandProgress) {
         if !matches!(progress, CommandProgress::Executing) {
-            self.record.under_way.lock().take_if(|(under_way, _)| *under_way == id);
+            self.record.commanded.end(id);
         }
         let words = name.replace('_', " ");
         let (severity, text) = match progress {

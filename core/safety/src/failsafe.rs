@@ -43,6 +43,7 @@ pub struct FailsafePolicy {
     /// In the air and under the swarm's control since then.
     reacting_since: Option<NodeTime>,
     pilot_in_control: bool,
+    lands: bool,
     order: Option<Order>,
     /// Since when the order in force has not been seen to take effect.
     ineffective_since: Option<NodeTime>,
@@ -67,6 +68,7 @@ impl FailsafePolicy {
             heard: None,
             reacting_since: None,
             pilot_in_control: false,
+            lands: false,
             order: None,
             ineffective_since: None,
             now: NodeTime::default(),
@@ -150,6 +152,8 @@ impl FailsafePolicy {
             Some(ReportOnly::OnGround)
         } else if settings.mode(trigger) != TriggerMode::React {
             Some(ReportOnly::WarnOnly)
+        } else if self.lands && tracker.stand().is_some_and(|stand| calls_back(stand.reaction)) {
+            Some(ReportOnly::Landing)
         } else {
             tracker.is_overruled().then_some(ReportOnly::Overruled)
         }
@@ -158,6 +162,7 @@ impl FailsafePolicy {
     /// Who has control authority over the vehicle, and whether it flies.
     fn note_control(&mut self, health: &Health, events: &mut Vec<FailsafeEvent>) {
         self.pilot_in_control = health.pilot_in_control;
+        self.lands = health.lands;
         if health.airborne && !health.pilot_in_control {
             self.reacting_since.get_or_insert(self.now);
             return;
@@ -218,6 +223,11 @@ impl FailsafePolicy {
         }
         events.push(words::event(kind, &alarm, self.now, health));
     }
+}
+
+/// Whether a vehicle that lands would be called back by this. A landing is the stronger reaction, whoever commanded it.
+fn calls_back(reaction: Reaction) -> bool {
+    (Reaction::Hold..Reaction::Land).contains(&reaction)
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@
 pub mod asks;
 pub mod by_hand;
 pub mod cluster;
+mod commanded;
 mod coordination;
 pub mod emergency;
 mod failsafe;
@@ -27,6 +28,7 @@ mod vehicle;
 mod vehicles;
 pub mod whole_file;
 
+pub use commanded::{Commanded, Itinerary, LegProgress};
 pub use coordination::SharedCoordination;
 pub use failsafe::{FailsafeMonitor, Holding};
 pub use held_route::{HeldRoute, UploadEnd, is_upload};
@@ -41,5 +43,5 @@ pub use payload::{PayloadPublished, PayloadRecord, Report, TransportAddress};
 pub use plugin::{PluginIdentity, PluginRecord};
 pub use plugins::Plugins;
 pub use shared::SharedState;
-pub use vehicle::{Itinerary, PublishedState, VehicleRecord};
+pub use vehicle::{PublishedState, VehicleRecord};
 pub use vehicles::Vehicles;

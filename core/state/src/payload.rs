@@ -61,7 +61,7 @@ impl PayloadRecord {
         if now.0 < due_us {
             return;
         }
-        let rate_hz = self.life.plugin.load().manifest().tick_rate_hz.clamp(1, 1_000);
+        let rate_hz = self.life.plugin().manifest().tick_rate_hz.clamp(1, 1_000);
         let next_us = now.0.max(due_us + 1_000_000 / u64::from(rate_hz));
         self.next_tick_us.store(next_us, Ordering::Relaxed);
         self.actor.send_tick(PayloadMessage::Tick);

@@ -20,7 +20,7 @@ pub fn vehicle(
     let entry = peers.entry(record.id)?;
     let telemetry = &entry.telemetry;
     let state = record.state().clone();
-    let model = record.model.health.lock().clone();
+    let model = record.model.health().clone();
     let payloads: Vec<PayloadSnapshot> = record.payloads().iter().map(|record| payload(record)).collect();
     let slot: Option<PositionNed> = state
         .setpoint
@@ -73,7 +73,7 @@ fn payload(record: &PayloadRecord) -> PayloadSnapshot {
         name: record.name.clone(),
         kind: record.kind,
         actor: published.actor,
-        plugin: record.life.health.lock().clone(),
+        plugin: record.life.health().clone(),
         state: published.report.map(|report| report.value.as_ref().clone()),
         transport_fault: published.transport_fault,
         frame: record.frame().as_ref().map(|frame| frame.header.clone()),

@@ -4,11 +4,12 @@
 
 use crate::restart::{Decision, RestartHistory, RestartLimits};
 use arc_swap::ArcSwap;
-use parking_lot::Mutex;
+use parking_lot::{Mutex, MutexGuard};
 use skein_config::Isolation;
 use skein_domain::{NodeTime, SystemId, VehicleId};
 use skein_plugin_host::Plugin;
 use skein_view::PluginHealth;
+use std::ops::Deref;
 use std::sync::Arc;
 
 /// What is known of an instance beyond its actor's life.
@@ -26,11 +27,11 @@ pub struct PluginRecord {
     /// Where it runs.
     pub isolation: Isolation,
     /// The version that is, or will be, running.
-    pub plugin: ArcSwap<Plugin>,
+    plugin: ArcSwap<Plugin>,
     /// Its last snapshot.
-    pub snapshot: Mutex<Option<Vec<u8>>>,
+    snapshot: Mutex<Option<Vec<u8>>>,
     /// Its health.
-    pub health: Mutex<PluginHealth>,
+    health: Mutex<PluginHealth>,
     /// Its failures.
     history: Mutex<RestartHistory>,
 }
@@ -58,6 +59,38 @@ impl PluginRecord {
             health: Mutex::new(health),
             history: Mutex::default(),
         }
+    }
+
+    /// The version that is, or will be, running.
+    #[must_use]
+    pub fn plugin(&self) -> Arc<Plugin> {
+        self.plugin.load_full()
+    }
+
+    /// Another version is to run from now on; gives the one before.
+    pub fn exchange(&self, plugin: Arc<Plugin>) -> Arc<Plugin> {
+        self.plugin.swap(plugin)
+    }
+
+    /// Its last snapshot.
+    #[must_use]
+    pub fn snapshot(&self) -> Option<Vec<u8>> {
+        self.snapshot.lock().clone()
+    }
+
+    /// It gave a snapshot, or starts anew without one.
+    pub fn keep_snapshot(&self, snapshot: Option<Vec<u8>>) {
+        *self.snapshot.lock() = snapshot;
+    }
+
+    /// Its health, to be read.
+    pub fn health(&self) -> impl Deref<Target = PluginHealth> {
+        self.health.lock()
+    }
+
+    /// The same, for the actor that supervises it.
+    pub fn change_health(&self) -> MutexGuard<'_, PluginHealth> {
+        self.health.lock()
     }
 
     /// It has failed: what to do about it. `random` is 0..1.

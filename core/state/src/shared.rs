@@ -189,7 +189,7 @@ impl SharedState {
     #[must_use]
     pub fn coordinator_seen(&self) -> NodeTime {
         let swarm = self.swarm.as_ref();
-        let elsewhere = swarm.and_then(|swarm| swarm.role.load().coordinator_seen);
+        let elsewhere = swarm.and_then(|swarm| swarm.role().coordinator_seen);
         elsewhere.unwrap_or_else(|| self.coordination.coordinator_seen())
     }
 
@@ -222,16 +222,14 @@ impl SharedState {
     /// Whether this node's coordinator decides: alone, or because it holds the leadership in its swarm.
     #[must_use]
     pub fn coordinates(&self) -> bool {
-        self.swarm
-            .as_ref()
-            .is_none_or(|swarm| swarm.role.load().acting.is_some())
+        self.swarm.as_ref().is_none_or(|swarm| swarm.role().acting.is_some())
     }
 
     /// Whether this node may fix the swarm's frame: alone, or because nobody disputes that it coordinates.
     #[must_use]
     pub fn may_fix_frame(&self, now: NodeTime) -> bool {
         let swarm = self.swarm.as_ref();
-        swarm.is_none_or(|swarm| swarm.role.load().is_undisputed(now))
+        swarm.is_none_or(|swarm| swarm.role().is_undisputed(now))
     }
 
     /// Which other node flies a vehicle; none if this one does, or nobody.
@@ -249,7 +247,7 @@ impl SharedState {
         let own = self.vehicles.records();
         let mut ids: BTreeSet<VehicleId> = own.iter().map(|record| record.id).collect();
         if let Some(swarm) = &self.swarm {
-            ids.extend(swarm.vehicles.read().keys());
+            ids.extend(swarm.vehicles().keys());
         }
         ids.into_iter().collect()
     }

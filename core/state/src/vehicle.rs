@@ -3,6 +3,7 @@
 //! Must never do: wait for the vehicle.
 
 use crate::by_hand::Hand;
+use crate::commanded::Commanded;
 use crate::failsafe::FailsafeMonitor;
 use crate::held_route::HeldRoute;
 use crate::mailbox::{ActorSlot, VehicleMessage};
@@ -14,29 +15,13 @@ use skein_domain::link::VehicleLink;
 use skein_domain::payload::CoordinatorCapability;
 use skein_domain::preflight::PreflightItem;
 use skein_domain::{
-    AnchorReference, CommandId, FailsafeState, FlightLimits, FlightState, NodeTime, Setpoint, SystemId, VehicleCommand,
-    VehicleId,
+    AnchorReference, FailsafeState, FlightLimits, FlightState, NodeTime, Setpoint, SystemId, VehicleId,
 };
 use skein_view::{ActorHealth, Avoidance};
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 use std::ops::Deref;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-
-/// A command in several legs.
-#[derive(Debug, Clone)]
-pub struct Itinerary {
-    /// The command that was asked for.
-    pub id: CommandId,
-    /// Its name.
-    pub name: &'static str,
-    /// What is still to be flown, first leg first.
-    pub legs: VecDeque<VehicleCommand>,
-    /// The leg being flown.
-    pub current: Option<CommandId>,
-    /// It leads home: the vehicle is shown as returning and takes no slot.
-    pub returns: bool,
-}
 
 /// One adopted vehicle. It outlives the vehicle's actor, so that a new incarnation finds state and link.
 pub struct VehicleRecord {
@@ -57,10 +42,8 @@ pub struct VehicleRecord {
     pub actor: ActorSlot<VehicleMessage>,
     /// Its failsafe policy and its charge.
     pub failsafe: Mutex<FailsafeMonitor>,
-    /// The command that it carries out, if one.
-    pub under_way: Mutex<Option<(CommandId, VehicleCommand)>>,
-    /// A command in several legs that is being carried out.
-    pub itinerary: Mutex<Option<Itinerary>>,
+    /// The command that it carries out.
+    pub commanded: Commanded,
     /// Whether it is flown by hand, and the newest stick for it.
     pub hand: Mutex<Hand>,
     /// The route that was put on its autopilot.
@@ -93,8 +76,7 @@ impl VehicleRecord {
             actor: ActorSlot::default(),
             state: Mutex::default(),
             failsafe: Mutex::default(),
-            under_way: Mutex::default(),
-            itinerary: Mutex::default(),
+            commanded: Commanded::default(),
             hand: Mutex::default(),
             route: Mutex::default(),
             stopped: AtomicBool::new(false),

@@ -99,7 +99,7 @@ impl SwarmState {
         known.heard = now;
         let back = std::mem::take(&mut known.told_gone);
         if let Some(swarm) = &self.shared.swarm {
-            swarm.starts.write().insert(node, now);
+            swarm.note_start(node, now);
         }
         let what = if back { "is back" } else { "has joined" };
         self.record(Severity::Info, format!("node {node} {what}"));
@@ -177,7 +177,7 @@ impl SwarmState {
     /// Vehicles that a node had and does not tell of any more. One that was last seen in the air is still there somewhere.
     fn forget_given_up(&self, from: NodeId, card: &Card, now: NodeTime) {
         let Some(swarm) = &self.shared.swarm else { return };
-        swarm.vehicles.write().retain(|id, remote| {
+        swarm.change_vehicles().retain(|id, remote| {
             let kept = remote.node != from || card.vehicles.contains(id);
             kept || remote.report.has(AIRBORNE) || now.seconds_since(remote.told) < GIVEN_UP_S
         });
@@ -214,7 +214,7 @@ impl SwarmState {
             .filter(|(theirs, ours)| theirs != ours);
         let Some(swarm) = &self.shared.swarm else { return };
         let acts = self.leadership.acting().is_some();
-        let mut vehicles = swarm.vehicles.write();
+        let mut vehicles = swarm.change_vehicles();
         for mut report in batch.reports {
             if let Some((theirs, ours)) = frames {
                 into_frame(&mut report, &theirs, &ours);
@@ -251,7 +251,7 @@ impl SwarmState {
 
     fn sheet(&mut self, from: NodeId, sheet: VehicleSnapshot) {
         let Some(swarm) = &self.shared.swarm else { return };
-        let mut vehicles = swarm.vehicles.write();
+        let mut vehicles = swarm.change_vehicles();
         if let Some(remote) = vehicles.get_mut(&sheet.id).filter(|remote| remote.node == from) {
             remote.sheet = Some(Arc::new(sheet));
         }

@@ -13,7 +13,6 @@ use skein_state::SharedState;
 use skein_state::cluster::report::{WITHDRAWN, origin_of};
 use skein_state::cluster::share::Role;
 use skein_view::{LeaderStateKind, NodeRole, NodeSnapshot, SwarmSnapshot, TermSnapshot, WaySnapshot};
-use std::sync::Arc;
 
 /// A node not heard for so long is told of as gone, in seconds.
 const GONE_S: f64 = 3.0;
@@ -85,7 +84,7 @@ impl SwarmState {
     fn leadership_changed(&mut self, before: Option<Term>) {
         let Some(swarm) = &self.shared.swarm else { return };
         let remote: Vec<_> = {
-            let vehicles = swarm.vehicles.read();
+            let vehicles = swarm.vehicles();
             let withdrawn = |v: &skein_state::cluster::share::RemoteVehicle| v.report.has(WITHDRAWN);
             vehicles.values().map(|v| (v.report.id, withdrawn(v))).collect()
         };
@@ -117,7 +116,7 @@ impl SwarmState {
         let leader_state = self.monitor.leader_state(now, &self.leadership, &self.unled);
         let silent_s = self.monitor.silent_s(now);
         let Some(swarm) = &self.shared.swarm else { return };
-        let before = **swarm.role.load();
+        let before = swarm.role();
         let acting = self.leadership.acting();
         let role = Role {
             node: self.leadership.node(),
@@ -137,7 +136,7 @@ impl SwarmState {
             self.shared.coordination.see_coordinator(self.shared.now());
         }
         if role != before {
-            swarm.role.store(Arc::new(role));
+            swarm.obey(role);
             if role.cut_off && !before.cut_off && role.acting.is_none() {
                 hold_here(&self.shared);
                 self.record(Severity::Warning, "this node hears no other one: its vehicles hold");
@@ -153,7 +152,7 @@ impl SwarmState {
             self.told.next_picture = now.plus_seconds(0.2);
             let picture = self.picture(&role, now);
             if let Some(swarm) = &self.shared.swarm {
-                swarm.picture.store(Arc::new(picture));
+                swarm.show(picture);
             }
         }
     }
@@ -235,7 +234,7 @@ impl SwarmState {
             .shared
             .swarm
             .as_ref()
-            .map(|swarm| of_nodes(&swarm.vehicles.read(), node));
+            .map(|swarm| of_nodes(&swarm.vehicles(), node));
         let known = self.nodes.get(&node);
         let frame = origin_of(self.shared.frame());
         let card = known.map(|known| known.card.clone()).unwrap_or_default();

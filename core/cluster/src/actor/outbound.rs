@@ -240,8 +240,8 @@ impl SwarmState {
             return BTreeMap::new();
         };
         let withdrawn = self.shared.vehicles.withdrawn();
-        let mut recalled = swarm.recalled.lock();
-        for (id, remote) in swarm.vehicles.read().iter() {
+        let mut recalled = swarm.recalled();
+        for (id, remote) in swarm.vehicles().iter() {
             if remote.report.has(skein_state::cluster::report::WITHDRAWN) && !withdrawn.contains(id) {
                 recalled.insert(*id, remote.report.withdrawals);
             }
@@ -258,7 +258,7 @@ impl SwarmState {
             self.told.operator_state = operator_state;
         }
         let Some(swarm) = &self.shared.swarm else { return };
-        let revision = *swarm.fence_revision.lock();
+        let revision = *swarm.fence_revision();
         // Everybody tells the newest it knows: they outlive whoever set them.
         if revision > self.told.fence_revision {
             let plan = self.shared.fence_plan();

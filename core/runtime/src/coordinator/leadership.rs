@@ -44,7 +44,7 @@ impl CoordinatorState {
     /// Whether its node holds the leadership. One that has just taken it goes on from what is in the shared state.
     pub(super) fn is_leading(&mut self) -> bool {
         let Some(swarm) = &self.shared.swarm else { return true };
-        let role = **swarm.role.load();
+        let role = swarm.role();
         let newly_cut_off = role.cut_off && !std::mem::replace(&mut self.cut_off, role.cut_off);
         if role.acting == self.term {
             if newly_cut_off && self.term.is_some() {
@@ -91,7 +91,7 @@ impl CoordinatorState {
         let longest_s = now.seconds_since(since) + TOGETHER_S;
         let overrun = self.shared.overrun();
         let silence_s = |heard_s: f64| overrun.silence_s(now.plus_seconds(-heard_s), now);
-        let mut gone: Vec<NodeId> = (swarm.picture.load().nodes.iter())
+        let mut gone: Vec<NodeId> = (swarm.picture().nodes.iter())
             .filter(|node| silence_s(node.heard_s) > LOOK_AGAIN_S && node.heard_s < longest_s)
             .map(|node| node.node)
             .collect();
@@ -117,7 +117,7 @@ impl CoordinatorState {
             return record.state().task_version;
         }
         let swarm = self.shared.swarm.as_ref();
-        let taken = swarm.and_then(|swarm| Some(swarm.vehicles.read().get(&id)?.report.task_version));
+        let taken = swarm.and_then(|swarm| Some(swarm.vehicles().get(&id)?.report.task_version));
         taken.unwrap_or(0)
     }
 
@@ -245,7 +245,7 @@ impl CoordinatorState {
         let now = self.shared.now();
         let silent = |id: VehicleId| peers.entry(id).is_none_or(|e| !e.link.connected);
         let has_started = |node: NodeId| {
-            let starts = swarm.starts.read();
+            let starts = swarm.starts();
             starts
                 .get(&node)
                 .is_some_and(|at| now.seconds_since(*at) < JUST_STARTED_S)
@@ -332,7 +332,7 @@ impl CoordinatorState {
         if let Some(record) = self.shared.vehicles.record(vehicle) {
             return record.state().route_finished;
         }
-        let vehicles = self.shared.swarm.as_ref()?.vehicles.read();
+        let vehicles = self.shared.swarm.as_ref()?.vehicles();
         vehicles.get(&vehicle)?.report.route_finished
     }
 
@@ -352,14 +352,14 @@ impl CoordinatorState {
         clock_faults: &mut BTreeSet<VehicleId>,
     ) {
         let Some(swarm) = &self.shared.swarm else { return };
-        let picture = swarm.picture.load();
+        let picture = swarm.picture();
         let doubtful: Vec<NodeId> = picture
             .nodes
             .iter()
             .filter(|node| node.clock_fault || node.clock_error_s.is_none_or(|error_s| error_s > CLOCK_ERROR_S))
             .map(|node| node.node)
             .collect();
-        for (id, remote) in swarm.vehicles.read().iter() {
+        for (id, remote) in swarm.vehicles().iter() {
             if let Some(place) = remote.report.held() {
                 held.insert(*id, place);
             }
@@ -371,7 +371,7 @@ impl CoordinatorState {
 
     /// Asks another node, and does not wait for its answer: what becomes of it is seen in its vehicles' states.
     pub(super) fn ask_elsewhere(&self, node: NodeId, ask: Ask) {
-        let actor = self.shared.swarm.as_ref().and_then(|swarm| swarm.actor.load_full());
+        let actor = self.shared.swarm.as_ref().and_then(|swarm| swarm.actor());
         let (message, answered) = asking(node, ask, ASKED_WITHIN);
         if let Some(actor) = actor
             && actor.cast(message).is_ok()

@@ -35,7 +35,7 @@ impl NodeHandle {
     /// Asks another node of the swarm.
     pub(crate) async fn ask(&self, node: NodeId, ask: Ask, within: Duration) -> Result<Answer, Refusal> {
         let not_running = || Refusal::not_running("this node's part in a swarm");
-        let actor = self.shared.swarm.as_ref().and_then(|swarm| swarm.actor.load_full());
+        let actor = self.shared.swarm.as_ref().and_then(|swarm| swarm.actor());
         let (message, answered) = asking(node, ask, within);
         actor
             .ok_or_else(not_running)?
@@ -52,7 +52,7 @@ impl NodeHandle {
         let Some(swarm) = &self.shared.swarm else {
             return Ok(None);
         };
-        let role = swarm.role.load();
+        let role = swarm.role();
         if role.observer {
             return Err(Refusal::not_permitted("this node is an observer"));
         }
@@ -182,7 +182,7 @@ impl NodeHandle {
     #[must_use]
     pub fn swarm(&self) -> Option<SwarmSnapshot> {
         let swarm = self.shared.swarm.as_ref()?;
-        Some(swarm.picture.load().as_ref().clone())
+        Some(swarm.picture().as_ref().clone())
     }
 
     /// Has a node of the swarm take the leadership, although another one may hold it.
@@ -195,7 +195,7 @@ impl NodeHandle {
                 "this node flies its vehicles alone; it is in no swarm",
             ));
         };
-        let role = **swarm.role.load();
+        let role = swarm.role();
         if role.observer {
             return Err(Refusal::not_permitted("this node is an observer"));
         }
@@ -229,7 +229,7 @@ impl NodeHandle {
     pub fn serve_api(&self, server: skein_state::asks::ApiServer) {
         if let Some(swarm) = &self.shared.swarm {
             // Set once, when the node starts.
-            let _ = swarm.api.set(server);
+            swarm.serve(server);
         }
     }
 }

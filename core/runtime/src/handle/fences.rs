@@ -60,8 +60,8 @@ impl NodeHandle {
             .set_fences(plan)
             .map_err(|e| Refusal::invalid(e.to_string()))?;
         if let Some(swarm) = &self.shared().swarm {
-            let term = swarm.role.load().acting;
-            let mut revision = swarm.fence_revision.lock();
+            let term = swarm.role().acting;
+            let mut revision = swarm.fence_revision();
             *revision = (*revision + 1).max(term.map_or(0, first_version) + 1);
         }
         let text = format!("{count} fence zones are in force");

@@ -57,7 +57,7 @@ impl NodeHandle {
         let Some(swarm) = &self.shared().swarm else {
             return answer;
         };
-        let nodes: BTreeSet<NodeId> = swarm.vehicles.read().values().map(|v| v.node).collect();
+        let nodes: BTreeSet<NodeId> = swarm.vehicles().values().map(|v| v.node).collect();
         let asked: Vec<_> = nodes
             .into_iter()
             .map(|node| {

@@ -26,11 +26,7 @@ pub async fn carry_out(handle: NodeHandle, ask: Ask, ahead_us: Option<i64>) -> A
             Answer::Done(handle.stick_from_elsewhere(vehicle, stick, told, ahead_us))
         }
         Ask::Api(request) => {
-            let server = handle
-                .shared()
-                .swarm
-                .as_ref()
-                .and_then(|swarm| swarm.api.get().cloned());
+            let server = handle.shared().swarm.as_ref().and_then(|swarm| swarm.api().cloned());
             Answer::Api(match server {
                 Some(server) => server(request).await,
                 None => ApiAnswer {
@@ -49,7 +45,7 @@ pub async fn carry_out(handle: NodeHandle, ask: Ask, ahead_us: Option<i64>) -> A
 /// When it cannot coordinate, or is in no swarm.
 pub async fn take_leadership(handle: &NodeHandle) -> Result<(), Refusal> {
     let not_running = || Refusal::not_running("this node's part in a swarm");
-    let actor = handle.shared().swarm.as_ref().and_then(|swarm| swarm.actor.load_full());
+    let actor = handle.shared().swarm.as_ref().and_then(|swarm| swarm.actor());
     let actor = actor.ok_or_else(not_running)?;
     let (answer, answered) = tokio::sync::oneshot::channel();
     actor

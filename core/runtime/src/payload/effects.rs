@@ -45,8 +45,7 @@ impl PayloadState {
                 | Effect::Capability(_)
                 | Effect::Limits(_) => {}
                 Effect::Preflight(items) => {
-                    self.record.change_state().preflight =
-                        own_items(&self.record.life.plugin.load().manifest().name, items);
+                    self.record.change_state().preflight = own_items(&self.record.life.plugin().manifest().name, items);
                 }
             }
         }

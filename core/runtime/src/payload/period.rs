@@ -86,7 +86,7 @@ impl PayloadState {
 
     fn gather_device(&mut self, events: &mut Vec<Event>) {
         let link = self.vehicle.link();
-        let plugin = self.record.life.plugin.load();
+        let plugin = self.record.life.plugin();
         let wanted = &plugin.manifest().mavlink_messages;
         let tapped = self
             .tap

@@ -24,7 +24,7 @@ pub(super) fn flown_now(shared: &SharedState, before: Option<Flown>, path: Optio
             FlightState::Idle | FlightState::PilotControl | FlightState::Faulted
         );
         if telemetry.mode == FlightMode::Offboard && airborne(&telemetry) && !others && !record.is_stopped() {
-            let command = record.under_way.lock().map(|(_, command)| command);
+            let command = record.commanded.command();
             vehicles.entry(record.id).or_insert(command);
         }
     }

@@ -108,7 +108,7 @@ impl KeeperState {
             let led = shared
                 .swarm
                 .as_ref()
-                .is_some_and(|swarm| swarm.role.load().coordinator().is_some());
+                .is_some_and(|swarm| swarm.role().coordinator().is_some());
             if !led && since_s < LED_WITHIN_S {
                 return;
             }

@@ -72,8 +72,7 @@ impl VehicleState {
                 } => self.payload_command(request, &payload, command_json),
                 Effect::Capability(capability) => self.record.change_state().capability = Some(capability),
                 Effect::Preflight(items) => {
-                    self.record.change_state().preflight =
-                        own_items(&self.record.model.plugin.load().manifest().name, items)
+                    self.record.change_state().preflight = own_items(&self.record.model.plugin().manifest().name, items)
                 }
                 Effect::Limits(limits) => {
                     self.record.change_state().limits = Some(limits).filter(FlightLimits::is_usable)

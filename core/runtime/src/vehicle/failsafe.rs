@@ -72,6 +72,7 @@ impl VehicleState {
             // The autopilot's own failsafe flies home or lands by itself: nothing is ordered against it either.
             pilot_in_control: observed.pilot_in_control || (self.pilot && !self.released),
             state: published.flight_state,
+            lands: observed.lands || self.lands(published.flight_state),
             tracking_error_m: wanted.zip(position).map(|(wanted, have)| wanted.distance_m(&have)),
             breach: position
                 .and_then(|at| gate.fences().breach(&at).as_ref().map(FenceBreach::from))
@@ -81,6 +82,11 @@ impl VehicleState {
             energy,
             ..observed
         }
+    }
+
+    /// Whether it was commanded to land where it is, also while its autopilot does not do so yet. A flight to a landing spot is another command.
+    fn lands(&self, state: FlightState) -> bool {
+        state == FlightState::Landing && self.record.commanded.command() == Some(VehicleCommand::Land)
     }
 
     /// Whether it does something that a coordinator has to look after. Members that keep their places by their neighbours need none.

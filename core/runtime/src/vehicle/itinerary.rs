@@ -1,32 +1,17 @@
-//! Commands that take more than one flight: around a no-fly zone, or home at a height of its own. The model flies one leg after the
-//! other; whoever asked sees one command.
+//! Commands in several legs: what the actor does as they go on. Where they stand is in the vehicle's record.
 //!
-//! It lies in the vehicle's record, so that the next incarnation of the actor goes on with it. Must never do: outlive the command; whatever
-//! replaces a leg ends the whole.
+//! Must never do: keep a leg of its own beside the record's.
 
 use super::VehicleState;
 use skein_domain::exchange::{CommandProgress, Event};
-use skein_domain::{CommandId, FlightState, Refusal, VehicleCommand};
-use skein_state::Itinerary;
-use std::collections::VecDeque;
+use skein_domain::{CommandId, FlightState, Refusal};
+use skein_state::{Itinerary, LegProgress};
 
 impl VehicleState {
     /// The first leg has been taken up.
-    pub(super) fn begin_itinerary(
-        &mut self,
-        id: CommandId,
-        name: &'static str,
-        legs: VecDeque<VehicleCommand>,
-        first: CommandId,
-        returns: bool,
-    ) {
-        *self.record.itinerary.lock() = Some(Itinerary {
-            id,
-            name,
-            legs,
-            current: Some(first),
-            returns,
-        });
+    pub(super) fn begin_itinerary(&mut self, itinerary: Itinerary) {
+        let returns = itinerary.returns;
+        self.record.commanded.begin_itinerary(itinerary);
         if returns {
             let mut published = self.record.change_state();
             if published.flight_state == FlightState::GoingTo {
@@ -37,43 +22,25 @@ impl VehicleState {
 
     /// The next leg, if the last is done, as an event for the next batch.
     pub(super) fn next_leg(&mut self) {
-        let mut slot = self.record.itinerary.lock();
-        let Some(itinerary) = slot.as_mut().filter(|i| i.current.is_none()) else {
-            return;
-        };
-        let Some(command) = itinerary.legs.pop_front() else {
-            return;
-        };
-        let id = self.shared.next_command_id();
-        itinerary.current = Some(id);
-        drop(slot);
-        self.waiting.push(Event::Command {
-            id,
-            command,
-            not_before: self.shared.now(),
-        });
+        if let Some((id, command)) = self.record.commanded.next_leg(|| self.shared.next_command_id()) {
+            self.waiting.push(Event::Command {
+                id,
+                command,
+                not_before: self.shared.now(),
+            });
+        }
     }
 
-    /// How a leg goes on; tells whether the id was one. The end of the last leg, or of any by force, is the end of the whole.
+    /// How a leg goes on; tells whether the id was one.
     pub(super) fn leg_progress(&mut self, id: CommandId, progress: &CommandProgress) -> bool {
-        let ended = {
-            let mut slot = self.record.itinerary.lock();
-            let Some(itinerary) = slot.as_mut().filter(|i| i.current == Some(id)) else {
-                return false;
-            };
-            match progress {
-                CommandProgress::Executing => return true,
-                CommandProgress::Done if !itinerary.legs.is_empty() => {
-                    itinerary.current = None;
-                    return true;
+        match self.record.commanded.leg_progress(id, progress) {
+            LegProgress::NoLeg => return false,
+            LegProgress::GoesOn => {}
+            LegProgress::Over(itinerary) => {
+                self.record_progress(itinerary.id, itinerary.name, progress);
+                if let CommandProgress::Refused { refusal } = progress {
+                    self.model.note_refusal(itinerary.id, refusal.clone());
                 }
-                CommandProgress::Done | CommandProgress::Refused { .. } => slot.take(),
-            }
-        };
-        if let Some(itinerary) = ended {
-            self.record_progress(itinerary.id, itinerary.name, progress);
-            if let CommandProgress::Refused { refusal } = progress {
-                self.model.note_refusal(itinerary.id, refusal.clone());
             }
         }
         true
@@ -81,8 +48,7 @@ impl VehicleState {
 
     /// Another command takes the place of an itinerary.
     pub(super) fn abandon_itinerary(&mut self) {
-        let abandoned = self.record.itinerary.lock().take();
-        if let Some(itinerary) = abandoned {
+        if let Some(itinerary) = self.record.commanded.abandon_itinerary() {
             let progress = CommandProgress::Refused {
                 refusal: Refusal::Superseded,
             };
@@ -92,9 +58,8 @@ impl VehicleState {
 
     /// The flight state as it is shown: the legs of a return are a return.
     pub(super) fn shown_state(&self, state: FlightState) -> FlightState {
-        let returning = self.record.itinerary.lock().as_ref().is_some_and(|i| i.returns);
         match state {
-            FlightState::GoingTo | FlightState::Holding if returning => FlightState::Returning,
+            FlightState::GoingTo | FlightState::Holding if self.record.commanded.returns() => FlightState::Returning,
             other => other,
         }
     }

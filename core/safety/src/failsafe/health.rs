@@ -57,6 +57,8 @@ pub struct Health {
     pub state: FlightState,
     /// Setpoints are sent to it.
     pub streaming: bool,
+    /// It lands where it is: its autopilot does, or it was commanded to.
+    pub lands: bool,
     /// The link is not declared lost.
     pub connected: bool,
     /// When it was last heard.
@@ -116,6 +118,7 @@ impl Health {
             simulated: t.simulated,
             mode: t.mode,
             state: FlightState::default(),
+            lands: matches!(t.mode, FlightMode::Land | FlightMode::Descend),
             streaming: link.setpoint_rate_hz > 0.0,
             connected: link.connected,
             last_heard: link.last_heard,

@@ -1,6 +1,6 @@
 //! The reaction in force: which one, whether it takes effect, and who may end it.
 
-use super::{FailsafePolicy, Health, Means, Tracker, effect, words};
+use super::{FailsafePolicy, Health, Means, Tracker, calls_back, effect, words};
 use skein_domain::failsafe::TriggerMode;
 use skein_domain::{
     FailsafeEvent, FailsafeEventKind, FailsafeSettings, Order, Reaction, Refusal, Trigger, VehicleCommand,
@@ -135,7 +135,8 @@ impl FailsafePolicy {
         }
         let trusts_gnss = self.trusts_gnss();
         let means = Means::of(health, trusts_gnss);
-        if let Some((trigger, reaction)) = demanded.filter(|(_, reaction)| *reaction > in_force) {
+        let is_due = |reaction: Reaction| reaction > in_force && !(health.lands && calls_back(reaction));
+        if let Some((trigger, reaction)) = demanded.filter(|(_, reaction)| is_due(*reaction)) {
             let feasible = effect::feasible(reaction, means);
             let why = if feasible == reaction {
                 format!("{}: {reaction}", words::title(trigger))

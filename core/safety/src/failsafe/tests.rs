@@ -35,6 +35,7 @@ fn healthy(now: NodeTime) -> Health {
         simulated: false,
         mode: FlightMode::Offboard,
         state: FlightState::Following,
+        lands: false,
         streaming: true,
         connected: true,
         last_heard: now,

@@ -42,6 +42,7 @@ fn reason(kind: FailsafeEventKind, alarm: &Alarm, health: &Health) -> String {
         Some(ReportOnly::PilotInControl) => " (reported only: the pilot flies)",
         Some(ReportOnly::WarnOnly) => " (reported only: as configured)",
         Some(ReportOnly::Overruled) => " (reported only: an operator overruled it)",
+        Some(ReportOnly::Landing) => " (reported only: it lands)",
         None => "",
     });
     text

@@ -92,9 +92,13 @@ impl SimVehicle {
     }
 
     pub(super) fn gps_raw_int(&self) -> GPS_RAW_INT_DATA {
-        let reception = self.estimator.satellites.first();
-        let fixed = self.hears(&reception);
-        let (place, velocity) = self.place_told(&reception);
+        self.told_by(&self.estimator.satellites.first())
+    }
+
+    /// What a receiver tells.
+    fn told_by(&self, reception: &Reception) -> GPS_RAW_INT_DATA {
+        let fixed = self.hears(reception);
+        let (place, velocity) = self.place_told(reception);
         let mut message = GPS_RAW_INT_DATA {
             time_usec: self.up_us(),
             fix_type: fix(fixed),
@@ -121,26 +125,24 @@ impl SimVehicle {
         let Some(reception) = self.estimator.satellites.second() else {
             return false;
         };
-        let fixed = self.hears(&reception);
-        let (place, velocity) = self.place_told(&reception);
-        let mut message = GPS2_RAW_DATA {
-            time_usec: self.up_us(),
-            fix_type: fix(fixed),
-            satellites_visible: if fixed { SATELLITES } else { 0 },
-            eph: if fixed { 70 } else { 9_999 },
-            epv: if fixed { 70 } else { 9_999 },
-            h_acc: if fixed { ACCURACY_MM } else { NO_ACCURACY_MM },
-            v_acc: 900,
-            vel_acc: 150,
+        let told = self.told_by(&reception);
+        let message = GPS2_RAW_DATA {
+            time_usec: told.time_usec,
+            fix_type: told.fix_type,
+            lat: told.lat,
+            lon: told.lon,
+            alt: told.alt,
+            alt_ellipsoid: told.alt_ellipsoid,
+            eph: told.eph,
+            epv: told.epv,
+            vel: told.vel,
+            cog: told.cog,
+            satellites_visible: told.satellites_visible,
+            h_acc: told.h_acc,
+            v_acc: told.v_acc,
+            vel_acc: told.vel_acc,
             ..GPS2_RAW_DATA::default()
         };
-        if fixed {
-            (message.lat, message.lon) = (e7(place.latitude_deg), e7(place.longitude_deg));
-            message.alt = mm(place.altitude_amsl_m);
-            message.alt_ellipsoid = mm(place.altitude_amsl_m + 47.2);
-            message.vel = (velocity.norm() * 1e2) as u16;
-            message.cog = centidegrees(velocity.y.atan2(velocity.x));
-        }
         channel.send(out, &message);
         true
     }

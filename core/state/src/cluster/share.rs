@@ -6,7 +6,7 @@ use super::report::{AIRBORNE, ARMED, CONNECTED, MAY_REJOIN, STREAMS, UNDER_ORDER
 use crate::asks::ApiServer;
 use crate::mailbox::SwarmMessage;
 use arc_swap::{ArcSwap, ArcSwapOption};
-use parking_lot::{Mutex, RwLock};
+use parking_lot::{Mutex, MutexGuard, RwLock};
 use ractor::ActorRef;
 use skein_domain::{AnchorReference, LinkHealth, NodeId, NodeTime, SwarmFrame, Telemetry, VehicleId};
 use skein_failover::{LeaderState, Term};
@@ -14,6 +14,7 @@ use skein_view::PeerEntry;
 use skein_view::SwarmSnapshot;
 use skein_view::VehicleSnapshot;
 use std::collections::BTreeMap;
+use std::ops::{Deref, DerefMut};
 use std::sync::{Arc, OnceLock};
 
 /// Whom this node obeys at this moment.
@@ -80,21 +81,21 @@ pub struct RemoteVehicle {
 /// What a node shares with its swarm.
 pub struct SwarmShare {
     /// Whom it obeys.
-    pub role: ArcSwap<Role>,
+    role: ArcSwap<Role>,
     /// Vehicles of other nodes.
-    pub vehicles: RwLock<BTreeMap<VehicleId, RemoteVehicle>>,
+    vehicles: RwLock<BTreeMap<VehicleId, RemoteVehicle>>,
     /// When each other node was last heard to have started.
-    pub starts: RwLock<BTreeMap<NodeId, NodeTime>>,
+    starts: RwLock<BTreeMap<NodeId, NodeTime>>,
     /// The swarm for screens.
-    pub picture: ArcSwap<SwarmSnapshot>,
+    picture: ArcSwap<SwarmSnapshot>,
     /// The actor that speaks for this node.
-    pub actor: ArcSwapOption<ActorRef<SwarmMessage>>,
+    actor: ArcSwapOption<ActorRef<SwarmMessage>>,
     /// Answers requests of other nodes' gateways.
-    pub api: OnceLock<ApiServer>,
+    api: OnceLock<ApiServer>,
     /// Withdrawals of other nodes' vehicles that the coordinator has called back: which one of each.
-    pub recalled: Mutex<BTreeMap<VehicleId, u32>>,
+    recalled: Mutex<BTreeMap<VehicleId, u32>>,
     /// The revision of the fences in force; 0 for those of the configuration.
-    pub fence_revision: Mutex<u64>,
+    fence_revision: Mutex<u64>,
 }
 
 impl SwarmShare {
@@ -121,6 +122,80 @@ impl SwarmShare {
             recalled: Mutex::default(),
             fence_revision: Mutex::default(),
         }
+    }
+
+    /// Whom it obeys.
+    #[must_use]
+    pub fn role(&self) -> Role {
+        **self.role.load()
+    }
+
+    /// It obeys so from now on.
+    pub fn obey(&self, role: Role) {
+        self.role.store(Arc::new(role));
+    }
+
+    /// Vehicles of other nodes, to be read.
+    pub fn vehicles(&self) -> impl Deref<Target = BTreeMap<VehicleId, RemoteVehicle>> {
+        self.vehicles.read()
+    }
+
+    /// The same, for the actor that hears them, and for the coordinator, which counts anew when the frame is set.
+    pub fn change_vehicles(&self) -> impl DerefMut<Target = BTreeMap<VehicleId, RemoteVehicle>> {
+        self.vehicles.write()
+    }
+
+    /// When each other node was last heard to have started.
+    pub fn starts(&self) -> impl Deref<Target = BTreeMap<NodeId, NodeTime>> {
+        self.starts.read()
+    }
+
+    /// Another node was heard to have started.
+    pub fn note_start(&self, node: NodeId, now: NodeTime) {
+        self.starts.write().insert(node, now);
+    }
+
+    /// The swarm for screens.
+    #[must_use]
+    pub fn picture(&self) -> Arc<SwarmSnapshot> {
+        self.picture.load_full()
+    }
+
+    /// Screens show this from now on.
+    pub fn show(&self, picture: SwarmSnapshot) {
+        self.picture.store(Arc::new(picture));
+    }
+
+    /// The actor that speaks for this node, if it runs.
+    #[must_use]
+    pub fn actor(&self) -> Option<Arc<ActorRef<SwarmMessage>>> {
+        self.actor.load_full()
+    }
+
+    /// This actor speaks for the node from now on; none any more.
+    pub fn speak_through(&self, actor: Option<ActorRef<SwarmMessage>>) {
+        self.actor.store(actor.map(Arc::new));
+    }
+
+    /// What answers requests of other nodes' gateways.
+    #[must_use]
+    pub fn api(&self) -> Option<&ApiServer> {
+        self.api.get()
+    }
+
+    /// This answers them from now on. The first one stays.
+    pub fn serve(&self, api: ApiServer) {
+        let _ = self.api.set(api);
+    }
+
+    /// Withdrawals of other nodes' vehicles that the coordinator has called back: which one of each.
+    pub fn recalled(&self) -> MutexGuard<'_, BTreeMap<VehicleId, u32>> {
+        self.recalled.lock()
+    }
+
+    /// The revision of the fences in force, held while they are set.
+    pub fn fence_revision(&self) -> MutexGuard<'_, u64> {
+        self.fence_revision.lock()
     }
 
     /// The actor that speaks for this node has ended: it coordinates no more until the next one knows better.

@@ -245,6 +245,34 @@ fn step(after_s: f64, reaction: Reaction) -> FailsafeStep {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn a_landing_is_finished_whatever_the_clock_does() {
+    let swarm = Swarm::start(2).await;
+    swarm.take_off(8.0).await;
+    let receipts = swarm.node().command(&Targets::All, VehicleCommand::Land).await;
+    assert!(receipts.iter().all(|receipt| receipt.refusal.is_none()), "{receipts:?}");
+    for id in [1, 2] {
+        let fault = Fault::ClockStep(0.6);
+        swarm.simulation().inflict(id, fault).expect("is simulated");
+    }
+    swarm
+        .until("both landed", Duration::from_secs(30), |fleet| {
+            fleet
+                .vehicles
+                .iter()
+                .all(|v| !v.armed && v.flight_state == FlightState::Idle)
+        })
+        .await;
+    for id in [1, 2] {
+        let events = failsafe_events(&swarm.node(), id);
+        let only_told = |e: &&FailsafeEvent| e.trigger == Trigger::ClockFault && e.reaction == Reaction::Hold;
+        assert!(events.iter().any(|e| only_told(&e)), "it was noticed: {events:?}");
+        let ordered: Vec<_> = events.iter().filter(|e| e.kind == FailsafeEventKind::Ordered).collect();
+        assert!(ordered.is_empty(), "{ordered:?}");
+    }
+    swarm.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn the_emergency_stop_takes_two_steps_and_stops_motors_in_flight() {
     let swarm = Swarm::start(2).await;
     swarm.take_off(6.0).await;

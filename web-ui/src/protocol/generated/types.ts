@@ -2706,7 +2706,7 @@ detail: string, };
 /**
  * Why a trigger is reported and nothing is done about it.
  */
-export type ReportOnly = "on_ground" | "pilot_in_control" | "warn_only" | "overruled";
+export type ReportOnly = "on_ground" | "pilot_in_control" | "warn_only" | "overruled" | "landing";
 
 /**
  * Restarts of plugin instances.

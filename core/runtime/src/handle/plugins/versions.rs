@@ -27,8 +27,8 @@ pub(super) enum Holder {
 impl Holder {
     pub(super) fn name(&self) -> String {
         match self {
-            Self::Model(record) => record.model.health.lock().name.clone(),
-            Self::Payload(record) => record.life.health.lock().name.clone(),
+            Self::Model(record) => record.model.health().name.clone(),
+            Self::Payload(record) => record.life.health().name.clone(),
         }
     }
 
@@ -64,11 +64,11 @@ impl NodeHandle {
         let mut holders = Vec::new();
         for record in self.shared.vehicles.records() {
             for payload in record.payloads() {
-                if payload.life.plugin.load().manifest().name == plugin {
+                if payload.life.plugin().manifest().name == plugin {
                     holders.push(Holder::Payload(payload));
                 }
             }
-            if record.model.plugin.load().manifest().name == plugin {
+            if record.model.plugin().manifest().name == plugin {
                 holders.push(Holder::Model(record));
             }
         }

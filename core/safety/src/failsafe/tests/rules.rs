@@ -44,6 +44,44 @@ fn of_several_triggers_the_strongest_is_ordered_and_all_are_reported() {
     );
 }
 
+fn bad_clock(health: &mut Health) {
+    health.clock_offset_s = Some(f64::NAN);
+}
+
+#[test]
+fn a_vehicle_that_lands_is_not_called_back() {
+    let mut rig = Rig::new();
+    rig.run(1.0, |_, _| ());
+    // Commanded, and not begun by the autopilot yet; then begun.
+    for mode in [FlightMode::Offboard, FlightMode::Land] {
+        rig.run(5.0, |h, _| {
+            bad_clock(h);
+            (h.lands, h.mode, h.state) = (true, mode, FlightState::Landing);
+        });
+        assert_eq!(rig.orders(), []);
+        let alarms = rig.failsafe.state(&rig.settings).alarms;
+        let told: Vec<_> = alarms.iter().map(|a| (a.trigger, a.report_only)).collect();
+        assert_eq!(told, [(Trigger::ClockFault, Some(ReportOnly::Landing))]);
+    }
+    // The landing was broken off.
+    rig.run(PERIOD_S, |h, _| {
+        bad_clock(h);
+        h.state = FlightState::GoingTo;
+    });
+    assert_eq!(rig.order(), Some(Reaction::Hold));
+}
+
+#[test]
+fn a_vehicle_that_lands_unheard_is_left_to_its_autopilot() {
+    let mut rig = Rig::new();
+    rig.run(1.0, |_, _| ());
+    rig.run(6.0, |h, t| {
+        silent(h, t);
+        h.lands = true;
+    });
+    assert_eq!(rig.order(), Some(Reaction::Release));
+}
+
 #[test]
 fn what_was_ordered_stays_until_somebody_takes_the_vehicle_up() {
     let mut rig = Rig::new();
