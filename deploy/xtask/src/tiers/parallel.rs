@@ -20,7 +20,7 @@ pub(super) fn run<'r>(tiers: &[Tier], run: &Run<'r>, built: &'r Built, report: &
         cpu_bound.iter().for_each(|tier| run.tier(*tier, built, report));
         return;
     }
-    let queue = Mutex::new(longest_first(flown));
+    let queue = Mutex::new(in_order(flown));
     let next = || queue.lock().pop_front();
     report.defer();
     let (mut background, mut beside) = (report.background(), report.background());
@@ -52,14 +52,15 @@ pub(super) fn run<'r>(tiers: &[Tier], run: &Run<'r>, built: &'r Built, report: &
     report.try_deferred();
 }
 
-/// So that none is left over for the end, in which nothing runs beside it.
-fn longest_first(mut tiers: Vec<Tier>) -> VecDeque<Tier> {
+/// The browser first, and the flights of several nodes when it has ended: each of the two takes a whole core, and together they starve each other.
+/// The shortest last, so that none is left over for the end, in which nothing runs beside it.
+fn in_order(mut tiers: Vec<Tier>) -> VecDeque<Tier> {
     let order = [
-        Tier::Integration,
         Tier::Ui,
         Tier::Interop,
-        Tier::Wire,
         Tier::PluginBoundary,
+        Tier::Wire,
+        Tier::Integration,
         Tier::E2e,
     ];
     tiers.sort_by_key(|tier| order.iter().position(|known| known == tier).unwrap_or(order.len()));
