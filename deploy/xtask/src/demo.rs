@@ -22,7 +22,7 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Result<ExitCode> {
 pub fn build(workspace: &Workspace) -> Result<()> {
     println!("[1/2] dashboard");
     ui::build(workspace)?;
-    println!("[2/2] program and plugins (the first build takes eight to seventeen minutes on two cores)");
+    println!("[2/2] program and plugins (the first build takes ten to twenty minutes on two cores)");
     plugins::build_with(workspace, Profile::Release, &["skein"])?;
     Ok(())
 }
