@@ -28,7 +28,7 @@ pub struct Package {
     pub dependencies: Vec<Dependency>,
     /// What cargo builds from it.
     pub targets: Vec<Target>,
-    /// Its test programs that run in real time, over sockets: `package.metadata.in-real-time` of its manifest.
+    /// Its test programs that run in real time, over sockets: `in-real-time` under `package.metadata.xtask` in its manifest.
     pub in_real_time: Vec<String>,
 }
 
@@ -74,10 +74,16 @@ struct RawPackage {
     manifest_path: PathBuf,
     dependencies: Vec<Dependency>,
     targets: Vec<Target>,
-    metadata: Option<OwnKeys>,
+    metadata: Option<ToolKeys>,
 }
 
-/// The keys of a manifest that are for xtask alone.
+/// The keys of a manifest that are for tools; cargo does not look at them.
+#[derive(Deserialize)]
+struct ToolKeys {
+    xtask: Option<OwnKeys>,
+}
+
+/// Those that are for xtask.
 #[derive(Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 struct OwnKeys {
@@ -153,7 +159,9 @@ impl Package {
             folder,
             dependencies: raw.dependencies,
             targets: raw.targets,
-            in_real_time: raw.metadata.map(|keys| keys.in_real_time).unwrap_or_default(),
+            in_real_time: (raw.metadata.and_then(|tools| tools.xtask))
+                .map(|keys| keys.in_real_time)
+                .unwrap_or_default(),
         })
     }
 

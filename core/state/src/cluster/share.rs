@@ -140,7 +140,7 @@ impl SwarmShare {
         self.vehicles.read()
     }
 
-    /// The same, for the actor that hears them, and for the coordinator, which counts anew when the frame is set.
+    /// The same, for the actor that hears them, and for the coordinator, which forgets the anchors of former leaders.
     pub fn change_vehicles(&self) -> impl DerefMut<Target = BTreeMap<VehicleId, RemoteVehicle>> {
         self.vehicles.write()
     }
