@@ -9,8 +9,9 @@ use parking_lot::Mutex;
 use rustix::process::nice;
 use std::collections::VecDeque;
 
-/// By so much what only computes stands back behind what flies.
-const NICENESS: i32 = 19;
+/// By so much what only computes stands back behind what flies: it gets a third of the share. Further back (19) it came to a standstill beside
+/// another program that keeps the processor busy.
+const NICENESS: i32 = 5;
 
 /// Runs these tiers.
 pub(super) fn run<'r>(tiers: &[Tier], run: &Run<'r>, built: &'r Built, report: &mut Report<'r>) {
