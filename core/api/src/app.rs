@@ -1,5 +1,6 @@
 //! What every route can reach.
 
+use crate::video::{MAX_VIEWERS, WebRtc};
 use crate::view::View;
 use axum::body::Bytes;
 use skein_runtime::NodeHandle;
@@ -18,6 +19,10 @@ pub struct App {
     pub view: Arc<View>,
     /// One permit for each stream that may be open.
     pub streams: Arc<Semaphore>,
+    /// One permit for each viewer of a video.
+    pub viewers: Arc<Semaphore>,
+    /// Videos over WebRTC.
+    pub webrtc: Arc<WebRtc>,
     /// The OpenAPI document.
     pub document: Bytes,
 }
@@ -30,6 +35,8 @@ impl App {
             node,
             view: Arc::default(),
             streams: Arc::new(Semaphore::new(MAX_STREAMS)),
+            viewers: Arc::new(Semaphore::new(MAX_VIEWERS)),
+            webrtc: Arc::default(),
             document,
         }
     }

@@ -29,10 +29,17 @@ const PASSED_ON: [HeaderName; 3] = [
     header::CONTENT_SECURITY_POLICY,
 ];
 
-/// Which vehicle's own routes a path is one of; what is said of a vehicle in general every node knows.
+/// Which vehicle's own routes a path is one of; what is said of a vehicle in general every node knows. Video does not end, so that it cannot be
+/// passed on as an answer.
 fn vehicle_of(path: &str) -> Option<VehicleId> {
     let (id, rest) = path.strip_prefix("/api/v1/vehicles/")?.split_once('/')?;
-    id.parse().ok().filter(|_| !rest.is_empty()).map(VehicleId)
+    let passed_on = !rest.is_empty() && !is_video(rest);
+    id.parse().ok().filter(|_| passed_on).map(VehicleId)
+}
+
+/// Whether a path behind the vehicle's id is `payloads/NAME/video…`.
+fn is_video(rest: &str) -> bool {
+    rest.starts_with("payloads/") && rest.split('/').nth(2) == Some("video")
 }
 
 /// Around every route of a gateway.
@@ -93,7 +100,7 @@ pub fn serve_others(node: NodeHandle) -> ApiServer {
     let app = App::new(node, Bytes::new());
     let routes = endpoints::all()
         .into_iter()
-        .filter(|one| one.path.starts_with("/api/v1/vehicles/"))
+        .filter(|one| one.path.starts_with("/api/v1/vehicles/") && one.tag != endpoints::VIDEO)
         .fold(Router::new(), |routes, one| routes.route(one.path, one.handler))
         .with_state(app)
         .layer(DefaultBodyLimit::max(body::MAX_BODY_BYTES));

@@ -9,6 +9,7 @@ mod resume;
 mod safety;
 mod swarm;
 mod trajectories;
+mod video;
 
 use crate::app::App;
 use crate::example::Example;
@@ -48,8 +49,8 @@ pub(crate) struct Endpoint {
     pub(crate) query: Option<SchemaOf>,
     /// Schema of the body, and one.
     pub(crate) body: Option<(SchemaOf, Value)>,
-    /// The body is a file.
-    pub(crate) is_file: bool,
+    /// The body is a file of this kind.
+    pub(crate) file: Option<&'static str>,
     /// It becomes a WebSocket, which OpenAPI has no place for.
     pub(crate) is_websocket: bool,
     pub(crate) answers: Vec<DescribedAnswer>,
@@ -65,6 +66,8 @@ pub(crate) struct DescribedAnswer {
 }
 
 const JSON: &str = "application/json";
+/// The tag of live video, which no other node passes on.
+pub(crate) const VIDEO: &str = "video";
 
 fn schema_of<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
     generator.subschema_for::<T>()
@@ -82,7 +85,7 @@ impl Endpoint {
             variables: Vec::new(),
             query: None,
             body: None,
-            is_file: false,
+            file: None,
             is_websocket: false,
             answers: Vec::new(),
             errors: &[],
@@ -115,10 +118,16 @@ impl Endpoint {
         self
     }
 
+    /// Takes an SDP offer.
+    fn takes_sdp(mut self) -> Self {
+        self.file = Some("application/sdp");
+        self
+    }
+
     /// Takes bodies up to this length, instead of the one that is enough for JSON.
     fn takes_bytes(mut self, most: usize) -> Self {
         self.handler = self.handler.layer(DefaultBodyLimit::max(most));
-        self.is_file = true;
+        self.file = Some("application/octet-stream");
         self
     }
 
@@ -175,6 +184,8 @@ pub(crate) fn all() -> Vec<Endpoint> {
     all.extend(carried::plugins());
     all.extend(carried::payloads());
     all.extend(carried::instances());
+    all.extend(video::videos());
+    all.extend(video::recordings());
     all
 }
 

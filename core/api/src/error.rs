@@ -112,6 +112,15 @@ pub enum ApiError {
         /// What is missing.
         problem: String,
     },
+    /// The body is no offer of WebRTC.
+    #[error("the body has to be an SDP offer, with the header `content-type: application/sdp`")]
+    NotSdp,
+    /// There is no socket for WebRTC.
+    #[error("no socket for WebRTC: {reason}")]
+    NoSocket {
+        /// Why.
+        reason: String,
+    },
     /// As many streams as are served at once are open.
     #[error("{limit} streams are open already")]
     TooManyStreams {
@@ -145,7 +154,7 @@ impl ApiError {
             Self::Body(rejection) => rejection.status(),
             Self::Unfit { problem, .. } => problem.status(),
             Self::TooSlow => StatusCode::REQUEST_TIMEOUT,
-            Self::NotJson => StatusCode::UNSUPPORTED_MEDIA_TYPE,
+            Self::NotJson | Self::NotSdp => StatusCode::UNSUPPORTED_MEDIA_TYPE,
             Self::Shape { .. } | Self::UnknownField { .. } | Self::OutOfRange { .. } => {
                 StatusCode::UNPROCESSABLE_ENTITY
             }
@@ -154,7 +163,7 @@ impl ApiError {
             Self::ForeignHost { .. } | Self::ForeignOrigin { .. } => StatusCode::FORBIDDEN,
             Self::NoOperator => StatusCode::UNAUTHORIZED,
             Self::NotAnUpgrade { .. } => StatusCode::UPGRADE_REQUIRED,
-            Self::TooManyStreams { .. } => StatusCode::SERVICE_UNAVAILABLE,
+            Self::TooManyStreams { .. } | Self::NoSocket { .. } => StatusCode::SERVICE_UNAVAILABLE,
         }
     }
 
@@ -171,6 +180,8 @@ impl ApiError {
             Self::Unfit { problem, .. } => problem.code(),
             Self::TooSlow => "too_slow",
             Self::NotJson => "not_json",
+            Self::NotSdp => "not_sdp",
+            Self::NoSocket { .. } => "no_socket",
             Self::Shape { .. } => "invalid_body",
             Self::UnknownField { .. } => "unknown_field",
             Self::OutOfRange { .. } => "invalid_value",

@@ -11,6 +11,7 @@ use crate::protocol::{
     FencePlanBody, FormationAnswer, FormationPreview, Health, ImportedFencePlan, LinkReport, OverrideBody,
     ParameterBody, PayloadList, PluginList, ReadingBody, ReferenceList, RestartList, ResumeBody, RouteBody,
     ServerMessage, SupervisionTree, TrackList, TrajectoriesEnded, TrajectoryList, VehicleList, VersionInfo,
+    VideoMessage, VideoRecordingAnswer, VideoRecordingList, VideoRequest, VideoStreamList,
 };
 use crate::wire::{self, Field, Header, Record, flag};
 use skein_config::PayloadRule;
@@ -133,6 +134,11 @@ fn what_is_carried(found: &mut Declarations<'_>) {
     found.visit::<LinkReport>();
     found.visit::<CameraViewList>();
     found.visit::<TrackList>();
+    found.visit::<VideoStreamList>();
+    found.visit::<VideoMessage>();
+    found.visit::<VideoRequest>();
+    found.visit::<VideoRecordingList>();
+    found.visit::<VideoRecordingAnswer>();
     found.visit::<UpgradeReceipt>();
     found.visit::<PayloadRule>();
     found.visit::<GimbalCommand>();

@@ -38,6 +38,7 @@ mod stream;
 mod supervision;
 mod swarm;
 mod trajectories;
+mod video;
 mod view;
 pub mod wire;
 

@@ -202,12 +202,12 @@ fn operation(endpoint: Endpoint, schemas: &mut Schemas) -> utoipa::openapi::path
         operation = operation.request_body(Some(request_body("application/json", content)));
         errors.extend(ERRORS_OF_BODIES);
     }
-    if endpoint.is_file {
+    if let Some(kind) = endpoint.file {
         let file = ObjectBuilder::new()
             .schema_type(Type::String)
             .format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary)));
         let content = ContentBuilder::new().schema(Some(file));
-        operation = operation.request_body(Some(request_body("application/octet-stream", content)));
+        operation = operation.request_body(Some(request_body(kind, content)));
     }
     for answer in endpoint.answers {
         let mut response = ResponseBuilder::new().description(answer.description);

@@ -95,7 +95,7 @@ pub(crate) async fn frame(State(app): State<App>, of: Of) -> Result<Response, Ap
     let picture = made.unwrap_or_default();
     let kind = match format {
         PixelFormat::Jpeg => "image/jpeg",
-        PixelFormat::Gray8 | PixelFormat::Rgb8 => "image/png",
+        PixelFormat::Gray8 | PixelFormat::Rgb8 | PixelFormat::H264 => "image/png",
     };
     let headers = [(header::CONTENT_TYPE, kind), (header::CACHE_CONTROL, "no-store")];
     Ok((headers, picture).into_response())

@@ -6,6 +6,7 @@ use skein_domain::payload::{FrameHeader, PixelFormat};
 pub(crate) fn encode(header: &FrameHeader, bytes: &[u8]) -> Vec<u8> {
     let color = match header.format {
         PixelFormat::Jpeg => return bytes.to_vec(),
+        PixelFormat::H264 => return Vec::new(),
         PixelFormat::Gray8 => png::ColorType::Grayscale,
         PixelFormat::Rgb8 => png::ColorType::Rgb,
     };

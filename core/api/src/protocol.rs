@@ -6,11 +6,16 @@ mod links;
 mod observed;
 mod parameters;
 mod supervision;
+mod video;
 
 pub use links::{EndpointReport, LinkReport, VehicleLinkReport};
 pub use observed::{CameraView, CameraViewList, TrackList, ViewSource};
 pub use parameters::{ParameterBody, ParameterName, ReadingBody};
 pub use supervision::{SupervisedPayload, SupervisedVehicle, SupervisionTree};
+pub use video::{
+    VideoMessage, VideoRecording, VideoRecordingAnswer, VideoRecordingList, VideoRequest, VideoStateWord,
+    VideoStreamList, VideoStreamView,
+};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

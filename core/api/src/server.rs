@@ -7,12 +7,14 @@ use crate::connections::{Admitted, Connections};
 use crate::error::ApiError;
 use crate::guard::{Guard, keep_foreign_pages_out};
 use crate::settings::ApiSettings;
+use crate::video::LocalAddress;
 use crate::{assets, body, elsewhere, endpoints, metrics, openapi};
 use axum::Extension;
 use axum::Router;
 use axum::extract::DefaultBodyLimit;
 use axum::http::{HeaderName, HeaderValue, Method, Request, Uri, header};
 use axum::middleware;
+use hyper::body::Incoming;
 use hyper::service::{Service, service_fn};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
@@ -129,8 +131,12 @@ async fn connection(
     admitted: Admitted,
     dismissed: oneshot::Receiver<()>,
 ) {
+    let local = stream.local_addr().ok().map(LocalAddress);
     let answer = TowerToHyperService::new(router);
-    let service = service_fn(|request| {
+    let service = service_fn(|mut request: hyper::Request<Incoming>| {
+        if let Some(local) = local {
+            request.extensions_mut().insert(local);
+        }
         let asked = admitted.asked(Instant::now());
         let answered = answer.call(request);
         async move {

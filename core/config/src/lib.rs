@@ -28,7 +28,7 @@ pub use ros2::Ros2Settings;
 pub use settings::{
     AdoptionRule, CoordinatorSettings, EndpointSettings, Escalation, FaultSettings, FenceSettings, Isolation,
     LinkSettings, NewcomerSettings, NodeConfig, NodeSettings, OnStop, PayloadRule, PluginSettings, ReturningSettings,
-    SafetySettings, WebSettings,
+    SafetySettings, VideoSettings, WebSettings,
 };
 pub use swarm::{Apart, SwarmSettings, SwarmTransport, ZenohSettings};
 
@@ -104,6 +104,13 @@ impl NodeConfig {
             }
             if let (Some(id), Some(node), None) = (&swarm.id, swarm.node, &swarm.state_file) {
                 swarm.state_file = Some(folder.join(format!("{id}-{node}.term.json")));
+            }
+            let recordings = config
+                .video
+                .recordings
+                .get_or_insert_with(|| PathBuf::from("recordings"));
+            if recordings.is_relative() {
+                *recordings = folder.join(&*recordings);
             }
             config.resume.file.get_or_insert_with(|| path.with_extension("resume"));
         }

@@ -34,6 +34,8 @@ pub struct NodeConfig {
     pub resume: ResumeSettings,
     /// The web API and dashboard.
     pub web: WebSettings,
+    /// Videos of cameras.
+    pub video: VideoSettings,
     /// The swarm on ROS 2.
     pub ros2: Ros2Settings,
     /// Who may do what an ordinary client of the API may not.
@@ -454,6 +456,25 @@ impl Default for WebSettings {
             enabled: true,
             listen: SocketAddr::from(([127, 0, 0, 1], 8080)),
             allowed_hosts: Vec::new(),
+        }
+    }
+}
+
+/// `[video]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct VideoSettings {
+    /// Folder that videos are recorded into. By default `recordings` beside the configuration file; without one none are recorded.
+    pub recordings: Option<PathBuf>,
+    /// When its recordings take more, the oldest are removed, in bytes.
+    pub keep_bytes: u64,
+}
+
+impl Default for VideoSettings {
+    fn default() -> Self {
+        Self {
+            recordings: None,
+            keep_bytes: 8_000_000_000,
         }
     }
 }

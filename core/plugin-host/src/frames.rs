@@ -236,7 +236,7 @@ impl Frame {
         (self.memory.file(), slot_offset(self.slot) as u64)
     }
 
-    fn finished(mut self, lent_len: u64) -> Result<Self, PluginError> {
+    fn finished(self, lent_len: u64) -> Result<Self, PluginError> {
         let bad = |detail: String| Err(PluginError::BadFrame { detail });
         let header = &self.header;
         if header.len == 0 || header.len > lent_len {
@@ -246,6 +246,8 @@ impl Frame {
             PixelFormat::Gray8 => rows(header, 1),
             PixelFormat::Rgb8 => rows(header, 3),
             PixelFormat::Jpeg => Some(1),
+            // How large it is stands in it.
+            PixelFormat::H264 => return Ok(self.named()),
         };
         let (width, height) = (header.width_px, header.height_px);
         match needed {
@@ -257,9 +259,13 @@ impl Frame {
                 ));
             }
         }
-        self.len = usize::try_from(header.len).unwrap_or(0);
+        Ok(self.named())
+    }
+
+    fn named(mut self) -> Self {
+        self.len = usize::try_from(self.header.len).unwrap_or(0);
         self.header.id = NEXT_FRAME.fetch_add(1, Ordering::Relaxed);
-        Ok(self)
+        self
     }
 }
 

@@ -17,6 +17,7 @@ const QUALITY: u8 = 80;
 pub fn jpeg(of: &FrameHeader, bytes: &[u8]) -> Option<Vec<u8>> {
     let (color, samples) = match of.format {
         PixelFormat::Jpeg => return Some(bytes.to_vec()),
+        PixelFormat::H264 => return None,
         PixelFormat::Gray8 => (ExtendedColorType::L8, 1),
         PixelFormat::Rgb8 => (ExtendedColorType::Rgb8, 3),
     };

@@ -20,6 +20,7 @@ mod plugin_life;
 mod resume;
 mod surroundings;
 mod vehicle;
+mod video;
 mod wiring;
 
 pub use clock::TokioClock;
@@ -29,4 +30,5 @@ pub use handle::{
 };
 pub use node::{Adapter, AdapterStart, Node, NodeError};
 pub use skein_plugin_host::Frame;
+pub use video::{CameraVideo, RecordedVideo, VIDEO_SUB_PX};
 pub use wiring::{WiringError, catalog};

@@ -198,6 +198,7 @@ impl PayloadState {
         let (running, given_up) = self.life.ensure().await;
         if running && !was_running {
             // A new instance knows of nothing yet.
+            self.record.video.begin(self.shared.now());
             self.seen.clear();
             self.tracks = Arc::default();
         }

@@ -4,11 +4,12 @@
 
 use crate::mailbox::{ActorSlot, PayloadMessage};
 use crate::plugin::PluginRecord;
+use crate::video::Video;
 use arc_swap::ArcSwapOption;
 use parking_lot::{Mutex, MutexGuard};
 use skein_config::PayloadRule;
 use skein_domain::NodeTime;
-use skein_domain::payload::PayloadKind;
+use skein_domain::payload::{PayloadKind, PixelFormat};
 use skein_domain::preflight::PreflightItem;
 use skein_link_mavlink::EndpointAddress;
 use skein_plugin_host::Frame;
@@ -37,6 +38,8 @@ pub struct PayloadRecord {
     next_tick_us: AtomicU64,
     state: Mutex<PayloadPublished>,
     frame: ArcSwapOption<Frame>,
+    /// What it gives as a camera, for those who look at it.
+    pub video: Video,
 }
 
 impl PayloadRecord {
@@ -52,6 +55,7 @@ impl PayloadRecord {
             next_tick_us: AtomicU64::new(0),
             state: Mutex::default(),
             frame: ArcSwapOption::empty(),
+            video: Video::default(),
         }
     }
 
@@ -77,14 +81,17 @@ impl PayloadRecord {
         self.state.lock()
     }
 
-    /// The last frame it gave.
+    /// The last frame of pixels, or JPEG, that it gave.
     pub fn frame(&self) -> Option<Arc<Frame>> {
         self.frame.load_full()
     }
 
     /// Its actor has a new frame.
-    pub fn show_frame(&self, frame: Arc<Frame>) {
-        self.frame.store(Some(frame));
+    pub fn show_frame(&self, now: NodeTime, frame: Arc<Frame>) {
+        self.video.take(now, &frame);
+        if frame.header.format != PixelFormat::H264 {
+            self.frame.store(Some(frame));
+        }
     }
 }
 

@@ -9,6 +9,7 @@ use crate::observed::Observed;
 use crate::operators::Operators;
 use crate::overrun::{Overrun, OverrunEvent};
 use crate::plugins::Plugins;
+use crate::recordings::Recordings;
 use crate::resume::Resume;
 use crate::vehicles::Vehicles;
 use arc_swap::{ArcSwap, ArcSwapOption};
@@ -43,6 +44,8 @@ pub struct SharedState {
     pub coordination: SharedCoordination,
     /// What is known of others than the swarm's vehicles.
     pub observed: Observed,
+    /// Videos that are being recorded.
+    pub recordings: Recordings,
     /// What was flown when the node was killed, and who of it is taken back.
     pub resume: Resume,
     /// The swarm this node is part of, if any.
@@ -89,6 +92,7 @@ impl SharedState {
             gate: ArcSwap::from_pointee(gate),
             fence_plan: Mutex::new(fence_plan),
             events,
+            recordings: Recordings::default(),
             resume,
             frame: ArcSwapOption::from(frame),
             peers: ArcSwap::default(),

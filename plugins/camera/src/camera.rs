@@ -41,6 +41,10 @@ struct Core {
     /// Pictures taken from the source of stills or video: it goes on behind them.
     #[n(2)]
     taken: u64,
+    /// Encoded pictures given since it was first started.
+    #[n(3)]
+    #[cbor(default)]
+    coded: u64,
 }
 
 impl Payload for Camera {
@@ -62,7 +66,7 @@ impl Payload for Camera {
             EffectKind::Frame,
         ],
         mavlink_messages: remote::MESSAGES,
-        tick_rate_hz: 30,
+        tick_rate_hz: 60,
     };
 
     fn create(create: Create, settings: Settings) -> Result<Self, CreateError> {
@@ -73,6 +77,7 @@ impl Payload for Camera {
             capture: Capture::default(),
             remote: settings.steers_remote().then(|| Remote::new(create.system_id)),
             taken: 0,
+            coded: 0,
         });
         let frames = Frames::new(&settings, core.taken);
         Ok(Self {
@@ -180,6 +185,7 @@ impl Camera {
             end(outcomes, effects);
         }
         self.give_frame(now, effects);
+        self.give_coded(now, effects);
     }
 
     /// The zoom factor at which frames are taken.

@@ -5,6 +5,8 @@
 mod stills;
 mod video;
 
+pub(crate) use video::Video;
+
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -5,10 +5,12 @@
 
 mod camera;
 mod capture;
+mod clock_strip;
 mod decoding;
 mod occurrence;
 mod remote;
 mod settings;
+mod stream;
 mod synthetic;
 
 pub use camera::Camera;

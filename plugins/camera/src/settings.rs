@@ -16,7 +16,7 @@ pub enum Source {
     Synthetic,
     /// The pictures (JPEG, PNG) of a folder in the order of their names, again and again.
     Stills,
-    /// A video file (H.264 in MP4), again and again, at its own speed.
+    /// A video file (H.264 in MP4), again and again, at its own speed: passed on as it is encoded, and decoded at `rate_hz` beside that.
     Video,
 }
 
@@ -39,6 +39,8 @@ pub struct Settings {
     /// Height of simulated frames in pixels.
     #[schemars(range(min = 16, max = 4096))]
     pub height_px: u32,
+    /// Give decoded pictures of a video too, for detectors and for those who ask for a single picture.
+    pub decode: bool,
     /// Frames per second. A frame that nobody has room for is left out.
     #[schemars(range(min = 0.01, max = 60.0))]
     pub rate_hz: f64,
@@ -60,6 +62,8 @@ pub struct Settings {
     /// How wide other vehicles are in the simulated world, in metres.
     #[schemars(range(min = 0.01))]
     pub vehicle_size_m: f64,
+    /// Draw the node's clock into simulated frames, for whoever measures how old a picture is when it is seen.
+    pub clock: bool,
     /// How long an acknowledgement is waited for, in seconds, before a command is sent again.
     #[schemars(range(min = 0.05))]
     pub ack_timeout_s: f64,
@@ -80,6 +84,7 @@ impl Default for Settings {
             path: PathBuf::new(),
             width_px: 640,
             height_px: 360,
+            decode: true,
             rate_hz: 5.0,
             field_of_view_rad: 1.2,
             zoom_max: 6.0,
@@ -88,6 +93,7 @@ impl Default for Settings {
             scene_seed: 1,
             ground_down_m: 0.0,
             vehicle_size_m: 0.6,
+            clock: true,
             ack_timeout_s: 0.7,
             attempts: 4,
             lost_after_s: 5.0,

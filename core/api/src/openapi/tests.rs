@@ -57,7 +57,7 @@ fn every_route_of_the_table_is_in_it_with_bodies_answers_and_errors() {
         assert_eq!(operation["operationId"], endpoint.id, "{} {method}", endpoint.path);
         assert_eq!(
             operation.get("requestBody").is_some(),
-            endpoint.body.is_some() || endpoint.is_file
+            endpoint.body.is_some() || endpoint.file.is_some()
         );
         assert!(operation["responses"]["403"]["content"]["application/json"]["schema"]["$ref"].is_string());
         operations += usize::from(!endpoint.is_websocket);

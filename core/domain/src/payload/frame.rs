@@ -20,6 +20,9 @@ pub enum PixelFormat {
     /// A JPEG file.
     #[n(2)]
     Jpeg,
+    /// An H.264 access unit in Annex B's byte stream. All of them are passed on, in order; of the others the newest counts.
+    #[n(3)]
+    H264,
 }
 
 /// What is known of a frame beside its bytes. The bytes stay where they are: `id` names them.

@@ -255,7 +255,7 @@ impl NodeHandle {
             .ok_or_else(|| not_running(vehicle, payload))
     }
 
-    fn payload(&self, record: &VehicleRecord, name: &str) -> Result<Arc<PayloadRecord>, Refusal> {
+    pub(crate) fn payload(&self, record: &VehicleRecord, name: &str) -> Result<Arc<PayloadRecord>, Refusal> {
         record.payload(name).ok_or_else(|| Refusal::UnknownPayload {
             vehicle: record.id,
             payload: name.to_owned(),

@@ -49,8 +49,9 @@ impl PayloadState {
                 }
             }
         }
-        if let Some(frame) = frames.into_iter().next_back() {
-            self.record.show_frame(frame);
+        let now = self.shared.now();
+        for frame in frames {
+            self.record.show_frame(now, frame);
         }
     }
 

@@ -1,8 +1,10 @@
 //! Frames: made or taken when they are due, and given away.
 
 use super::Camera;
+use crate::clock_strip;
 use crate::decoding::{DecodeError, Files, Picture, Reader};
 use crate::settings::{Settings, Source};
+use crate::stream::{self, Coded, StreamFault, StreamReader};
 use crate::synthetic::Synthetic;
 use skein_domain::NodeTime;
 use skein_domain::exchange::{PayloadReport, PeerState};
@@ -11,6 +13,8 @@ use skein_plugin_sdk::frames::{FrameMut, acquire};
 use skein_plugin_sdk::{Effects, log};
 
 const BYTES_PER_PIXEL: u32 = 3;
+/// The host lends four buffers, and one may still be read.
+const MOST_CODED_AT_ONCE: usize = 3;
 /// Pause before files that could not be read are tried again, in seconds.
 const RETRY_S: f64 = 5.0;
 
@@ -25,6 +29,18 @@ pub(super) struct Frames {
     /// What is wrong with the source.
     pub(super) fault: String,
     /// When files are tried again.
+    retry: Option<NodeTime>,
+    /// What comes encoded beside that.
+    stream: Option<Stream>,
+}
+
+/// Where encoded pictures come from.
+#[derive(Debug)]
+struct Stream {
+    origin: stream::Origin,
+    reader: Option<StreamReader>,
+    began: Option<NodeTime>,
+    /// When it is tried again.
     retry: Option<NodeTime>,
 }
 
@@ -41,6 +57,7 @@ impl Frames {
         let files = match settings.source {
             Source::Mavlink | Source::Synthetic => None,
             Source::Stills => Some(Files::Stills(path)),
+            Source::Video if !settings.decode => None,
             Source::Video => Some(Files::Video {
                 path,
                 rate_hz: settings.rate_hz,
@@ -52,6 +69,12 @@ impl Frames {
             size_px: None,
             fault: String::new(),
             retry: None,
+            stream: (settings.source == Source::Video).then(|| Stream {
+                origin: stream::Origin::File(settings.path.clone()),
+                reader: None,
+                began: None,
+                retry: None,
+            }),
         };
         if let Some(files) = files {
             let reader = frames.start(&files, taken);
@@ -122,7 +145,70 @@ impl Frames {
     }
 }
 
+impl Stream {
+    /// The encoded pictures that are due; begins anew with the source where it failed.
+    fn due(&mut self, now: NodeTime, fault: &mut String) -> Vec<Coded> {
+        let Some(reader) = &mut self.reader else {
+            if self.retry.is_none_or(|retry| now >= retry) {
+                self.retry = Some(now.plus_seconds(RETRY_S));
+                self.began = None;
+                self.reader = StreamReader::start(self.origin.clone())
+                    .inspect_err(|error| *fault = format!("no thread to read on: {error}"))
+                    .ok();
+            }
+            return Vec::new();
+        };
+        let since_s = self.began.map_or(0.0, |began| now.seconds_since(began));
+        let mut due = Vec::new();
+        while due.len() < MOST_CODED_AT_ONCE {
+            match reader.take(since_s) {
+                Ok(Some(coded)) => {
+                    self.began.get_or_insert(now);
+                    fault.clear();
+                    due.push(coded);
+                }
+                Ok(None) => return due,
+                Err(StreamFault::Ended) => {
+                    self.reader = None;
+                    self.retry = Some(now.plus_seconds(RETRY_S));
+                    return due;
+                }
+                Err(error) => {
+                    *fault = error.to_string();
+                    log::warn!("{error}");
+                }
+            }
+        }
+        due
+    }
+}
+
 impl Camera {
+    /// Gives what came encoded and is due.
+    pub(super) fn give_coded(&mut self, now: NodeTime, effects: &mut Effects) {
+        let Some(stream) = &mut self.frames.stream else {
+            return;
+        };
+        let due = stream.due(now, &mut self.frames.fault);
+        for coded in due {
+            self.frames.delivers = true;
+            self.core.coded += 1;
+            let Some(mut frame) = acquire(coded.bytes.len()) else {
+                // The number is missing in what is given: whoever looks knows that one was lost.
+                self.core.capture.dropped += 1;
+                continue;
+            };
+            frame.copy_from_slice(&coded.bytes);
+            let header = FrameHeader {
+                sequence: self.core.coded,
+                time: now,
+                format: PixelFormat::H264,
+                ..FrameHeader::default()
+            };
+            effects.frame(frame, header);
+        }
+    }
+
     /// Gives a frame if one is due, there is one, and there is room for it.
     pub(super) fn give_frame(&mut self, now: NodeTime, effects: &mut Effects) {
         if matches!(self.frames.origin, Origin::Nothing)
@@ -153,6 +239,7 @@ impl Camera {
         };
         self.frames.fault.clear();
         let size_px = (settings.width_px, settings.height_px);
+        let clock = settings.clock;
         let Some(mut frame) = self.room_for(size_px) else {
             return;
         };
@@ -160,6 +247,9 @@ impl Camera {
             return;
         };
         scene.draw(&pose, size_px.0, size_px.1, &mut frame);
+        if clock {
+            clock_strip::draw(now, size_px.0, &mut frame);
+        }
         self.pass_on(now, frame, size_px, Some(pose), effects);
     }
 

@@ -20,10 +20,14 @@ const LARGEST_SAMPLE: u64 = 32 << 20;
 struct Sample {
     start: u64,
     len: usize,
+    /// A decoder can begin with it.
+    sync: bool,
+    /// When it is to be decoded, in seconds from the first.
+    decode_s: f64,
 }
 
 /// What is needed to decode a file.
-struct Video {
+pub(crate) struct Video {
     file: BufReader<File>,
     samples: Vec<Sample>,
     /// When each picture is shown, in seconds, in the order of showing.
@@ -70,7 +74,7 @@ fn pick(shown_s: &[f64], rate_hz: f64) -> Vec<usize> {
 }
 
 impl Video {
-    fn open(path: &Path) -> Result<Self, DecodeError> {
+    pub(crate) fn open(path: &Path) -> Result<Self, DecodeError> {
         let unreadable = |error: std::io::Error| DecodeError::Unreadable {
             path: path.to_owned(),
             reason: error.to_string(),
@@ -154,6 +158,37 @@ impl Video {
         Ok(choice.given)
     }
 
+    /// How many pictures there are.
+    pub(crate) fn len(&self) -> usize {
+        self.samples.len()
+    }
+
+    /// A picture as it is encoded, in Annex B's byte stream; with the parameter sets if a decoder can begin with it.
+    pub(crate) fn coded(&mut self, index: usize) -> std::io::Result<Vec<u8>> {
+        let Some(sample) = self.samples.get(index).copied() else {
+            return Ok(Vec::new());
+        };
+        let (mut coded, mut raw) = (Vec::new(), Vec::new());
+        self.load(sample, &mut coded)?;
+        if sample.sync {
+            raw.extend_from_slice(&self.head);
+        }
+        append_units(&coded, self.len_size, &mut raw);
+        Ok(raw)
+    }
+
+    /// When a picture is to be decoded, in seconds from the first.
+    pub(crate) fn decoded_at_s(&self, index: usize) -> f64 {
+        self.samples.get(index).map_or(0.0, |sample| sample.decode_s)
+    }
+
+    /// From the first picture to the end of the last, in seconds. One picture alone is shown for a second.
+    pub(crate) fn duration_s(&self) -> f64 {
+        let last_s = self.decoded_at_s(self.samples.len().saturating_sub(1));
+        let steps = self.samples.len().saturating_sub(1).max(1) as f64;
+        if last_s > 0.0 { last_s + last_s / steps } else { 1.0 }
+    }
+
     fn load(&mut self, sample: Sample, into: &mut Vec<u8>) -> std::io::Result<()> {
         into.resize(sample.len, 0);
         self.file.seek(SeekFrom::Start(sample.start))?;
@@ -220,6 +255,7 @@ fn samples(track: &Track, size: u64) -> Option<(Vec<Sample>, Vec<f64>)> {
     let table = create_sample_table(track, CheckedInteger(0))?;
     let mut samples = Vec::with_capacity(table.len());
     let mut shown_s = Vec::with_capacity(table.len());
+    let first_ticks = table.iter().next().map_or(0, |entry| entry.start_decode.0);
     for entry in table.iter() {
         let (start, end) = (entry.start_offset.0, entry.end_offset.0);
         let len = end.checked_sub(start).filter(|len| *len <= LARGEST_SAMPLE)?;
@@ -230,6 +266,8 @@ fn samples(track: &Track, size: u64) -> Option<(Vec<Sample>, Vec<f64>)> {
         samples.push(Sample {
             start,
             len: usize::try_from(len).ok()?,
+            sync: entry.sync,
+            decode_s: entry.start_decode.0.saturating_sub(first_ticks).max(0) as f64 / ticks_per_s,
         });
         shown_s.push(entry.start_composition.0 as f64 / ticks_per_s);
     }

@@ -18,4 +18,5 @@ mod software_in_the_loop;
 mod trajectories;
 mod twice;
 mod versions;
+mod video;
 mod web;

@@ -2159,7 +2159,7 @@ frame: FrameHeader | null, };
 /**
  * How the bytes of a frame are to be read.
  */
-export type PixelFormat = "gray8" | "rgb8" | "jpeg";
+export type PixelFormat = "gray8" | "rgb8" | "jpeg" | "h264";
 
 /**
  * A plugin instance under supervision.
@@ -3731,6 +3731,99 @@ node: string,
  * Version of the stream's messages and of the binary frame.
  */
 protocol: number, };
+
+/**
+ * What a viewer is told as text.
+ */
+export type VideoMessage = { "type": "state" } & VideoStreamView | { "type": "pong", 
+/**
+ * The ping's number.
+ */
+id: number, 
+/**
+ * Now, in microseconds of the node's clock.
+ */
+time_us: number, } | { "type": "error", 
+/**
+ * Why.
+ */
+reason: string, };
+
+/**
+ * What a viewer may say.
+ */
+export type VideoRequest = { "type": "ping", 
+/**
+ * Comes back with the answer.
+ */
+id: number, } | { "type": "key" };
+
+/**
+ * How the video of a camera is, in one word.
+ */
+export type VideoStateWord = "live" | "starting" | "stalled" | "no_key_picture" | "no_pictures" | "failed";
+
+/**
+ * The cameras and how their video is.
+ */
+export type VideoStreamList = { 
+/**
+ * One for each camera, by vehicle.
+ */
+streams: Array<VideoStreamView>, };
+
+/**
+ * How the video of a camera is.
+ */
+export type VideoStreamView = { 
+/**
+ * The vehicle that carries it.
+ */
+vehicle: VehicleId, 
+/**
+ * Its name on the vehicle.
+ */
+payload: string, 
+/**
+ * How it is.
+ */
+state: VideoStateWord, 
+/**
+ * What is wrong, in words; empty if nothing is.
+ */
+reason: string, 
+/**
+ * The H.264 codec after RFC 6381, as `avc1.42c01f`; empty while it is not known.
+ */
+codec: string, 
+/**
+ * Width in pixels; 0 while it is not known.
+ */
+width_px: number, 
+/**
+ * Height in pixels; 0 while it is not known.
+ */
+height_px: number, 
+/**
+ * Pictures per second that the camera gives.
+ */
+rate_hz: number, 
+/**
+ * Bytes per second of a camera that encodes; 0 of one that gives pixels.
+ */
+bytes_per_s: number, 
+/**
+ * Share of the pictures that were lost on their way here, 0 to 1.
+ */
+lost: number, 
+/**
+ * Seconds since the last picture came; none if none ever did.
+ */
+age_s: number | null, 
+/**
+ * How many look at it.
+ */
+viewers: number, };
 
 /**
  * How it is known where a camera looks.

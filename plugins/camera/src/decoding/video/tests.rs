@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::decoding::{Files, Reader};
+use crate::stream::{Origin, StreamReader};
 use openh264::encoder::{Encoder, EncoderConfig, FrameRate, IntraFramePeriod, RateControlMode};
 use openh264::formats::YUVBuffer;
 use openh264::nal_units;
@@ -217,4 +218,34 @@ proptest! {
 fn mp4_once() -> &'static Vec<u8> {
     static MP4: std::sync::OnceLock<Vec<u8>> = std::sync::OnceLock::new();
     MP4.get_or_init(mp4)
+}
+
+#[test]
+fn as_a_stream_its_pictures_come_as_they_are_encoded_and_at_their_pace() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("video.mp4");
+    std::fs::write(&path, mp4()).unwrap();
+    let mut video = Video::open(&path).unwrap();
+    assert_eq!(video.len(), PICTURES as usize);
+    assert!((video.duration_s() - f64::from(PICTURES) / f64::from(RATE_HZ)).abs() < 1e-6);
+    let mut decoder = Decoder::new().unwrap();
+    for index in 0..video.len() {
+        assert!((video.decoded_at_s(index) - index as f64 / f64::from(RATE_HZ)).abs() < 1e-6);
+        let coded = video.coded(index).unwrap();
+        let picture = decoder.decode(&coded).unwrap().expect("a picture");
+        assert!(picture.y()[0].abs_diff(brightness_of(index as u32)) < 6);
+    }
+    // round and round
+    let mut reader = StreamReader::start(Origin::File(path)).unwrap();
+    let mut due_s = Vec::new();
+    while due_s.len() < 2 * PICTURES as usize {
+        match reader.take(f64::INFINITY).unwrap() {
+            Some(coded) => due_s.push(coded.due_s.unwrap()),
+            None => std::thread::yield_now(),
+        }
+    }
+    assert!(
+        due_s.windows(2).all(|pair| (pair[1] - pair[0] - 0.1).abs() < 1e-6),
+        "{due_s:?}"
+    );
 }

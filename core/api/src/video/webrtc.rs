@@ -1,0 +1,200 @@
+//! Video over WebRTC, opened as WHEP has it: an SDP offer in a POST, the answer in its response.
+//!
+//! One UDP socket serves all viewers, under the port of the web side where that is free. The node is ICE-lite: it answers under the address under
+//! which the browser reached the page, and asks nobody for another one.
+//!
+//! Bound: [`MAX_SESSIONS`] sessions, one task each. Must never do: encode, or make a camera wait for a viewer.
+
+mod session;
+
+use super::{Of, QualityQuery, admit};
+use crate::app::App;
+use crate::error::ApiError;
+use axum::Extension;
+use axum::extract::rejection::{PathRejection, QueryRejection};
+use axum::extract::{Path, Query, State};
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use parking_lot::Mutex;
+use session::{Packet, Session};
+use skein_video::Coding;
+use std::collections::BTreeMap;
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::sync::{Arc, Weak};
+use str0m::change::SdpOffer;
+use tokio::net::UdpSocket;
+use tokio::sync::{OnceCell, mpsc};
+
+/// Sessions at once.
+const MAX_SESSIONS: usize = 48;
+/// Datagrams that wait for one session; more are dropped, as on the way.
+const MOST_WAITING: usize = 128;
+/// No datagram of WebRTC is longer, in bytes.
+const LONGEST_DATAGRAM: usize = 2_000;
+/// What a viewer's offer is sent as.
+const SDP: &str = "application/sdp";
+
+/// Under which of its addresses the node was reached.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LocalAddress(pub(crate) SocketAddr);
+
+/// All sessions, and the socket they share; made with the first.
+#[derive(Debug, Default)]
+pub(crate) struct WebRtc(OnceCell<Arc<Hub>>);
+
+#[derive(Debug)]
+struct Hub {
+    socket: UdpSocket,
+    port: u16,
+    sessions: Mutex<BTreeMap<String, mpsc::Sender<Packet>>>,
+    /// Who speaks to which session.
+    known: Mutex<BTreeMap<SocketAddr, String>>,
+}
+
+/// Answers an offer: from then on the video goes to whoever made it.
+///
+/// # Errors
+/// When there is no such camera, too many look already, or the offer is none that can be answered.
+pub(crate) async fn answer(
+    State(app): State<App>,
+    Extension(LocalAddress(local)): Extension<LocalAddress>,
+    of: Of,
+    query: Result<Query<QualityQuery>, QueryRejection>,
+    headers: HeaderMap,
+    body: String,
+) -> Result<Response, ApiError> {
+    let (Path((vehicle, payload)), Query(query)) = (of?, query?);
+    let kind = headers.get(header::CONTENT_TYPE).and_then(|kind| kind.to_str().ok());
+    if kind.and_then(|kind| kind.split(';').next()).map(str::trim) != Some(SDP) {
+        return Err(ApiError::NotSdp);
+    }
+    let offer = SdpOffer::from_sdp_string(&body).map_err(|error| unfit(&error))?;
+    let permit = admit(&app)?;
+    let viewer = app
+        .node
+        .watch_video(vehicle, &payload, query.quality.of(Coding::H264))?;
+    let hub = app.webrtc.hub(local).await?;
+    let (session, answer) = Session::answer(&hub, local, offer, viewer).map_err(|error| unfit(&error))?;
+    let id = hub.serve(session, permit)?;
+    let location = format!("/api/v1/video/sessions/{id}");
+    let headers = [(header::CONTENT_TYPE, SDP.to_owned()), (header::LOCATION, location)];
+    Ok((StatusCode::CREATED, headers, answer).into_response())
+}
+
+fn unfit(error: &dyn std::fmt::Display) -> ApiError {
+    ApiError::Shape {
+        problem: format!("this offer cannot be answered: {error}"),
+    }
+}
+
+/// Ends a session.
+///
+/// # Errors
+/// When there is none of this name.
+pub(crate) async fn end(
+    State(app): State<App>,
+    id: Result<Path<String>, PathRejection>,
+) -> Result<StatusCode, ApiError> {
+    let Path(id) = id?;
+    let ended = app.webrtc.0.get().and_then(|hub| hub.sessions.lock().remove(&id));
+    match ended {
+        // Without its sender the session ends.
+        Some(_) => Ok(StatusCode::NO_CONTENT),
+        None => Err(ApiError::NotFound {
+            path: format!("session {id}"),
+        }),
+    }
+}
+
+impl WebRtc {
+    async fn hub(&self, local: SocketAddr) -> Result<Arc<Hub>, ApiError> {
+        let opened = self.0.get_or_try_init(|| open(local)).await;
+        opened.cloned().map_err(|error| ApiError::NoSocket {
+            reason: error.to_string(),
+        })
+    }
+}
+
+async fn open(local: SocketAddr) -> std::io::Result<Arc<Hub>> {
+    let any: IpAddr = match local.ip() {
+        // Reached on loopback it listens there alone, perhaps on purpose.
+        loopback if loopback.is_loopback() => loopback,
+        IpAddr::V4(_) => Ipv4Addr::UNSPECIFIED.into(),
+        IpAddr::V6(_) => Ipv6Addr::UNSPECIFIED.into(),
+    };
+    let socket = match UdpSocket::bind((any, local.port())).await {
+        Ok(socket) => socket,
+        Err(_) => UdpSocket::bind((any, 0)).await?,
+    };
+    let hub = Arc::new(Hub {
+        port: socket.local_addr()?.port(),
+        socket,
+        sessions: Mutex::default(),
+        known: Mutex::default(),
+    });
+    tokio::spawn(receive(Arc::downgrade(&hub)));
+    Ok(hub)
+}
+
+/// Hands what arrives to its session, for as long as there is a hub.
+async fn receive(hub: Weak<Hub>) {
+    let mut buffer = vec![0; LONGEST_DATAGRAM];
+    while let Some(hub) = hub.upgrade() {
+        // Looked at every second whether anybody is left who holds the hub.
+        let arrived = tokio::time::timeout(std::time::Duration::from_secs(1), hub.socket.recv_from(&mut buffer)).await;
+        let Ok(Ok((len, from))) = arrived else { continue };
+        let packet = Packet {
+            from,
+            bytes: buffer.get(..len).unwrap_or_default().into(),
+        };
+        let known = hub.known.lock().get(&from).cloned();
+        let sessions = hub.sessions.lock();
+        match known.and_then(|id| sessions.get(&id)) {
+            // Full: as if it were lost on the way.
+            Some(session) => drop(session.try_send(packet)),
+            // A new address: the session whose secret it names takes it.
+            None => sessions
+                .values()
+                .for_each(|session| drop(session.try_send(packet.clone()))),
+        }
+    }
+}
+
+impl Hub {
+    /// Serves a session on a task of its own; gives its name.
+    fn serve(
+        self: &Arc<Self>,
+        session: Session,
+        permit: tokio::sync::OwnedSemaphorePermit,
+    ) -> Result<String, ApiError> {
+        let id = format!("{:032x}", rand::random::<u128>());
+        let (sender, packets) = mpsc::channel(MOST_WAITING);
+        {
+            let mut sessions = self.sessions.lock();
+            if sessions.len() >= MAX_SESSIONS {
+                return Err(ApiError::TooManyStreams { limit: MAX_SESSIONS });
+            }
+            sessions.insert(id.clone(), sender);
+        }
+        let (hub, name) = (self.clone(), id.clone());
+        tokio::spawn(async move {
+            session.run(&hub, &name, packets).await;
+            hub.forget(&name);
+            drop(permit);
+        });
+        Ok(id)
+    }
+
+    fn forget(&self, id: &str) {
+        self.sessions.lock().remove(id);
+        self.known.lock().retain(|_, session| session != id);
+    }
+
+    /// This address speaks to this session.
+    fn learn(&self, from: SocketAddr, id: &str) {
+        let mut known = self.known.lock();
+        if known.get(&from).is_none_or(|session| session != id) {
+            known.insert(from, id.to_owned());
+        }
+    }
+}

@@ -1,0 +1,331 @@
+//! Live video of a simulated camera over every way that a node has: what is seen is decoded, and the clock in it is read.
+#![allow(
+    clippy::unwrap_used,
+    reason = "what tests share may stop at the first surprise, as they do"
+)]
+
+mod webrtc;
+
+use futures_util::{SinkExt, StreamExt};
+use serde_json::{Value, json};
+use skein_config::{AdoptionRule, Escalation, Isolation, PayloadRule};
+use skein_domain::{NodeTime, VehicleId};
+use skein_sim::PayloadPlan;
+use skein_testkit::{Swarm, eventually, patience};
+use skein_video::{H264Decoder, jpeg};
+use std::time::Duration;
+use tokio::net::TcpStream;
+use tokio_tungstenite::tungstenite::Message;
+use tokio_tungstenite::{MaybeTlsStream, WebSocketStream};
+use webrtc::Peer;
+
+/// A picture is not older when it comes; a machine that stood still is forgiven by patience, not here.
+const OLDEST_S: f64 = 5.0;
+
+/// One vehicle with a simulated camera of 640x480 and 30/s.
+async fn with_camera() -> Swarm {
+    let rule = |name: &str, config: Value| PayloadRule {
+        name: name.into(),
+        plugin: name.into(),
+        isolation: Isolation::InProcess,
+        transport: None,
+        on_failure: Escalation::Degrade,
+        config,
+    };
+    let camera = json!({ "source": "synthetic", "rate_hz": 30.0, "width_px": 640, "height_px": 480 });
+    let adopt = AdoptionRule {
+        payloads: vec![rule("camera", camera), rule("gimbal", json!({}))],
+        ..AdoptionRule::default()
+    };
+    let swarm = Swarm::start_with(1, move |config, sim| {
+        config.adopt = vec![adopt];
+        sim.payloads = PayloadPlan::all();
+    })
+    .await;
+    eventually(patience(), "the camera is live", async || {
+        (stream_of(&swarm).await["state"] == "live").then_some(())
+    })
+    .await;
+    swarm
+}
+
+async fn stream_of(swarm: &Swarm) -> Value {
+    let url = format!("http://{}/api/v1/video", swarm.web_address());
+    let answer: Value = reqwest::get(url).await.unwrap().json().await.unwrap();
+    answer["streams"]
+        .as_array()
+        .unwrap()
+        .first()
+        .cloned()
+        .unwrap_or_default()
+}
+
+/// A viewer over a WebSocket.
+struct Viewer(WebSocketStream<MaybeTlsStream<TcpStream>>);
+
+/// A picture as it came.
+struct Picture {
+    kind: u8,
+    key: bool,
+    after_gap: bool,
+    size_px: (u16, u16),
+    sequence: u32,
+    taken: NodeTime,
+    bytes: Vec<u8>,
+}
+
+impl Viewer {
+    async fn open(swarm: &Swarm, query: &str) -> Self {
+        let url = format!(
+            "ws://{}/api/v1/vehicles/1/payloads/camera/video?{query}",
+            swarm.web_address()
+        );
+        Self(tokio_tungstenite::connect_async(url).await.unwrap().0)
+    }
+
+    async fn message(&mut self) -> Message {
+        let next = tokio::time::timeout(patience(), self.0.next()).await;
+        next.expect("something comes").expect("it is open").unwrap()
+    }
+
+    async fn picture(&mut self) -> Picture {
+        loop {
+            let Message::Binary(message) = self.message().await else {
+                continue;
+            };
+            let number = |place: usize| u32::from_le_bytes(message[place..place + 4].try_into().unwrap());
+            let side = |place: usize| u16::from_le_bytes(message[place..place + 2].try_into().unwrap());
+            assert_eq!(message[0], 1, "the version");
+            return Picture {
+                kind: message[1],
+                key: message[2] & 1 == 1,
+                after_gap: message[2] & 2 == 2,
+                size_px: (side(4), side(6)),
+                sequence: number(8),
+                taken: NodeTime(f64::from_le_bytes(message[16..24].try_into().unwrap()) as u64),
+                bytes: message[32..].to_vec(),
+            };
+        }
+    }
+
+    async fn told(&mut self, kind: &str) -> Value {
+        loop {
+            let Message::Text(text) = self.message().await else {
+                continue;
+            };
+            let said: Value = serde_json::from_str(&text).unwrap();
+            if said["type"] == kind {
+                return said;
+            }
+        }
+    }
+}
+
+/// The clock that a picture shows, in milliseconds; none if it cannot be read.
+fn clock_ms(file: &[u8]) -> Option<u32> {
+    let picture = image::load_from_memory(file).unwrap().to_luma8();
+    let cell = picture.width() / 80;
+    let level = |index: u32| picture.get_pixel(cell + index * cell + cell / 2, cell + cell / 2).0[0];
+    let (white, black) = (u32::from(level(0)), u32::from(level(1)));
+    let is_one = |index: u32| u32::from(level(index)) * 2 > white + black;
+    let number = |from: u32, count: u32| (from..from + count).fold(0_u32, |sum, bit| sum << 1 | u32::from(is_one(bit)));
+    let clock = number(2, 32);
+    let sum: u32 = clock
+        .to_be_bytes()
+        .iter()
+        .map(|byte| u32::from(byte >> 4) + u32::from(byte & 15))
+        .sum();
+    (white > black + 60 && number(34, 4) == sum % 16).then_some(clock)
+}
+
+/// A picture shows when it was taken, to the millisecond.
+fn shows_its_time(file: &[u8], taken: NodeTime) {
+    assert_eq!(
+        clock_ms(file),
+        Some((taken.0 / 1000) as u32),
+        "the clock in the picture"
+    );
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn h264_over_a_websocket_is_decoded_and_shows_the_clock() {
+    let swarm = with_camera().await;
+    let mut viewer = Viewer::open(&swarm, "way=h264").await;
+    let mut decoder = H264Decoder::new().unwrap();
+    let mut last: Option<Picture> = None;
+    for count in 0..40 {
+        let picture = viewer.picture().await;
+        assert_eq!((picture.kind, picture.size_px), (1, (640, 480)));
+        assert!(count > 0 || picture.key, "a viewer begins with a key picture");
+        let follows = last.as_ref().is_none_or(|last| picture.sequence == last.sequence + 1);
+        assert!(follows || picture.after_gap && picture.key, "what is missing is told");
+        let planes = decoder.decode(&picture.bytes).unwrap().expect("a picture");
+        shows_its_time(&jpeg(&planes, 90).unwrap(), picture.taken);
+        last = Some(picture);
+    }
+    let state = viewer.told("state").await;
+    assert_eq!(
+        (&state["state"], &state["width_px"]),
+        (&json!("live"), &json!(640)),
+        "{state}"
+    );
+    assert!(state["codec"].as_str().unwrap().starts_with("avc1.42"), "{state}");
+    viewer.0.send(Message::text(r#"{"type":"ping","id":7}"#)).await.unwrap();
+    let pong = viewer.told("pong").await;
+    assert_eq!(pong["id"], 7);
+    let now = NodeTime(pong["time_us"].as_u64().unwrap());
+    let age_s = now.seconds_since(last.unwrap().taken);
+    assert!((0.0..OLDEST_S).contains(&age_s), "{age_s} s");
+    viewer.0.send(Message::text(r#"{"type":"zoom"}"#)).await.unwrap();
+    assert!(viewer.told("error").await["reason"].as_str().unwrap().contains("zoom"));
+    swarm.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_key_picture_comes_when_a_decoder_asks_for_it() {
+    let swarm = with_camera().await;
+    let mut viewer = Viewer::open(&swarm, "way=h264").await;
+    while viewer.picture().await.key {}
+    viewer.0.send(Message::text(r#"{"type":"key"}"#)).await.unwrap();
+    let mut pictures = 0;
+    while !viewer.picture().await.key {
+        pictures += 1;
+    }
+    // by itself one comes after two seconds, which are sixty pictures
+    assert!(pictures < 45, "{pictures} pictures later");
+    swarm.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn small_pictures_and_jpeg_are_made_for_those_who_want_them() {
+    let swarm = with_camera().await;
+    let mut small = Viewer::open(&swarm, "way=h264&quality=sub").await;
+    let picture = small.picture().await;
+    assert_eq!((picture.kind, picture.size_px, picture.key), (1, (320, 240), true));
+    let planes = H264Decoder::new()
+        .unwrap()
+        .decode(&picture.bytes)
+        .unwrap()
+        .expect("a picture");
+    shows_its_time(&jpeg(&planes, 90).unwrap(), picture.taken);
+    for query in ["way=jpeg", "way=jpeg&quality=sub"] {
+        let mut viewer = Viewer::open(&swarm, query).await;
+        let picture = viewer.picture().await;
+        assert_eq!(picture.kind, 2);
+        shows_its_time(&picture.bytes, picture.taken);
+    }
+    let mut silent = Viewer::open(&swarm, "way=none").await;
+    assert_eq!(silent.told("state").await["vehicle"], 1);
+    swarm.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn jpeg_files_come_in_one_answer_that_does_not_end() {
+    let swarm = with_camera().await;
+    let url = format!(
+        "http://{}/api/v1/vehicles/1/payloads/camera/video/mjpeg",
+        swarm.web_address()
+    );
+    let mut answer = reqwest::get(url).await.unwrap();
+    assert_eq!(
+        answer.headers()["content-type"],
+        "multipart/x-mixed-replace; boundary=picture"
+    );
+    let mut read = Vec::new();
+    let parts = |read: &[u8]| read.windows(9).filter(|bytes| bytes == b"--picture").count();
+    while parts(&read) < 4 {
+        read.extend(answer.chunk().await.unwrap().expect("it does not end"));
+    }
+    let begin = read.windows(2).position(|bytes| bytes == [0xff, 0xd8]).unwrap();
+    let end = read.windows(11).position(|bytes| bytes == b"\r\n--picture").unwrap();
+    assert!(clock_ms(&read[begin..end]).is_some());
+    swarm.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_browser_that_speaks_webrtc_gets_the_same_pictures() {
+    let swarm = with_camera().await;
+    let base = format!("http://{}", swarm.web_address());
+    let path = "/api/v1/vehicles/1/payloads/camera/video/whep";
+    let mut peer = Peer::new().await;
+    let post = |kind: &str, body: String| {
+        let request = reqwest::Client::new().post(format!("{base}{path}"));
+        request.header("content-type", kind).body(body).send()
+    };
+    let refused = post("application/json", peer.offer()).await.unwrap();
+    assert_eq!(refused.status(), 415);
+    let refused = post("application/sdp", "v=nonsense".into()).await.unwrap();
+    assert_eq!(refused.status(), 422);
+
+    let answer = post("application/sdp", peer.offer()).await.unwrap();
+    assert_eq!(answer.status(), 201);
+    let session = answer.headers()["location"].to_str().unwrap().to_owned();
+    peer.accept(&answer.text().await.unwrap());
+    let mut decoder = H264Decoder::new().unwrap();
+    let mut shown = Vec::new();
+    while shown.len() < 30 {
+        let bytes = peer.picture().await;
+        // A decoder that came late waits for a key picture.
+        if let Ok(Some(planes)) = decoder.decode(&bytes) {
+            shown.push(clock_ms(&jpeg(&planes, 90).unwrap()).expect("a clock"));
+        }
+    }
+    assert!(shown.is_sorted() && shown.first() < shown.last(), "{shown:?}");
+    assert_eq!(stream_of(&swarm).await["viewers"], 1);
+
+    let end = || reqwest::Client::new().delete(format!("{base}{session}")).send();
+    assert_eq!(end().await.unwrap().status(), 204);
+    eventually(patience(), "nobody looks any more", async || {
+        (stream_of(&swarm).await["viewers"] == 0).then_some(())
+    })
+    .await;
+    assert_eq!(end().await.unwrap().status(), 404);
+    swarm.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn one_who_does_not_read_and_many_who_come_and_go_disturb_nobody() {
+    let swarm = with_camera().await;
+    let mut viewer = Viewer::open(&swarm, "way=h264").await;
+    let _never_read = Viewer::open(&swarm, "way=jpeg").await;
+    let mut last = viewer.picture().await;
+    for _ in 0..20 {
+        drop(Viewer::open(&swarm, "way=h264").await);
+        let next = viewer.picture().await;
+        assert!(next.sequence == last.sequence + 1 || next.after_gap);
+        last = next;
+    }
+    drop(viewer);
+    eventually(patience(), "only who does not read is left, or nobody", async || {
+        (stream_of(&swarm).await["viewers"].as_u64() <= Some(1)).then_some(())
+    })
+    .await;
+    swarm.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn what_cannot_be_seen_is_said() {
+    let swarm = with_camera().await;
+    let status = async |path: &str| {
+        let url = format!("http://{}/api/v1/vehicles/{path}", swarm.web_address());
+        let request = reqwest::Client::new().get(url).header("connection", "upgrade");
+        request.send().await.unwrap().status().as_u16()
+    };
+    assert_eq!(status("9/payloads/camera/video").await, 404);
+    assert_eq!(status("1/payloads/laser/video").await, 404);
+    assert_eq!(status("1/payloads/gimbal/video").await, 409);
+    assert_eq!(status("1/payloads/camera/video?way=telepathy").await, 400);
+    assert_eq!(status("1/payloads/camera/video").await, 426);
+
+    // a camera that is ended says so, and its viewers see it come back
+    let mut viewer = Viewer::open(&swarm, "way=h264").await;
+    let before = viewer.picture().await;
+    swarm.node().restart_plugin(VehicleId(1), Some("camera")).unwrap();
+    let begun = tokio::time::Instant::now();
+    let mut after = viewer.picture().await;
+    while after.taken <= before.taken && begun.elapsed() < Duration::from_secs(60) {
+        after = viewer.picture().await;
+    }
+    assert!(after.sequence > before.sequence);
+    swarm.stop().await;
+}
