@@ -13,6 +13,7 @@ export type Shortcut = {
 export const SHORTCUTS: readonly Shortcut[] = [
   { keys: 'g m', words: 'Map', group: 'Go to' },
   { keys: 'g f', words: 'Fleet', group: 'Go to' },
+  { keys: 'g v', words: 'Video', group: 'Go to' },
   { keys: 'g c', words: 'Preflight checks', group: 'Go to' },
   { keys: 'g a', words: 'Alerts and events', group: 'Go to' },
   { keys: 'g p', words: 'Plugins and supervision', group: 'Go to' },
