@@ -278,6 +278,10 @@ const server = createServer(async (request, response) => {
       return answer(200, { references: [] });
     case 'GET tracks':
       return answer(200, { time: nodeTime(), tracks: [{ track: 1, position: { north_m: 30 * Math.sin(Date.now() / 9000), east_m: 40, down_m: -15 }, velocity: { north_m_s: 3.3 * Math.cos(Date.now() / 9000), east_m_s: 0, down_m_s: 0 }, time: nodeTime() }] });
+    case 'GET video':
+      return answer(200, { streams: [] });
+    case 'GET video/recordings':
+      return answer(200, { recordings: [] });
     case 'GET cameras/views':
       return answer(200, { time: nodeTime(), views: vehicles.filter((v) => v.id % 3 === 2).map(cameraView) });
     case 'GET preflight':

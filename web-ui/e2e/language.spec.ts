@@ -24,7 +24,7 @@ test.describe('where the browser wants German', () => {
     await button(page, /^Starten/).hover();
     await expect(page.getByTestId('forecast')).toContainText('auf 10 m steigen und dort halten');
     const pages = page.getByRole('navigation', { name: 'Seiten' });
-    for (const [name, word] of [['Flotte', 'Zustand'], ['Vorflug', 'grün'], ['Alarme', 'Ereignisse'], ['Plugins', 'Aufsicht'], ['Karte', 'Formation']] as const) {
+    for (const [name, word] of [['Flotte', 'Zustand'], ['Video', 'Übertragung'], ['Vorflug', 'grün'], ['Alarme', 'Ereignisse'], ['Plugins', 'Aufsicht'], ['Karte', 'Formation']] as const) {
       await pages.getByRole('link', { name }).click();
       await expect(page.getByRole('main')).toContainText(word);
       expect(await findings(page), name).toEqual([]);

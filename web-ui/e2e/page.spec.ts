@@ -39,7 +39,7 @@ for (const theme of ['Dark', 'Light', 'Sunlight']) {
       await page.getByRole('tab', { name: tab }).click();
       expect(await findings(page), tab).toEqual([]);
     }
-    for (const name of ['Fleet', 'Preflight', 'Alerts', 'Plugins']) {
+    for (const name of ['Fleet', 'Video', 'Preflight', 'Alerts', 'Plugins']) {
       await page.getByRole('navigation', { name: 'Pages' }).getByRole('link', { name }).click();
       expect(await findings(page), name).toEqual([]);
     }
@@ -74,7 +74,9 @@ test('payloads: the camera\'s picture, the gimbal obeys, a restart is seen', asy
   await expect(page.getByTestId('targets')).toContainText('1 selected 2');
   await expect(panel.getByRole('button', { name: 'Take control' })).toBeEnabled();
   const picture = panel.getByRole('img', { name: /camera/ });
-  await expect.poll(() => picture.evaluate((img: HTMLImageElement) => img.naturalWidth), { timeout: 20_000 }).toBeGreaterThan(100);
+  // A single picture, or live video that says how wide it is.
+  const widthPx = (): Promise<number> => picture.evaluate((img: HTMLElement) => (img instanceof HTMLImageElement ? img.naturalWidth : Number(img.dataset.widthPx)));
+  await expect.poll(widthPx, { timeout: 20_000 }).toBeGreaterThan(100);
   const gimbal = panel.locator('[data-instance="payload-2-gimbal"]');
   await gimbal.getByRole('button', { name: 'Take control' }).click();
   await gimbal.getByRole('button', { name: 'Down 45°' }).click();

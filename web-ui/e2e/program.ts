@@ -97,6 +97,15 @@ export class Program {
     return Number(new URL(this.url).port);
   }
 
+  /** Stands still, as a computer does that is overloaded: its connections stay, and nothing is said on them. */
+  pause(): void {
+    this.process.kill('SIGSTOP');
+  }
+
+  goOn(): void {
+    this.process.kill('SIGCONT');
+  }
+
   /** Ends it as an operator would, or at once. */
   async stop(signal: 'SIGINT' | 'SIGKILL' = 'SIGKILL'): Promise<void> {
     this.simulator?.kill('SIGKILL');

@@ -18,6 +18,7 @@ import { Presence } from '../model/presence.svelte';
 import { Session } from '../model/session.svelte';
 import { Shortcuts } from '../model/shortcuts.svelte';
 import { Targets } from '../model/targets.svelte';
+import { Video } from '../model/video.svelte';
 import { Watch } from '../model/watch.svelte';
 import { callAs } from '../protocol/rest';
 import { Navigation } from './navigation.svelte';
@@ -44,6 +45,7 @@ export class Console {
     { cameras: () => this.session.canCommand && this.map.layers.cameras, tracks: () => this.session.canCommand && this.map.layers.tracks },
     () => this.map.invalidate(),
   );
+  readonly video = new Video();
   readonly history = new History();
   readonly shortcuts = new Shortcuts();
   readonly sound = new AlarmSound(() => this.journal.outstanding);

@@ -30,6 +30,8 @@ function follow(keys: string, app: Console): void {
       return navigation.show('map');
     case 'g f':
       return navigation.show('fleet');
+    case 'g v':
+      return navigation.show('video');
     case 'g c':
       return navigation.show('preflight');
     case 'g a':

@@ -9,7 +9,7 @@ export type Side = 'fleet' | Plan | Record;
 export const WIDE = '(min-width: 1360px)';
 
 /** What fills the middle of the screen. */
-export const PAGES = ['map', 'fleet', 'preflight', 'alerts', 'plugins', 'links'] as const;
+export const PAGES = ['map', 'fleet', 'video', 'preflight', 'alerts', 'plugins', 'links'] as const;
 export type Page = (typeof PAGES)[number] | 'vehicle' | 'parameters';
 
 /** A page as it stands in the address: `#fleet`, `#vehicle/3`, `#vehicle/3/parameters`; anything else is the map. */

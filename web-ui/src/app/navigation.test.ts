@@ -4,6 +4,7 @@ import { pageOf } from './navigation.svelte';
 describe('the page in the address', () => {
   it('is read, and the map stands for whatever is not known', () => {
     expect(pageOf('#preflight')).toEqual({ page: 'preflight', vehicle: null });
+    expect(pageOf('#video')).toEqual({ page: 'video', vehicle: null });
     expect(pageOf('#fleet')).toEqual({ page: 'fleet', vehicle: null });
     expect(pageOf('#vehicle/12')).toEqual({ page: 'vehicle', vehicle: 12 });
     expect(pageOf('#vehicle/12/parameters')).toEqual({ page: 'parameters', vehicle: 12 });

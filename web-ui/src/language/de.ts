@@ -7,9 +7,10 @@ import { machinery } from './de/machinery';
 import { operators } from './de/operators';
 import { parameters } from './de/parameters';
 import { plans } from './de/plans';
+import { video } from './de/video';
 import { words } from './de/words';
 
 export { codes } from './de/codes';
-export const parts = { always, fleet, hand, machinery, operators, parameters, plans, words };
-export const de = { ...always, ...fleet, ...hand, ...machinery, ...operators, ...parameters, ...plans, ...words };
+export const parts = { always, fleet, hand, machinery, operators, parameters, plans, video, words };
+export const de = { ...always, ...fleet, ...hand, ...machinery, ...operators, ...parameters, ...plans, ...video, ...words };
 export type Dictionary = typeof de;

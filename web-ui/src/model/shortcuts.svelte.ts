@@ -13,6 +13,7 @@ export type Shortcut = {
 export const SHORTCUTS: readonly Shortcut[] = [
   { keys: 'g m', words: 'Map', group: 'Go to' },
   { keys: 'g f', words: 'Fleet', group: 'Go to' },
+  { keys: 'g v', words: 'Video', group: 'Go to' },
   { keys: 'g c', words: 'Preflight checks', group: 'Go to' },
   { keys: 'g a', words: 'Alerts and events', group: 'Go to' },
   { keys: 'g p', words: 'Plugins and supervision', group: 'Go to' },
@@ -43,14 +44,19 @@ export class Keys {
   #first = '';
   #firstAt = -Infinity;
 
+  /** The key is the second of two: it is meant for nothing else. */
+  completes(key: string, nowMs: number): boolean {
+    return nowMs - this.#firstAt <= PAIR_WITHIN_MS && SHORTCUTS.some(({ keys }) => keys === `${this.#first} ${key}`);
+  }
+
   /** The shortcut that `stroke` completes, or null. */
   press(stroke: Stroke, nowMs: number): string | null {
     // With a modifier it is the browser's; a key held down is not pressed again.
     if (stroke.ctrlKey || stroke.metaKey || stroke.altKey || stroke.repeat) return null;
     const pair = `${this.#first} ${stroke.key}`;
-    const paired = this.#first !== '' && nowMs - this.#firstAt <= PAIR_WITHIN_MS;
+    const paired = this.completes(stroke.key, nowMs);
     this.#first = '';
-    if (paired && SHORTCUTS.some(({ keys }) => keys === pair)) return pair;
+    if (paired) return pair;
     if (SHORTCUTS.some(({ keys }) => keys.startsWith(`${stroke.key} `))) {
       this.#first = stroke.key;
       this.#firstAt = nowMs;

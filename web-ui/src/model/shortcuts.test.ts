@@ -15,6 +15,15 @@ describe('the keys', () => {
     expect(keys.press(stroke('H'), 9100)).toBe('Shift+H');
   });
 
+  it('say that the second of two is meant for nothing else', () => {
+    const keys = new Keys();
+    expect(keys.completes('v', 0)).toBe(false);
+    keys.press(stroke('g'), 0);
+    expect([keys.completes('v', 1500), keys.completes('v', 1501), keys.completes('x', 100)]).toEqual([true, false, false]);
+    keys.press(stroke('v'), 1000);
+    expect(keys.completes('v', 1001)).toBe(false);
+  });
+
   it('leave to the browser what is the browser\'s, and do not repeat', () => {
     const keys = new Keys();
     expect(keys.press(stroke('r', { ctrlKey: true }), 0)).toBeNull();

@@ -8,6 +8,8 @@ import type {
   ParameterList, ParameterReceipt, PreflightAnswer, PluginList, PreflightOverride, ReadingAction, ReadingBody, ReferenceList, ReferenceSnapshot, ResumeBody, RestartList, RestartRecord, Route, RouteBody, SupervisionTree, Targets,
   UpgradeReceipt, VehicleCommand, VehicleSnapshot, LinkReport, TrackList,
 } from './types';
+import { videoPath } from './video';
+import type { Recording, RecordingList, RecordingReceipt, VideoAddress, VideoQuality, VideoStreamList, VideoStreamView } from './video';
 
 /** A call that was answered with an error, or not at all (`status` 0). */
 export class ApiError extends Error {
@@ -33,18 +35,27 @@ export function callAs(console: string): void {
   caller = console;
 }
 
-async function call(method: string, path: string, body?: unknown, secret?: string): Promise<Response> {
+/** A body that is no JSON: what a browser offers to receive. */
+class Sdp {
+  constructor(readonly text: string) {}
+}
+
+/** `path` is below the API's, or a whole address. */
+async function call(method: string, path: string | URL, body?: unknown, secret?: string): Promise<Response> {
   const headers: Record<string, string> = {};
   if (caller !== null) headers['skein-console'] = caller;
   const init: RequestInit = { method, headers, signal: AbortSignal.timeout(TIMEOUT_MS), cache: 'no-store' };
-  if (body !== undefined) {
+  if (body instanceof Sdp) {
+    init.body = body.text;
+    headers['content-type'] = 'application/sdp';
+  } else if (body !== undefined) {
     init.body = JSON.stringify(body);
     headers['content-type'] = 'application/json';
     if (secret !== undefined) headers.authorization = `Bearer ${secret}`;
   }
   let response: Response;
   try {
-    response = await fetch(new URL(`api/v1/${path}`, document.baseURI), init);
+    response = await fetch(path instanceof URL ? path : new URL(`api/v1/${path}`, document.baseURI), init);
   } catch (error) {
     const timedOut = error instanceof DOMException && error.name === 'TimeoutError';
     throw new ApiError(0, timedOut ? 'timeout' : 'unreachable', timedOut ? t('no answer from the server') : t('the server cannot be reached'));
@@ -189,6 +200,37 @@ export async function restartPlugin(vehicle: number, payload: string | null): Pr
 /** Where the last frame of a camera is; `count` makes the address new, so that the browser asks again. */
 export function pictureUrl(vehicle: number, payload: string, count: number): string {
   return new URL(`api/v1/vehicles/${vehicle}/payloads/${encodeURIComponent(payload)}/frame?n=${count}`, document.baseURI).href;
+}
+
+/** The video streams that there are. */
+export async function getVideo(): Promise<VideoStreamView[]> {
+  return ((await (await call('GET', 'video')).json()) as VideoStreamList).streams;
+}
+
+/** Offers to receive a stream over WebRTC: what the node answers, and where what was begun is ended; null if it does not say. */
+export async function offerVideo(of: VideoAddress, quality: VideoQuality, sdp: string): Promise<{ sdp: string; session: URL | null }> {
+  const response = await call('POST', videoPath(of, `/whep?quality=${quality}`), new Sdp(sdp));
+  const location = response.headers.get('location');
+  return { sdp: await response.text(), session: location === null ? null : new URL(location, response.url) };
+}
+
+/** Ends what an offer began. */
+export async function endVideo(session: URL): Promise<void> {
+  await call('DELETE', session);
+}
+
+/** Records a stream on the node from now on, or ends that. */
+export async function recordVideo(of: VideoAddress, on: boolean): Promise<RecordingReceipt> {
+  return (await (await call(on ? 'POST' : 'DELETE', videoPath(of, '/recording'))).json()) as RecordingReceipt;
+}
+
+export async function getRecordings(): Promise<Recording[]> {
+  return ((await (await call('GET', 'video/recordings')).json()) as RecordingList).recordings;
+}
+
+/** Where a recording is. */
+export function recordingUrl(file: string): string {
+  return new URL(`api/v1/video/recordings/${encodeURIComponent(file)}`, document.baseURI).href;
 }
 
 /** Marks alerts as seen, for all pages. That they are comes as an event. */

@@ -152,7 +152,9 @@ export class Interaction {
   };
 
   keydown = (event: KeyboardEvent): void => {
-    const { map } = this.console;
+    const { map, shortcuts } = this.console;
+    // The page's: `g m` must not measure.
+    if (shortcuts.keys.completes(event.key, performance.now())) return;
     switch (event.key) {
       case 'ArrowLeft':
         this.#pan(PAN_KEY_PX, 0);

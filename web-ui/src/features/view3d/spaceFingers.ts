@@ -69,7 +69,9 @@ export class SpaceFingers {
   };
 
   keydown = (event: KeyboardEvent): void => {
-    const { map } = this.console;
+    const { map, shortcuts } = this.console;
+    // The page's: `g f` must not turn the view.
+    if (shortcuts.keys.completes(event.key, performance.now())) return;
     const move = MOVES[event.key];
     if (move && event.shiftKey) this.space.pan(-move[0] * PAN_KEY_PX, -move[1] * PAN_KEY_PX);
     else if (move) this.space.turn(move[0] * TURN_KEY, -move[1] * TURN_KEY);

@@ -18,6 +18,8 @@ export const codes: Readonly<Record<string, string>> = {
   none: 'keine', 'no fix': 'kein Fix', '2D fix': '2D-Fix', '3D fix': '3D-Fix', 'RTK fixed': 'RTK fest', 'RTK float': 'RTK gleitend',
   // states of actors and plugins
   running: 'läuft', restarting: 'startet neu', 'given up': 'aufgegeben', stopped: 'angehalten', starting: 'startet', failed: 'ausgefallen',
+  // states of a video stream
+  stalled: 'steht', 'no key picture': 'kein Schlüsselbild', 'no pictures': 'keine Bilder',
   // kinds of events
   adopted: 'übernommen', 'not adopted': 'nicht übernommen', 'link lost': 'Verbindung verloren', 'link regained': 'Verbindung wieder da',
   'autopilot rebooted': 'Autopilot neu gestartet', 'flight state': 'Flugzustand', command: 'Befehl', steer: 'steuern', failsafe: 'Failsafe',

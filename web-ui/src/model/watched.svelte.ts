@@ -1,8 +1,8 @@
 // The vehicle whose payloads are looked at: its newest snapshot, asked for a few times a second while the panel is open.
 // Must never ask while nobody looks.
 
-import { getVehicle } from '../../protocol/rest';
-import type { VehicleSnapshot } from '../../protocol/types';
+import { getVehicle } from '../protocol/rest';
+import type { VehicleSnapshot } from '../protocol/types';
 
 const EVERY_MS = 500;
 

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { Throttle, centred, dragged, fromPad, moved, toPad } from './aim';
+import { Throttle, anglesCommand, centred, dragged, fromPad, moved, toPad, zoomCommand } from './aim';
 
 const RAD = Math.PI / 180;
 const picture = { widthPx: 400, heightPx: 300, fieldOfViewRad: 90 * RAD };
@@ -38,5 +38,12 @@ describe('what goes out', () => {
     const sent = [0, 50, 100, 199, 200, 350].filter((now) => throttle.passes(now, false));
     expect(sent).toEqual([0, 200]);
     expect(throttle.passes(360, true)).toBe(true);
+  });
+});
+
+describe('what is sent', () => {
+  it('is an aim in the vehicle\'s frame, and a zoom that is never below one', () => {
+    expect(anglesCommand({ pitchRad: -0.5, yawRad: 0.25 })).toEqual({ command: 'angles', pitch_rad: -0.5, yaw_rad: 0.25, yaw_frame: 'vehicle' });
+    expect([zoomCommand(2, 'in'), zoomCommand(3, 'out'), zoomCommand(1.2, 'out')]).toEqual([{ command: 'zoom', factor: 3 }, { command: 'zoom', factor: 2 }, { command: 'zoom', factor: 1 }]);
   });
 });

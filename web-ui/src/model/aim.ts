@@ -30,6 +30,13 @@ export function moved(from: Aim, pitchRad: number, yawRad: number): Aim {
   return bounded({ pitchRad: from.pitchRad + pitchRad, yawRad: from.yawRad + yawRad });
 }
 
+const KEY_STEP_RAD = (5 * Math.PI) / 180;
+
+/** What the arrow keys turn, up and to the right. */
+export const AIM_KEYS: Readonly<Record<string, readonly [pitchRad: number, yawRad: number]>> = {
+  ArrowUp: [KEY_STEP_RAD, 0], ArrowDown: [-KEY_STEP_RAD, 0], ArrowLeft: [0, -KEY_STEP_RAD], ArrowRight: [0, KEY_STEP_RAD],
+};
+
 export type Picture = { widthPx: number; heightPx: number; fieldOfViewRad: number };
 
 /** The angle at so many pixels from the middle of a picture whose whole width spans the field of view. */
@@ -57,4 +64,16 @@ export class Throttle {
     this.#at = nowMs;
     return true;
   }
+}
+
+/** The command of a gimbal for an aim. */
+export function anglesCommand({ pitchRad, yawRad }: Aim): object {
+  return { command: 'angles', pitch_rad: pitchRad, yaw_rad: yawRad, yaw_frame: 'vehicle' };
+}
+
+const ZOOM_STEP = 1.5;
+
+/** The command of a camera for one step nearer or farther. */
+export function zoomCommand(zoom: number, way: 'in' | 'out'): object {
+  return { command: 'zoom', factor: way === 'in' ? zoom * ZOOM_STEP : Math.max(1, zoom / ZOOM_STEP) };
 }
