@@ -61,7 +61,8 @@ async function clockMoves(page: Page, vehicle: number): Promise<void> {
   await expect.poll(clock, { timeout: SLOW_MS }).toBeGreaterThanOrEqual(0);
   const [begun, shown] = [await clock(), (await truth(page, vehicle))!.shown];
   await expect.poll(clock, { timeout: SLOW_MS }).toBeGreaterThan(begun + 1000);
-  expect((await truth(page, vehicle))!.shown).toBeGreaterThan(shown + 1);
+  const shownNow = async (): Promise<number> => (await truth(page, vehicle))?.shown ?? 0;
+  await expect.poll(shownNow, { timeout: SLOW_MS }).toBeGreaterThan(shown + 1);
 }
 
 test('the wall shows every camera, live, with its figures', async ({ page }) => {

@@ -18,7 +18,7 @@ use axum::response::{IntoResponse, Response};
 use parking_lot::Mutex;
 use session::{Packet, Session};
 use skein_video::Coding;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::sync::{Arc, Weak};
 use str0m::change::SdpOffer;
@@ -27,6 +27,8 @@ use tokio::sync::{OnceCell, mpsc};
 
 /// Sessions at once.
 const MAX_SESSIONS: usize = 48;
+/// Sessions that have ended are remembered, so many of them.
+const MOST_REMEMBERED: usize = 256;
 /// Datagrams that wait for one session; more are dropped, as on the way.
 const MOST_WAITING: usize = 128;
 /// No datagram of WebRTC is longer, in bytes.
@@ -47,6 +49,8 @@ struct Hub {
     socket: UdpSocket,
     port: u16,
     sessions: Mutex<BTreeMap<String, mpsc::Sender<Packet>>>,
+    /// The last ones that have ended.
+    ended: Mutex<VecDeque<String>>,
     /// Who speaks to which session.
     known: Mutex<BTreeMap<SocketAddr, String>>,
 }
@@ -96,11 +100,9 @@ pub(crate) async fn end(
     id: Result<Path<String>, PathRejection>,
 ) -> Result<StatusCode, ApiError> {
     let Path(id) = id?;
-    let ended = app.webrtc.0.get().and_then(|hub| hub.sessions.lock().remove(&id));
-    match ended {
-        // Without its sender the session ends.
-        Some(_) => Ok(StatusCode::NO_CONTENT),
-        None => Err(ApiError::NotFound {
+    match app.webrtc.0.get() {
+        Some(hub) if hub.end(&id) => Ok(StatusCode::NO_CONTENT),
+        _ => Err(ApiError::NotFound {
             path: format!("session {id}"),
         }),
     }
@@ -130,6 +132,7 @@ async fn open(local: SocketAddr) -> std::io::Result<Arc<Hub>> {
         port: socket.local_addr()?.port(),
         socket,
         sessions: Mutex::default(),
+        ended: Mutex::default(),
         known: Mutex::default(),
     });
     tokio::spawn(receive(Arc::downgrade(&hub)));
@@ -185,8 +188,21 @@ impl Hub {
         Ok(id)
     }
 
+    /// Ends a session; whether there is or was one of this name. A browser that leaves closes its side first.
+    fn end(&self, id: &str) -> bool {
+        // Without its sender it ends.
+        let ended = self.sessions.lock().remove(id).is_some();
+        ended || self.ended.lock().iter().any(|name| name == id)
+    }
+
     fn forget(&self, id: &str) {
         self.sessions.lock().remove(id);
+        let mut ended = self.ended.lock();
+        ended.push_back(id.to_owned());
+        if ended.len() > MOST_REMEMBERED {
+            ended.pop_front();
+        }
+        drop(ended);
         self.known.lock().retain(|_, session| session != id);
     }
 
