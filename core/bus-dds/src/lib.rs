@@ -140,6 +140,7 @@ fn topic(participant: &DomainParticipant, swarm: &str, class: Class) -> Result<T
         Class::Command => "command",
         Class::State => "state",
         Class::Query => "query",
+        Class::Video => "video",
         Class::Bulk => "bulk",
     };
     let name = format!("skein/{swarm}/{class}");

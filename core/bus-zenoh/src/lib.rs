@@ -258,6 +258,7 @@ fn priority(class: Class) -> Priority {
         Class::Command => Priority::RealTime,
         Class::State => Priority::InteractiveHigh,
         Class::Query => Priority::Data,
+        Class::Video => Priority::DataLow,
         Class::Bulk => Priority::Background,
     }
 }
@@ -268,6 +269,7 @@ fn queue(class: Class) -> &'static str {
         Class::Command => "real_time",
         Class::State => "interactive_high",
         Class::Query => "data",
+        Class::Video => "data_low",
         Class::Bulk => "background",
     }
 }

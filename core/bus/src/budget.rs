@@ -25,7 +25,7 @@ impl Default for BudgetSettings {
     }
 }
 
-/// The share of the burst that bulk leaves to the others.
+/// The share of the burst that video and bulk leave to the others.
 const BULK_LEAVES: f64 = 0.5;
 
 /// A bucket of tokens, one per byte. Commands may overdraw it by one burst; what comes after pays.
@@ -76,7 +76,7 @@ impl Budget {
         match class {
             Class::Command => -self.settings.burst_bytes,
             Class::State | Class::Query => 0.0,
-            Class::Bulk => self.settings.burst_bytes * BULK_LEAVES,
+            Class::Video | Class::Bulk => self.settings.burst_bytes * BULK_LEAVES,
         }
     }
 

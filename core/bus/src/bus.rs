@@ -11,6 +11,7 @@ use crate::latest::{ENTRY_BYTES, Heard, Key, StateError, StateSettings, Telling}
 use crate::links::{Link, LinkSettings, Links, Rates};
 use crate::query::{Asking, QueryAnswer, QuerySettings, TooManyOpen};
 use crate::transport::{Class, SendError, To, Transport};
+use crate::video::{Pushed, VideoPicture, VideoReceiving, VideoSending};
 use crate::wire::FRAME_BYTES;
 use skein_domain::{NodeId, NodeTime};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -161,6 +162,20 @@ pub enum Event {
         /// The thing.
         body: Vec<u8>,
     },
+    /// A picture of a video has come whole.
+    Video {
+        /// Of whom.
+        from: NodeId,
+        /// The picture.
+        picture: VideoPicture,
+    },
+    /// A receiver of this node's video cannot go on without a key picture.
+    VideoKeyWanted {
+        /// Who.
+        by: NodeId,
+        /// Its number of the stream.
+        stream: u32,
+    },
     /// Something large of this node has ended.
     BulkEnded {
         /// For whom it was.
@@ -188,6 +203,10 @@ const MOST_REPLIES: usize = 1024;
 
 /// The share of what may be sent that goes to values which have not changed of late: who joins learns them from that, gradually.
 const RESTING_SHARE: f64 = 0.25;
+/// The share of what bulk may send that video may: pictures and logs go on beside it.
+const VIDEO_SHARE: f64 = 0.85;
+/// Video may be sent at once for so long, in seconds: a key picture is not to wait for its last parts.
+const VIDEO_BURST_S: f64 = 0.03;
 /// No burst is longer than what may be sent in this time, in seconds, but for a few datagrams.
 const LONGEST_BURST_S: f64 = 0.5;
 
@@ -208,8 +227,12 @@ pub struct Bus {
     budget: Budget,
     /// Of bulk alone, within the other one.
     bulk_budget: Budget,
+    /// Of video alone, within the other one.
+    video_budget: Budget,
     /// Of values that have not changed of late, within the other one.
     resting_budget: Budget,
+    video_sending: VideoSending,
+    video_receiving: VideoReceiving,
     links: Links,
     /// Challenges and proofs, sealed already.
     proofs: VecDeque<(NodeId, Vec<u8>)>,
@@ -240,6 +263,11 @@ impl Bus {
             burst_bytes: 2.0 * settings.datagram_bytes as f64,
             ..budget
         };
+        let video_bytes_per_s = budget.bytes_per_s * VIDEO_SHARE;
+        let video_budget = BudgetSettings {
+            bytes_per_s: video_bytes_per_s,
+            burst_bytes: (video_bytes_per_s * VIDEO_BURST_S).max(bulk_budget.burst_bytes),
+        };
         let resting_budget = BudgetSettings {
             bytes_per_s: budget.bytes_per_s * RESTING_SHARE,
             ..bulk_budget
@@ -258,7 +286,10 @@ impl Bus {
             receiving: Receiving::new(settings.bulk),
             budget: Budget::new(budget, now),
             bulk_budget: Budget::new(bulk_budget, now),
+            video_budget: Budget::new(video_budget, now),
             resting_budget: Budget::new(resting_budget, now),
+            video_sending: VideoSending::default(),
+            video_receiving: VideoReceiving::default(),
             links: Links::new(settings.links, budget.bytes_per_s, now),
             proofs: VecDeque::new(),
             receipts: BTreeMap::new(),
@@ -352,6 +383,33 @@ impl Bus {
         self.sending.send(now, to, body, chunk_bytes)
     }
 
+    /// Sends a picture of a video that another node asked for under its number of the stream.
+    pub fn send_video(&mut self, now: NodeTime, to: NodeId, stream: u32, key: bool, body: &[u8]) -> Pushed {
+        let (chunk_bytes, rate) = (self.body_bytes(), self.video_budget.bytes_per_s());
+        self.video_sending
+            .push(now, (to, stream), (key, body), chunk_bytes, rate)
+    }
+
+    /// That node does not want it any more.
+    pub fn end_video(&mut self, to: NodeId, stream: u32) {
+        self.video_sending.end(to, stream);
+    }
+
+    /// A video of another node is wanted: its pictures come as [`Event::Video`].
+    pub fn expect_video(&mut self, from: NodeId, stream: u32) {
+        self.video_receiving.expect(from, stream);
+    }
+
+    /// It is not wanted any more.
+    pub fn forget_video(&mut self, from: NodeId, stream: u32) {
+        self.video_receiving.forget(from, stream);
+    }
+
+    /// A decoder of it needs a key picture.
+    pub fn want_video_key(&mut self, from: NodeId, stream: u32) {
+        self.video_receiving.want_key(from, stream);
+    }
+
     /// How the links to the others are.
     pub fn links(&self) -> impl Iterator<Item = (NodeId, Link)> {
         self.links.known()
@@ -367,6 +425,7 @@ impl Bus {
     pub fn set_bytes_per_s(&mut self, now: NodeTime, bytes_per_s: f64) {
         self.links.set_most_bytes_per_s(bytes_per_s);
         self.bulk_budget.set_bytes_per_s(now, bytes_per_s);
+        self.video_budget.set_bytes_per_s(now, bytes_per_s * VIDEO_SHARE);
         self.resting_budget.set_bytes_per_s(now, bytes_per_s * RESTING_SHARE);
         self.budget.set_bytes_per_s(now, bytes_per_s);
     }

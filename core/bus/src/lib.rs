@@ -23,6 +23,7 @@ pub mod query;
 pub mod radio;
 pub mod redundant;
 pub mod transport;
+pub mod video;
 pub mod wire;
 
 pub use bus::{Bus, BusSettings, Event, Outgoing, Ticket, pump};

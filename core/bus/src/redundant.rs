@@ -215,7 +215,7 @@ impl<A: Transport, B: Transport> Transport for Redundant<A, B> {
     fn send(&mut self, now: NodeTime, to: To, class: Class, bytes: &[u8]) -> Result<(), SendError> {
         self.check_size(bytes)?;
         match (class, to) {
-            (Class::Bulk, To::One(node)) => {
+            (Class::Video | Class::Bulk, To::One(node)) => {
                 let place = self.way_of_bulk(now, node);
                 self.send_over(place, now, to, class, bytes)
                     .or_else(|_| self.send_over(1 - place, now, to, class, bytes))

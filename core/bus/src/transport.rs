@@ -21,13 +21,16 @@ pub enum Class {
     /// Questions and answers.
     #[n(2)]
     Query,
+    /// Live video: the newest is worth the most, and what comes late nothing.
+    #[n(4)]
+    Video,
     /// Pictures and logs.
     #[n(3)]
     Bulk,
 }
 
 /// All classes, the most urgent first.
-pub const CLASSES: [Class; 4] = [Class::Command, Class::State, Class::Query, Class::Bulk];
+pub const CLASSES: [Class; 5] = [Class::Command, Class::State, Class::Query, Class::Video, Class::Bulk];
 
 /// Whom a datagram is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

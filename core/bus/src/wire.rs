@@ -7,6 +7,7 @@ use crate::courier::{Parcel, Receipt};
 use crate::latest::{Entry, Key, News};
 use crate::links::Report;
 use crate::query::{QueryAnswer, Question};
+use crate::video::{VideoLost, VideoPart};
 use minicbor::{Decode, Encode};
 
 /// One frame.
@@ -42,6 +43,12 @@ pub enum Frame {
     /// Keys of the receiver whose bases its sender lacks.
     #[n(9)]
     Lacks(#[n(0)] Vec<Key>),
+    /// A part of a picture of a video.
+    #[n(10)]
+    VideoPart(#[n(0)] VideoPart),
+    /// What its receiver misses.
+    #[n(11)]
+    VideoLost(#[n(0)] VideoLost),
 }
 
 /// What a frame costs beside the body of a command, question, answer or chunk, at most.

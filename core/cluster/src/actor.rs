@@ -8,6 +8,7 @@ mod inbound;
 mod leadership;
 mod messages;
 mod outbound;
+mod videos;
 
 use crate::asks::Asks;
 use crate::orders::Orders;
@@ -33,6 +34,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use tokio::sync::broadcast;
 use tokio::task::JoinHandle;
+use videos::Videos;
 
 /// A transport that has begun.
 pub struct OpenedTransport {
@@ -107,6 +109,7 @@ pub struct SwarmState {
     noted: Option<Term>,
     /// It has heard another node in this run.
     had_company: bool,
+    videos: Videos,
     events: broadcast::Receiver<Arc<EventRecord>>,
     look_waiting: Arc<AtomicBool>,
     looks: JoinHandle<()>,
@@ -175,6 +178,19 @@ impl Actor for Swarm {
                 answer,
             } => state.ask(to, &ask, within, answer),
             SwarmMessage::Served { to, id, answer } => state.served(to, id, &answer),
+            SwarmMessage::ExpectVideo { from, stream, number } => drop(number.send(state.expect_video(from, *stream))),
+            SwarmMessage::ForgetVideo { from, number } => state.forget_video(from, number),
+            SwarmMessage::WantVideoKey { from, number } => state.bus.want_video_key(from, number),
+            SwarmMessage::SendVideo {
+                to,
+                number,
+                frame,
+                taken,
+            } => {
+                let now = state.shared.now();
+                // Who does not wait for the answer goes on without it.
+                let _ = taken.send(state.send_video(now, to, number, &frame));
+            }
             SwarmMessage::TakeLeadership(answer) => drop(answer.send(state.take_leadership())),
         }
         state.look(&myself);
@@ -233,6 +249,7 @@ impl SwarmState {
             lost_leader: None,
             noted: None,
             had_company: false,
+            videos: Videos::default(),
             events: shared.events.subscribe(),
             look_waiting,
             looks,

@@ -3,6 +3,7 @@
 //! Bound: one task for each rendition that is looked at, with one picture in work; what comes meanwhile is left out but for the newest. Must never
 //! do: encode what nobody looks at, or compute on a thread that others wait for.
 
+mod between;
 mod making;
 mod recording;
 
@@ -10,7 +11,8 @@ use crate::handle::NodeHandle;
 use making::Maker;
 use skein_domain::payload::PayloadKind;
 use skein_domain::{Refusal, VehicleId};
-use skein_state::video::{Rendition, VideoHealth, Viewer};
+use skein_state::video::{Quality, RemoteStream, Rendition, VideoHealth, Viewer};
+use skein_video::Coding;
 use std::sync::Arc;
 
 pub use making::VIDEO_SUB_PX;
@@ -30,9 +32,34 @@ pub struct CameraVideo {
 }
 
 impl NodeHandle {
-    /// The cameras of this node's vehicles.
+    /// The cameras of the swarm's vehicles, those of this node first.
     #[must_use]
     pub fn videos(&self) -> Vec<CameraVideo> {
+        let mut all = self.videos_here();
+        all.extend(self.videos_elsewhere());
+        all
+    }
+
+    fn videos_elsewhere(&self) -> Vec<CameraVideo> {
+        let (now, fleet) = (self.now(), self.snapshot());
+        let vehicles = fleet.vehicles.iter();
+        let elsewhere = vehicles.filter(|vehicle| self.shared.host(vehicle.id).is_some());
+        let cameras = elsewhere.flat_map(|vehicle| {
+            let cameras = vehicle.payloads.iter();
+            let cameras = cameras.filter(|payload| payload.kind == PayloadKind::Camera);
+            cameras.map(|camera| (vehicle.id, camera))
+        });
+        cameras
+            .map(|(vehicle, camera)| CameraVideo {
+                vehicle,
+                payload: camera.name.clone(),
+                health: self.shared.videos.camera(vehicle, &camera.name).health(now),
+                fault: String::new(),
+            })
+            .collect()
+    }
+
+    fn videos_here(&self) -> Vec<CameraVideo> {
         let now = self.now();
         let of_vehicle = |vehicle: Arc<skein_state::VehicleRecord>| {
             let cameras = vehicle.payloads().into_iter();
@@ -58,6 +85,16 @@ impl NodeHandle {
     /// # Errors
     /// When there is no such vehicle or payload, or it is no camera.
     pub fn video(&self, vehicle: VehicleId, payload: &str) -> Result<CameraVideo, Refusal> {
+        let unknown = || Refusal::UnknownPayload {
+            vehicle,
+            payload: payload.to_owned(),
+        };
+        if self.shared.host(vehicle).is_some() {
+            let mut cameras = self.videos_elsewhere().into_iter();
+            return cameras
+                .find(|video| video.vehicle == vehicle && video.payload == payload)
+                .ok_or_else(unknown);
+        }
         let camera = self.camera(vehicle, payload)?;
         Ok(CameraVideo {
             vehicle,
@@ -72,16 +109,45 @@ impl NodeHandle {
     /// # Errors
     /// When there is no such vehicle or payload, or it is no camera.
     pub fn watch_video(&self, vehicle: VehicleId, payload: &str, rendition: Rendition) -> Result<Viewer, Refusal> {
-        let camera = self.camera(vehicle, payload)?;
-        let stream = camera.video.stream(rendition);
+        let (video, elsewhere) = match self.shared.host(vehicle) {
+            Some(node) => {
+                self.video(vehicle, payload)?;
+                (self.shared.videos.camera(vehicle, payload), Some(node))
+            }
+            None => (self.camera(vehicle, payload)?.video.clone(), None),
+        };
+        let stream = video.stream(rendition);
         let viewer = stream.view();
-        if let Some(making) = stream.begin_making() {
-            let maker = Maker::new(self.shared.clone(), camera, rendition, stream);
-            tokio::spawn(async move {
-                maker.run().await;
-                drop(making);
-            });
+        let Some(making) = stream.begin_making() else {
+            return Ok(viewer);
+        };
+        let looked = Looked {
+            vehicle,
+            payload: payload.to_owned(),
+        };
+        if let Some(node) = elsewhere.filter(|_| rendition.coding == Coding::H264) {
+            let remote = RemoteStream {
+                video,
+                rendition,
+                stream,
+            };
+            tokio::spawn(between::fetch(self.clone(), node, looked, remote, making));
+            return Ok(viewer);
         }
+        // Of another node's camera JPEG is made of the H.264 that comes from there, in the same size.
+        let source = Rendition {
+            coding: Coding::H264,
+            quality: if elsewhere.is_some() {
+                rendition.quality
+            } else {
+                Quality::Main
+            },
+        };
+        let maker = Maker::new(self.clone(), looked, video, source, rendition, stream);
+        tokio::spawn(async move {
+            maker.run().await;
+            drop(making);
+        });
         Ok(viewer)
     }
 
@@ -95,6 +161,13 @@ impl NodeHandle {
         }
         Ok(camera)
     }
+}
+
+/// Which camera is looked at.
+#[derive(Debug, Clone)]
+struct Looked {
+    vehicle: VehicleId,
+    payload: String,
 }
 
 /// What a camera reports to be wrong.

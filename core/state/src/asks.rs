@@ -8,7 +8,7 @@ use skein_domain::fence::FencePlan;
 use skein_domain::link::RoutePoint;
 use skein_domain::preflight::PreflightReport;
 use skein_domain::{
-    FormationRequest, NodeTime, Refusal, Route, Stick, TrajectoryObjection, TrajectoryPlan, TrajectoryRequest,
+    FormationRequest, NodeId, NodeTime, Refusal, Route, Stick, TrajectoryObjection, TrajectoryPlan, TrajectoryRequest,
     VehicleCommand, VehicleId,
 };
 use skein_view::{CommandReceipt, FormationForecast, FormationReceipt};
@@ -97,6 +97,19 @@ pub enum Ask {
     TakeLeadership,
     /// A request to the API about something that the asked node has.
     Api(ApiRequest),
+    /// The video of a camera of the asked node, for the next seconds.
+    Video {
+        /// Who wants it.
+        to: NodeId,
+        /// Under this number.
+        number: u32,
+        /// The vehicle.
+        vehicle: VehicleId,
+        /// The camera's name on it.
+        payload: String,
+        /// At most 320x240 and 10/s.
+        small: bool,
+    },
     /// How a vehicle of the asked node that is steered by hand is to move, and when that was told by the asker's clock.
     Stick {
         /// The vehicle.

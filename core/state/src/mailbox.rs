@@ -3,12 +3,14 @@
 //! Must never do: carry something that the sender has to wait for without an end.
 
 use crate::asks::{Answer, Ask};
+use crate::video::RemoteStream;
 use arc_swap::ArcSwapOption;
 use ractor::{ActorRef, Message, RpcReplyPort};
 use skein_domain::exchange::FaultDrill;
 use skein_domain::link::RoutePoint;
 use skein_domain::{CommandId, NodeId, NodeTime, ParameterError, ParameterValue, Refusal, RequestId, VehicleCommand};
 use skein_plugin_host::Plugin;
+use skein_video::EncodedFrame;
 use skein_view::{CommandReceipt, Restored};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -128,6 +130,40 @@ pub enum SwarmMessage {
         id: u64,
         /// The answer.
         answer: Box<Answer>,
+    },
+    /// A video of another node is to come here.
+    ExpectVideo {
+        /// Whose.
+        from: NodeId,
+        /// Where its pictures go.
+        stream: Box<RemoteStream>,
+        /// This node's number for it.
+        number: oneshot::Sender<u32>,
+    },
+    /// It is not looked at any more.
+    ForgetVideo {
+        /// Whose.
+        from: NodeId,
+        /// This node's number for it.
+        number: u32,
+    },
+    /// A decoder of it needs a key picture.
+    WantVideoKey {
+        /// Whose.
+        from: NodeId,
+        /// This node's number for it.
+        number: u32,
+    },
+    /// A picture for a node that wants it.
+    SendVideo {
+        /// Which node.
+        to: NodeId,
+        /// Its number for the stream.
+        number: u32,
+        /// The picture.
+        frame: Arc<EncodedFrame>,
+        /// Whether the link carries it.
+        taken: oneshot::Sender<bool>,
     },
     /// Take the leadership, because somebody asks for it.
     TakeLeadership(oneshot::Sender<Result<(), Refusal>>),

@@ -39,7 +39,7 @@ pub struct PayloadRecord {
     state: Mutex<PayloadPublished>,
     frame: ArcSwapOption<Frame>,
     /// What it gives as a camera, for those who look at it.
-    pub video: Video,
+    pub video: Arc<Video>,
 }
 
 impl PayloadRecord {
@@ -55,7 +55,7 @@ impl PayloadRecord {
             next_tick_us: AtomicU64::new(0),
             state: Mutex::default(),
             frame: ArcSwapOption::empty(),
-            video: Video::default(),
+            video: Arc::default(),
         }
     }
 

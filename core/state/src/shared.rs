@@ -12,6 +12,7 @@ use crate::plugins::Plugins;
 use crate::recordings::Recordings;
 use crate::resume::Resume;
 use crate::vehicles::Vehicles;
+use crate::video::VideosElsewhere;
 use arc_swap::{ArcSwap, ArcSwapOption};
 use parking_lot::Mutex;
 use skein_config::NodeConfig;
@@ -44,6 +45,8 @@ pub struct SharedState {
     pub coordination: SharedCoordination,
     /// What is known of others than the swarm's vehicles.
     pub observed: Observed,
+    /// Videos between nodes.
+    pub videos: VideosElsewhere,
     /// Videos that are being recorded.
     pub recordings: Recordings,
     /// What was flown when the node was killed, and who of it is taken back.
@@ -92,6 +95,7 @@ impl SharedState {
             gate: ArcSwap::from_pointee(gate),
             fence_plan: Mutex::new(fence_plan),
             events,
+            videos: VideosElsewhere::default(),
             recordings: Recordings::default(),
             resume,
             frame: ArcSwapOption::from(frame),

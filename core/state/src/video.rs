@@ -4,6 +4,8 @@
 //!
 //! A camera gives pixels, or H.264 that is passed on as it is. What viewers want beside that is a [`Rendition`]; whoever makes it pushes it here.
 
+mod elsewhere;
+
 use parking_lot::Mutex;
 use skein_domain::NodeTime;
 use skein_domain::payload::PixelFormat;
@@ -13,6 +15,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use tokio::sync::watch;
+
+pub use elsewhere::{RemoteStream, VideosElsewhere};
 
 /// A camera that encodes is taken for one that does so for so long after its last picture, in seconds.
 const ENCODES_FOR_S: f64 = 5.0;
@@ -100,6 +104,8 @@ struct Source {
     /// When the camera last gave H.264, and a key picture.
     encoded_at: Option<NodeTime>,
     key_seen: bool,
+    /// Of another node's camera.
+    remote_format: Option<StreamFormat>,
     fault: Option<(NodeTime, String)>,
     began: Option<NodeTime>,
 }
@@ -141,6 +147,39 @@ impl Video {
         }
     }
 
+    /// A picture of another node's camera that has come here. Of several renditions only one is counted.
+    pub fn take_remote(&self, now: NodeTime, frame: &EncodedFrame, counted: bool) {
+        let mut source = self.source.lock();
+        source.encoded_at = Some(now);
+        source.key_seen |= frame.key;
+        source.fault = None;
+        if frame.key
+            && let Ok(found) = skein_video::h264::contents(&frame.bytes)
+        {
+            source.remote_format = found.format;
+        }
+        if counted {
+            source.size_px = (frame.width_px, frame.height_px);
+            source.meter.count(now, frame);
+        }
+    }
+
+    /// Why another node does not send its camera's video; none if it does.
+    pub fn note_refusal(&self, now: NodeTime, refusal: Option<String>) {
+        let mut source = self.source.lock();
+        source.began.get_or_insert(now);
+        match refusal {
+            Some(refusal) => drop(source.fault.get_or_insert((now, refusal))),
+            None => source.fault = None,
+        }
+    }
+
+    /// Somebody looks at this rendition.
+    pub fn is_watched(&self, rendition: Rendition) -> bool {
+        let streams = self.streams.lock();
+        streams.get(&rendition).is_some_and(|stream| stream.viewers() > 0)
+    }
+
     /// The payload's plugin begins, for the first time or anew.
     pub fn begin(&self, now: NodeTime) {
         let mut source = self.source.lock();
@@ -177,7 +216,7 @@ impl Video {
         let last_at = source.meter.last_at();
         VideoHealth {
             state: source.state(now),
-            format: source.intake.format().or(made),
+            format: source.intake.format().or(source.remote_format).or(made),
             size_px: source.size_px,
             measured: source.meter.measured(now),
             age_s: last_at.map(|at| now.seconds_since(at).max(0.0)),

@@ -2,7 +2,7 @@
 //!
 //! Must never do: act on a byte that the seal did not let through.
 
-use super::{Bus, Event, RESTING_SHARE, Ticket, push_bounded};
+use super::{Bus, Event, RESTING_SHARE, Ticket, VIDEO_SHARE, push_bounded};
 use crate::courier::Inbox;
 use crate::envelope::{Boot, Opened};
 use crate::latest::{Learned, News};
@@ -51,6 +51,8 @@ impl Bus {
         events.extend(unanswered.map(|(id, to)| Event::Unanswered { id, to }));
         events.extend(not_whole(self.sending.expire(now)));
         self.receiving.expire(now);
+        let pictures = self.video_receiving.expire(now).into_iter();
+        events.extend(pictures.map(|(from, picture)| Event::Video { from, picture }));
         events
     }
 
@@ -72,6 +74,8 @@ impl Bus {
         let rates = self.links.rates();
         self.budget.set_bytes_per_s(now, rates.all_bytes_per_s);
         self.bulk_budget.set_bytes_per_s(now, rates.bulk_bytes_per_s);
+        self.video_budget
+            .set_bytes_per_s(now, rates.bulk_bytes_per_s * VIDEO_SHARE);
         let resting_bytes_per_s = rates.all_bytes_per_s * RESTING_SHARE;
         self.resting_budget.set_bytes_per_s(now, resting_bytes_per_s);
     }
@@ -133,6 +137,18 @@ impl Bus {
                 self.haves.retain(|(to, earlier)| *to != from || earlier.id != have.id);
                 push_bounded(&mut self.haves, (from, have));
                 whole.into_iter().map(|body| Event::Bulk { from, body }).collect()
+            }
+            Frame::VideoPart(part) => {
+                let pictures = self.video_receiving.take(now, from, boot, part).into_iter();
+                pictures.map(|picture| Event::Video { from, picture }).collect()
+            }
+            Frame::VideoLost(lost) => {
+                let wants_key = self.video_sending.lost(now, from, &lost);
+                let stream = lost.stream;
+                wants_key
+                    .then_some(Event::VideoKeyWanted { by: from, stream })
+                    .into_iter()
+                    .collect()
             }
             Frame::Report(report) => {
                 self.report(now, from, boot, &report);

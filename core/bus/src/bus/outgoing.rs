@@ -22,7 +22,8 @@ impl Bus {
         // The budget must have room for a whole datagram before one is made: what is made is as new as it can be.
         let most = self.settings.datagram_bytes;
         let bulk_waits = class == Class::Bulk && !self.bulk_budget.allows(now, Class::Query, most);
-        let allowed = !bulk_waits && self.budget.allows(now, class, most);
+        let video_waits = class == Class::Video && !self.video_budget.allows(now, Class::Query, most);
+        let allowed = !bulk_waits && !video_waits && self.budget.allows(now, class, most);
         // What is small, signs of life above all, may overdraw the budget as commands may, and is not held up by what was sent before.
         let only_small = !allowed && class == Class::State && self.budget.allows(now, Class::Command, most);
         if !allowed && !only_small {
@@ -35,8 +36,10 @@ impl Bus {
         };
         let bytes = outgoing.bytes.len() * self.copies(now, outgoing.to);
         self.budget.spend(now, bytes);
-        if class == Class::Bulk {
-            self.bulk_budget.spend(now, bytes);
+        match class {
+            Class::Bulk => self.bulk_budget.spend(now, bytes),
+            Class::Video => self.video_budget.spend(now, bytes),
+            Class::Command | Class::State | Class::Query => {}
         }
         self.sent.count(now, class, bytes);
         Some(outgoing)
@@ -80,6 +83,10 @@ impl Bus {
                 (To::All, frame?)
             }
             Class::Query => self.query(now)?,
+            Class::Video => {
+                let (to, part) = self.video_sending.next()?;
+                (To::One(to), Frame::VideoPart(part))
+            }
             Class::Bulk => {
                 let (to, chunk) = self.sending.next(now)?;
                 (To::One(to), Frame::Chunk(chunk))
@@ -119,6 +126,9 @@ impl Bus {
         }
         if let Some((to, keys)) = self.lacking.pop_first() {
             return Some((To::One(to), Frame::Lacks(keys.into_iter().collect())));
+        }
+        if let Some((to, lost)) = self.video_receiving.next_lost(now) {
+            return Some((To::One(to), Frame::VideoLost(lost)));
         }
         let (to, question) = self.asking.next(now)?;
         Some((To::One(to), Frame::Question(question)))

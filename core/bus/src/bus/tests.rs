@@ -49,6 +49,7 @@ fn the_most_urgent_goes_first_and_bulk_last() {
     let (mut a, _) = met();
     let now = at(1.5);
     a.send(now, B, vec![0; 5000]).unwrap();
+    a.send_video(now, B, 1, true, &[4; 20]);
     a.ask(now, B, vec![1], 1.0).unwrap();
     a.tell(now, Key(1), vec![2]).unwrap();
     a.post(now, B, vec![3]).unwrap();

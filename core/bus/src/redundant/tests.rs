@@ -140,7 +140,7 @@ fn one_that_is_down_is_no_error_and_is_tried_again() {
     let [one, other] = ways.now();
     assert!(!one.up && other.up);
     assert_eq!(one.down_because.as_deref(), Some("the transport is down: unplugged"));
-    assert_eq!(other.sent.datagrams, [1, 0, 1, 1]);
+    assert_eq!(other.sent.datagrams, [1, 0, 1, 0, 1]);
     *downs[0].lock() = false;
     assert_eq!(
         send(1.3, Class::State),

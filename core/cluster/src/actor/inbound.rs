@@ -83,6 +83,8 @@ impl SwarmState {
                     }
                 }
                 Event::BulkEnded { to, id, whole } => self.asks.whole_ended(to, id, whole),
+                Event::Video { from, picture } => self.show_video(now, from, &picture),
+                Event::VideoKeyWanted { by, stream } => self.shared.videos.want_key(by, stream),
                 Event::Asked { .. } | Event::Answered { .. } | Event::Unanswered { .. } => {}
             }
         }

@@ -22,6 +22,13 @@ pub async fn carry_out(handle: NodeHandle, ask: Ask, ahead_us: Option<i64>) -> A
         Ask::Fences(plan) => Answer::Done(handle.set_fences_here(*plan)),
         Ask::Preflight => Answer::Preflight(handle.preflight().vehicles),
         Ask::TakeLeadership => Answer::Done(take_leadership(&handle).await),
+        Ask::Video {
+            to,
+            number,
+            vehicle,
+            payload,
+            small,
+        } => Answer::Done(handle.send_video(to, number, vehicle, &payload, small)),
         Ask::Stick { vehicle, stick, told } => {
             Answer::Done(handle.stick_from_elsewhere(vehicle, stick, told, ahead_us))
         }

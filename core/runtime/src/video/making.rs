@@ -1,10 +1,11 @@
 //! Makes the pictures of one rendition for as long as somebody looks at it.
 
+use super::Looked;
+use crate::handle::NodeHandle;
 use skein_domain::NodeTime;
 use skein_domain::payload::PixelFormat;
 use skein_plugin_host::Frame;
-use skein_state::video::{Quality, Rendition, VideoStream, Viewer};
-use skein_state::{PayloadRecord, SharedState};
+use skein_state::video::{Quality, Rendition, Video, VideoStream, Viewer};
 use skein_video::{Coding, EncodedFrame, H264Decoder, H264Encoder, Planes, h264, jpeg};
 use std::sync::Arc;
 use std::time::Duration;
@@ -28,8 +29,11 @@ const EARLY: f64 = 0.25;
 
 /// Makes one rendition.
 pub(super) struct Maker {
-    shared: Arc<SharedState>,
-    camera: Arc<PayloadRecord>,
+    node: NodeHandle,
+    camera: Looked,
+    video: Arc<Video>,
+    /// Of which H.264 it is made, if there is any.
+    source: Rendition,
     rendition: Rendition,
     stream: Arc<VideoStream>,
     codecs: Codecs,
@@ -59,14 +63,18 @@ struct Made {
 
 impl Maker {
     pub(super) fn new(
-        shared: Arc<SharedState>,
-        camera: Arc<PayloadRecord>,
+        node: NodeHandle,
+        camera: Looked,
+        video: Arc<Video>,
+        source: Rendition,
         rendition: Rendition,
         stream: Arc<VideoStream>,
     ) -> Self {
         Self {
-            shared,
+            node,
             camera,
+            video,
+            source,
             rendition,
             stream,
             codecs: Codecs::default(),
@@ -78,7 +86,8 @@ impl Maker {
 
     /// Runs until nobody looks any more.
     pub(super) async fn run(mut self) {
-        let mut pixels = self.camera.video.pixels();
+        let is_elsewhere = self.node.host_elsewhere(self.camera.vehicle).is_some();
+        let mut pixels = self.video.pixels();
         // The last frame is not new, but better than to wait for the next one.
         pixels.mark_changed();
         let mut encoded: Option<Viewer> = None;
@@ -86,11 +95,14 @@ impl Maker {
         look.set_missed_tick_behavior(MissedTickBehavior::Delay);
         look.reset();
         loop {
-            let encodes = self.camera.video.encodes(self.shared.now());
-            let wanted = encodes && self.rendition != Rendition::OF_CAMERA;
-            if wanted && encoded.is_none() {
-                encoded = Some(self.camera.video.stream(Rendition::OF_CAMERA).view());
-            } else if !wanted {
+            let encodes = is_elsewhere || self.video.encodes(self.node.now());
+            if encodes && self.rendition != self.source {
+                if encoded.is_none() {
+                    let camera = &self.camera;
+                    // Gone: whoever looks is told by the state.
+                    encoded = self.node.watch_video(camera.vehicle, &camera.payload, self.source).ok();
+                }
+            } else {
                 encoded = None;
             }
             tokio::select! {
@@ -144,7 +156,7 @@ impl Maker {
         match made {
             Ok(Some(made)) => self.push(taken, made),
             Ok(None) => {}
-            Err(reason) => tracing::debug!(camera = %self.camera.life.label, "no picture made: {reason}"),
+            Err(reason) => tracing::debug!(camera = %self.camera.payload, "no picture made: {reason}"),
         }
     }
 

@@ -8,11 +8,12 @@ mod webrtc;
 
 use futures_util::{SinkExt, StreamExt};
 use serde_json::{Value, json};
-use skein_config::{AdoptionRule, Escalation, Isolation, PayloadRule};
+use skein_config::{AdoptionRule, Escalation, Isolation, NodeConfig, PayloadRule};
 use skein_domain::{NodeTime, VehicleId};
 use skein_sim::PayloadPlan;
-use skein_testkit::{Swarm, eventually, patience};
+use skein_testkit::{Flock, Member, Swarm, eventually, patience};
 use skein_video::{H264Decoder, jpeg};
+use std::net::SocketAddr;
 use std::time::Duration;
 use tokio::net::TcpStream;
 use tokio_tungstenite::tungstenite::Message;
@@ -22,19 +23,27 @@ use webrtc::Peer;
 /// A picture is not older when it comes; a machine that stood still is forgiven by patience, not here.
 const OLDEST_S: f64 = 5.0;
 
-/// One vehicle with a simulated camera of 640x480 and 30/s.
-async fn with_camera() -> Swarm {
-    let rule = |name: &str, config: Value| PayloadRule {
+fn rule(name: &str, config: Value) -> PayloadRule {
+    PayloadRule {
         name: name.into(),
         plugin: name.into(),
         isolation: Isolation::InProcess,
         transport: None,
         on_failure: Escalation::Degrade,
         config,
-    };
-    let camera = json!({ "source": "synthetic", "rate_hz": 30.0, "width_px": 640, "height_px": 480 });
+    }
+}
+
+/// A simulated camera of 640x480 and 30/s.
+fn camera() -> PayloadRule {
+    let config = json!({ "source": "synthetic", "rate_hz": 30.0, "width_px": 640, "height_px": 480 });
+    rule("camera", config)
+}
+
+/// One vehicle with a camera.
+async fn with_camera() -> Swarm {
     let adopt = AdoptionRule {
-        payloads: vec![rule("camera", camera), rule("gimbal", json!({}))],
+        payloads: vec![camera(), rule("gimbal", json!({}))],
         ..AdoptionRule::default()
     };
     let swarm = Swarm::start_with(1, move |config, sim| {
@@ -76,10 +85,11 @@ struct Picture {
 
 impl Viewer {
     async fn open(swarm: &Swarm, query: &str) -> Self {
-        let url = format!(
-            "ws://{}/api/v1/vehicles/1/payloads/camera/video?{query}",
-            swarm.web_address()
-        );
+        Self::at(swarm.web_address(), query).await
+    }
+
+    async fn at(address: SocketAddr, query: &str) -> Self {
+        let url = format!("ws://{address}/api/v1/vehicles/1/payloads/camera/video?{query}");
         Self(tokio_tungstenite::connect_async(url).await.unwrap().0)
     }
 
@@ -331,4 +341,67 @@ async fn what_cannot_be_seen_is_said() {
     }
     assert!(after.sequence > before.sequence);
     swarm.stop().await;
+}
+
+/// A vehicle with a camera whose node is another one than that of the ground station, which is node 9.
+async fn with_camera_elsewhere(folder: &std::path::Path) -> Flock {
+    let of_node = |node: u8, priority: u16, flies: bool| Member {
+        node,
+        priority: Some(u8::try_from(priority).unwrap()),
+        flies,
+    };
+    let adapt = |config: &mut NodeConfig| {
+        config.adopt.iter_mut().for_each(|rule| rule.payloads = vec![camera()]);
+    };
+    let members = [of_node(1, 10, true), of_node(9, 200, false)];
+    let flock = Flock::start(&members, folder.to_owned(), adapt).await;
+    let what = "the camera is known at the ground";
+    flock
+        .until(9, what, patience(), |fleet| {
+            fleet
+                .vehicles
+                .iter()
+                .any(|vehicle| vehicle.payloads.iter().any(|payload| payload.name == "camera"))
+        })
+        .await;
+    flock
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_camera_of_another_node_is_seen_at_the_ground_station() {
+    let folder = tempfile::tempdir().unwrap();
+    let flock = with_camera_elsewhere(folder.path()).await;
+    let mut viewer = Viewer::at(flock.web_address(9), "way=h264").await;
+    let mut decoder = H264Decoder::new().unwrap();
+    let mut ahead_ms = Vec::new();
+    for count in 0..60 {
+        let picture = viewer.picture().await;
+        assert!(count > 0 || picture.key);
+        let planes = decoder.decode(&picture.bytes).unwrap().expect("a picture");
+        // it shows the clock of its own node, and says when that was by the clock of this one
+        let clock_ms = clock_ms(&jpeg(&planes, 90).unwrap()).expect("a clock");
+        ahead_ms.push((picture.taken.0 / 1000) as i64 - i64::from(clock_ms));
+    }
+    let spread_ms = ahead_ms.iter().max().unwrap() - ahead_ms.iter().min().unwrap();
+    assert!(spread_ms < 500, "the offset between the two clocks: {ahead_ms:?}");
+    let state = viewer.told("state").await;
+    assert_eq!(
+        (&state["state"], &state["width_px"]),
+        (&json!("live"), &json!(640)),
+        "{state}"
+    );
+
+    // small ones and JPEG are made there and here
+    let mut small = Viewer::at(flock.web_address(9), "way=jpeg&quality=sub").await;
+    let picture = small.picture().await;
+    assert_eq!((picture.kind, picture.size_px), (2, (320, 240)));
+    drop((small, viewer));
+    // nobody looks any more: the node that has the camera stops sending and encoding
+    let url = format!("http://{}/api/v1/video", flock.web_address(1));
+    eventually(patience(), "the other node sends nothing any more", async || {
+        let answer: Value = reqwest::get(&url).await.unwrap().json().await.unwrap();
+        (answer["streams"][0]["viewers"] == 0).then_some(())
+    })
+    .await;
+    flock.stop().await;
 }

@@ -1,0 +1,198 @@
+//! Video between nodes: a stream of another node is asked for as long as somebody looks at it here, and one of this node is sent as long as another
+//! asks for it.
+//!
+//! Bound: one picture of a stream waits for the bus at a time. Must never do: send what nobody asked for within the last seconds.
+
+use super::Looked;
+use crate::handle::NodeHandle;
+use skein_domain::{NodeId, Refusal, VehicleId};
+use skein_state::asks::{Answer, Ask};
+use skein_state::video::{Making, Quality, RemoteStream, Rendition, Viewer};
+use skein_state::{SharedState, SwarmMessage};
+use skein_video::Coding;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+use tokio::sync::oneshot;
+use tokio::time::{Instant, interval, sleep};
+
+/// A stream that is looked at is asked for so often.
+const ASK_EVERY: Duration = Duration::from_secs(1);
+/// How long an answer is waited for.
+const ANSWER_WITHIN: Duration = Duration::from_secs(2);
+/// How often it is looked whether a decoder waits for a key picture.
+const LOOK_EVERY: Duration = Duration::from_millis(50);
+/// A link that carried too little for so many groups within [`THIN_WITHIN`] is thin: small pictures go over it.
+const THIN_AFTER: usize = 3;
+const THIN_WITHIN: Duration = Duration::from_secs(8);
+/// After so long it is tried again whether it carries the others.
+const THIN_FOR: Duration = Duration::from_secs(20);
+
+/// Gets a stream of another node for as long as somebody looks at it.
+pub(super) async fn fetch(node: NodeHandle, from: NodeId, looked: Looked, remote: RemoteStream, making: Making) {
+    let Some(actor) = node.shared().swarm.as_ref().and_then(|swarm| swarm.actor()) else {
+        return;
+    };
+    let (numbered, number) = oneshot::channel();
+    let expect = SwarmMessage::ExpectVideo {
+        from,
+        stream: Box::new(remote.clone()),
+        number: numbered,
+    };
+    let Ok(number) = (match actor.cast(expect) {
+        Ok(()) => number.await.map_err(drop),
+        Err(_) => Err(()),
+    }) else {
+        return;
+    };
+    let me = node.shared().config.swarm.node.unwrap_or_default();
+    let mut asked: Option<Instant> = None;
+    let mut look = interval(LOOK_EVERY);
+    while remote.stream.viewers() > 0 {
+        look.tick().await;
+        if remote.stream.take_wish_for_key() {
+            // Whether it gets there or not, the decoder asks again.
+            let _ = actor.cast(SwarmMessage::WantVideoKey { from, number });
+        }
+        if asked.is_some_and(|at| at.elapsed() < ASK_EVERY) {
+            continue;
+        }
+        asked = Some(Instant::now());
+        let ask = Ask::Video {
+            to: NodeId(me),
+            number,
+            vehicle: looked.vehicle,
+            payload: looked.payload.clone(),
+            small: remote.rendition.quality == Quality::Sub,
+        };
+        let answer = node.ask(from, ask, ANSWER_WITHIN).await;
+        let refusal = match answer {
+            Ok(Answer::Done(Ok(()))) => None,
+            Ok(Answer::Done(Err(refusal))) | Err(refusal) => Some(refusal.to_string()),
+            Ok(_) => Some(format!("node {from} answered something else")),
+        };
+        remote.video.note_refusal(node.now(), refusal);
+    }
+    let _ = actor.cast(SwarmMessage::ForgetVideo { from, number });
+    drop(making);
+}
+
+impl NodeHandle {
+    /// Another node wants the video of a camera of this one, under its number for it; for the next seconds.
+    pub(crate) fn send_video(
+        &self,
+        to: NodeId,
+        number: u32,
+        vehicle: VehicleId,
+        payload: &str,
+        small: bool,
+    ) -> Result<(), Refusal> {
+        self.camera(vehicle, payload)?;
+        let Some(key) = self.shared().videos.want(self.now(), to, number) else {
+            return Ok(());
+        };
+        let quality = if small { Quality::Sub } else { Quality::Main };
+        let sender = Sender {
+            node: self.clone(),
+            to,
+            number,
+            vehicle,
+            payload: payload.to_owned(),
+            quality,
+            key,
+            left_out: Vec::new(),
+            thin_until: None,
+        };
+        tokio::spawn(sender.run());
+        Ok(())
+    }
+}
+
+/// Sends one stream to one node.
+struct Sender {
+    node: NodeHandle,
+    to: NodeId,
+    number: u32,
+    vehicle: VehicleId,
+    payload: String,
+    quality: Quality,
+    /// The other node's decoder waits for a key picture.
+    key: Arc<AtomicBool>,
+    /// When the link carried too little.
+    left_out: Vec<Instant>,
+    thin_until: Option<Instant>,
+}
+
+impl Sender {
+    async fn run(mut self) {
+        while let Ok(viewer) = self.view() {
+            if self.send(viewer).await.is_none() {
+                return;
+            }
+        }
+    }
+
+    fn shared(&self) -> &Arc<SharedState> {
+        self.node.shared()
+    }
+
+    fn is_thin(&self) -> bool {
+        self.thin_until.is_some_and(|until| Instant::now() < until)
+    }
+
+    fn view(&self) -> Result<Viewer, Refusal> {
+        let quality = if self.is_thin() { Quality::Sub } else { self.quality };
+        let coding = Coding::H264;
+        self.node
+            .watch_video(self.vehicle, &self.payload, Rendition { coding, quality })
+    }
+
+    /// Sends until another rendition fits the link better; none when it is not wanted any more.
+    async fn send(&mut self, mut viewer: Viewer) -> Option<()> {
+        let began_thin = self.is_thin();
+        let mut left_out = false;
+        loop {
+            let given = tokio::select! {
+                given = viewer.next() => Some(given),
+                () = sleep(ASK_EVERY) => None,
+            };
+            if !self.shared().videos.is_wanted(self.node.now(), self.to, self.number) {
+                return None;
+            }
+            if self.key.swap(false, Ordering::Relaxed) {
+                viewer.ask_for_key();
+            }
+            let Some(given) = given else { continue };
+            let actor = self.shared().swarm.as_ref().and_then(|swarm| swarm.actor())?;
+            let (answer, taken) = oneshot::channel();
+            let message = SwarmMessage::SendVideo {
+                to: self.to,
+                number: self.number,
+                frame: given.frame,
+                taken: answer,
+            };
+            actor.cast(message).ok()?;
+            // The actor may have been started anew in between: then this picture is lost, and the next one not.
+            if taken.await.unwrap_or(true) {
+                left_out = false;
+            } else if !std::mem::replace(&mut left_out, true) {
+                viewer.ask_for_key();
+                self.note_left_out();
+            }
+            if began_thin != self.is_thin() {
+                return Some(());
+            }
+        }
+    }
+
+    /// A group was left out: after several of them small pictures go over this link for a while.
+    fn note_left_out(&mut self) {
+        let now = Instant::now();
+        self.left_out.retain(|at| now.duration_since(*at) < THIN_WITHIN);
+        self.left_out.push(now);
+        if self.left_out.len() >= THIN_AFTER && self.quality == Quality::Main {
+            self.left_out.clear();
+            self.thin_until = Some(now + THIN_FOR);
+        }
+    }
+}
