@@ -1,7 +1,7 @@
 //! What every route can reach.
 
-use crate::video::{MAX_VIEWERS, WebRtc};
 use crate::view::View;
+use crate::webrtc::WebRtc;
 use axum::body::Bytes;
 use skein_runtime::NodeHandle;
 use std::sync::Arc;
@@ -9,6 +9,9 @@ use tokio::sync::{Semaphore, watch};
 
 /// Streams served at once. A crew has a handful of screens; more is a mistake or an attack.
 pub const MAX_STREAMS: usize = 64;
+
+/// Viewers of videos over all ways at once. An operator has a wall of a dozen; more is a mistake or an attack.
+pub const MAX_VIEWERS: usize = 96;
 
 /// What every route can reach. Cheap to clone.
 #[derive(Clone)]

@@ -40,6 +40,7 @@ mod swarm;
 mod trajectories;
 mod video;
 mod view;
+mod webrtc;
 pub mod wire;
 
 pub use elsewhere::serve_others;

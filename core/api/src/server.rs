@@ -7,7 +7,7 @@ use crate::connections::{Admitted, Connections};
 use crate::error::ApiError;
 use crate::guard::{Guard, keep_foreign_pages_out};
 use crate::settings::ApiSettings;
-use crate::video::LocalAddress;
+use crate::webrtc::LocalAddress;
 use crate::{assets, body, elsewhere, endpoints, metrics, openapi};
 use axum::Extension;
 use axum::Router;

@@ -5,9 +5,9 @@
 mod multipart;
 mod recordings;
 mod socket;
-mod webrtc;
+mod whep;
 
-use crate::app::App;
+use crate::app::{App, MAX_VIEWERS};
 use crate::error::ApiError;
 use crate::protocol::{VideoStateWord, VideoStreamList, VideoStreamView};
 use axum::Json;
@@ -23,10 +23,7 @@ use skein_video::Coding;
 pub(crate) use multipart::multipart;
 pub(crate) use recordings::{file, recordings, start, stop};
 pub(crate) use socket::{SocketQuery, open};
-pub(crate) use webrtc::{LocalAddress, WebRtc, answer, end};
-
-/// Viewers over all ways at once. An operator has a wall of a dozen; more is a mistake or an attack.
-pub(crate) const MAX_VIEWERS: usize = 96;
+pub(crate) use whep::{answer, end};
 
 /// A vehicle and one of its payloads.
 type Of = Result<axum::extract::Path<(VehicleId, String)>, PathRejection>;

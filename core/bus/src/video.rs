@@ -162,7 +162,7 @@ impl VideoSending {
     }
 
     /// The next part to send: of each stream in turn, what was asked for again first.
-    pub fn next(&mut self) -> Option<(NodeId, VideoPart)> {
+    pub fn next_part(&mut self) -> Option<(NodeId, VideoPart)> {
         let after = self
             .turn
             .map_or((NodeId(0), 0), |(to, stream)| (to, stream.saturating_add(1)));

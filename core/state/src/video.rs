@@ -190,7 +190,7 @@ impl Video {
     /// The stream of a rendition.
     pub fn stream(&self, rendition: Rendition) -> Arc<VideoStream> {
         let mut streams = self.streams.lock();
-        streams.entry(rendition).or_insert_with(Arc::default).clone()
+        streams.entry(rendition).or_default().clone()
     }
 
     /// The camera encodes by itself.

@@ -3,11 +3,12 @@
 //! Must never do: act on a byte that the seal did not let through.
 
 use super::{Bus, Event, RESTING_SHARE, Ticket, VIDEO_SHARE, push_bounded};
-use crate::courier::Inbox;
+use crate::courier::{Inbox, Parcel};
 use crate::envelope::{Boot, Opened};
 use crate::latest::{Learned, News};
 use crate::links::Report;
 use crate::transport::To;
+use crate::video::VideoLost;
 use crate::wire::Frame;
 use skein_domain::{NodeId, NodeTime};
 
@@ -90,6 +91,23 @@ impl Bus {
         events
     }
 
+    fn video_lost(&mut self, now: NodeTime, by: NodeId, lost: &VideoLost) -> Option<Event> {
+        let stream = lost.stream;
+        let wants_key = self.video_sending.lost(now, by, lost);
+        wants_key.then_some(Event::VideoKeyWanted { by, stream })
+    }
+
+    fn parcel(&mut self, now: NodeTime, from: NodeId, parcel: Parcel) -> Vec<Event> {
+        let (settings, mine) = (self.settings.courier, self.boot);
+        let inbox = self.inboxes.entry(from).or_insert_with(|| Inbox::new(settings, mine));
+        let Some((bodies, receipt)) = inbox.take(now, parcel) else {
+            return Vec::new();
+        };
+        self.receipts.insert(from, receipt);
+        let commands = bodies.into_iter().map(|body| Event::Command { from, body });
+        commands.collect()
+    }
+
     fn frame(&mut self, now: NodeTime, from: NodeId, boot: Boot, frame: Frame) -> Vec<Event> {
         match frame {
             Frame::State(wholes) => {
@@ -107,16 +125,7 @@ impl Bus {
                 Vec::new()
             }
             // The seal knows the run; a parcel that names another one was put together wrongly.
-            Frame::Parcel(parcel) if parcel.boot == boot => {
-                let (settings, mine) = (self.settings.courier, self.boot);
-                let inbox = self.inboxes.entry(from).or_insert_with(|| Inbox::new(settings, mine));
-                let Some((bodies, receipt)) = inbox.take(now, parcel) else {
-                    return Vec::new();
-                };
-                self.receipts.insert(from, receipt);
-                let commands = bodies.into_iter().map(|body| Event::Command { from, body });
-                commands.collect()
-            }
+            Frame::Parcel(parcel) if parcel.boot == boot => self.parcel(now, from, parcel),
             Frame::Parcel(_) => Vec::new(),
             Frame::Receipt(receipt) => {
                 let outbox = self.outboxes.get_mut(&from).filter(|_| receipt.from_boot == boot);
@@ -142,14 +151,7 @@ impl Bus {
                 let pictures = self.video_receiving.take(now, from, boot, part).into_iter();
                 pictures.map(|picture| Event::Video { from, picture }).collect()
             }
-            Frame::VideoLost(lost) => {
-                let wants_key = self.video_sending.lost(now, from, &lost);
-                let stream = lost.stream;
-                wants_key
-                    .then_some(Event::VideoKeyWanted { by: from, stream })
-                    .into_iter()
-                    .collect()
-            }
+            Frame::VideoLost(lost) => self.video_lost(now, from, &lost).into_iter().collect(),
             Frame::Report(report) => {
                 self.report(now, from, boot, &report);
                 Vec::new()

@@ -84,7 +84,7 @@ impl Bus {
             }
             Class::Query => self.query(now)?,
             Class::Video => {
-                let (to, part) = self.video_sending.next()?;
+                let (to, part) = self.video_sending.next_part()?;
                 (To::One(to), Frame::VideoPart(part))
             }
             Class::Bulk => {

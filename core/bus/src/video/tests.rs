@@ -1,3 +1,5 @@
+//! Tests of video between nodes: over links that lose, delay and turn around, in time that is an argument.
+
 use super::*;
 use crate::envelope::Boot;
 use proptest::prelude::*;
@@ -25,7 +27,7 @@ fn a_picture_comes_whole_and_in_order() {
     for count in 0..10_u8 {
         let body = vec![count; 2500];
         assert_eq!(push(&mut sending, at(0.0), count == 0, &body), Pushed::Taken);
-        while let Some((to, part)) = sending.next() {
+        while let Some((to, part)) = sending.next_part() {
             assert_eq!(to, B);
             got.extend(receiving.take(at(0.0), A, BOOT, part));
         }
@@ -44,7 +46,7 @@ fn a_picture_comes_whole_and_in_order() {
 fn what_nobody_asked_for_is_not_taken_in() {
     let (mut sending, mut receiving) = (VideoSending::default(), VideoReceiving::default());
     push(&mut sending, at(0.0), true, &[1; 10]);
-    let (_, part) = sending.next().expect("a part");
+    let (_, part) = sending.next_part().expect("a part");
     assert_eq!(receiving.take(at(0.0), A, BOOT, part), []);
 }
 
@@ -65,7 +67,9 @@ fn a_link_that_carries_less_leaves_out_whole_groups() {
             .position(|taken| *taken)
             .expect("then a key picture");
     assert_eq!(next_taken % 30, 0);
-    let waiting: Vec<VideoPart> = std::iter::from_fn(|| sending.next()).map(|(_, part)| part).collect();
+    let waiting: Vec<VideoPart> = std::iter::from_fn(|| sending.next_part())
+        .map(|(_, part)| part)
+        .collect();
     assert!(waiting[0].key && waiting.len() <= 320, "{}", waiting.len());
 }
 
@@ -75,7 +79,7 @@ fn a_sender_that_starts_again_begins_anew() {
     receiving.expect(A, 1);
     let of = |sending: &mut VideoSending, key| {
         push(sending, at(0.0), key, &[5; 10]);
-        sending.next().expect("a part").1
+        sending.next_part().expect("a part").1
     };
     let mut first = VideoSending::default();
     for key in [true, false, false] {
@@ -90,7 +94,8 @@ fn over_a_poor_link(seed: u64, loss: f64, delay_s: f64, pictures: u64) -> Vec<(f
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
     let (mut sending, mut receiving) = (VideoSending::default(), VideoReceiving::default());
     receiving.expect(A, 1);
-    let (mut there, mut back): (Vec<(f64, VideoPart)>, Vec<(f64, VideoLost)>) = (Vec::new(), Vec::new());
+    let mut there: Vec<(f64, VideoPart)> = Vec::new();
+    let mut back: Vec<(f64, VideoLost)> = Vec::new();
     let (mut got, mut next, mut wants_key) = (Vec::new(), 0, false);
     let arrives = |chance: &mut ChaCha8Rng, now_s: f64| {
         let jitter_s = 0.004 * f64::from(chance.next_u32() % 1000) / 1000.0;
@@ -106,7 +111,7 @@ fn over_a_poor_link(seed: u64, loss: f64, delay_s: f64, pictures: u64) -> Vec<(f
             push(&mut sending, now, key, &body);
             next += 1;
         }
-        while let Some((_, part)) = sending.next() {
+        while let Some((_, part)) = sending.next_part() {
             there.extend(arrives(&mut chance, now_s).map(|at_s| (at_s, part)));
         }
         let (come, later): (Vec<_>, Vec<_>) = there.into_iter().partition(|(at_s, _)| *at_s <= now_s);

@@ -1,3 +1,5 @@
+//! Tests of streams and their viewers.
+
 use super::*;
 
 fn frame(sequence: u64, key: bool) -> EncodedFrame {

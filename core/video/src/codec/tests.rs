@@ -1,3 +1,5 @@
+//! Tests of encoding and decoding, of damaged pictures too.
+
 use super::*;
 use crate::h264::contents;
 use crate::intake::Intake;

@@ -1,3 +1,5 @@
+//! Tests of what is found in access units.
+
 use super::*;
 use proptest::prelude::*;
 

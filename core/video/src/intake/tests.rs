@@ -1,3 +1,5 @@
+//! Tests of what is taken of a camera.
+
 use super::*;
 use crate::h264::START_CODE;
 

@@ -1,3 +1,5 @@
+//! Tests of JPEG files, read by another library.
+
 use super::*;
 use skein_domain::payload::{FrameHeader, PixelFormat};
 

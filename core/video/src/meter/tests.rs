@@ -1,3 +1,5 @@
+//! Tests of rate and loss.
+
 use super::*;
 use crate::frame::Coding;
 

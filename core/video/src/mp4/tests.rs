@@ -1,3 +1,5 @@
+//! Tests of recordings, read by another library.
+
 use super::*;
 use crate::codec::H264Encoder;
 use crate::frame::Coding;

@@ -1,3 +1,5 @@
+//! Tests of pixels of any size.
+
 use super::*;
 use proptest::prelude::*;
 

@@ -1,3 +1,5 @@
+//! Tests of who gets which picture next.
+
 use super::*;
 use crate::frame::Coding;
 use proptest::prelude::*;

@@ -1,3 +1,5 @@
+//! Tests of the clock in a picture, read by its description.
+
 use super::*;
 
 /// Reads a strip by the description above, not by the code below it.

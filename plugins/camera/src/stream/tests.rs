@@ -1,3 +1,5 @@
+//! Tests of streams that fail.
+
 use super::*;
 
 #[test]

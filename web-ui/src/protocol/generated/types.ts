@@ -3750,6 +3750,57 @@ time_us: number, } | { "type": "error",
 reason: string, };
 
 /**
+ * A video that is or was recorded.
+ */
+export type VideoRecording = { 
+/**
+ * The file's name. Beside it lies one with `.jsonl`: where the vehicle was and how its payloads stood, ten times a second.
+ */
+file: string, 
+/**
+ * Its vehicle.
+ */
+vehicle: VehicleId, 
+/**
+ * The camera's name there.
+ */
+payload: string, 
+/**
+ * Its size in bytes.
+ */
+bytes: number, 
+/**
+ * How long it is, in seconds, while it is being recorded; 0 after that.
+ */
+seconds: number, 
+/**
+ * It is being recorded.
+ */
+running: boolean, };
+
+/**
+ * A recording that was begun or ended.
+ */
+export type VideoRecordingAnswer = { 
+/**
+ * The file's name.
+ */
+file: string, 
+/**
+ * How long it is so far, in seconds.
+ */
+seconds: number, };
+
+/**
+ * What is and was recorded on this node.
+ */
+export type VideoRecordingList = { 
+/**
+ * The recordings, the newest first.
+ */
+recordings: Array<VideoRecording>, };
+
+/**
  * What a viewer may say.
  */
 export type VideoRequest = { "type": "ping", 

@@ -1,3 +1,5 @@
+//! Tests of the header before each picture.
+
 use super::*;
 use skein_video::EncodedFrame;
 use std::sync::Arc;

@@ -1,3 +1,5 @@
+//! Tests of how a picture is packed.
+
 use super::*;
 
 #[test]

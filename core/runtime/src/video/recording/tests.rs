@@ -1,3 +1,5 @@
+//! Tests of the folder of recordings.
+
 use super::*;
 
 #[test]

@@ -21,7 +21,7 @@ pub(super) struct Packet {
 }
 
 /// A session that was answered.
-pub(super) struct Session {
+pub(crate) struct Session {
     rtc: Rtc,
     viewer: Viewer,
     /// Under which address it is reached.
@@ -37,7 +37,7 @@ struct Ended;
 
 impl Session {
     /// Answers an offer.
-    pub(super) fn answer(
+    pub(crate) fn answer(
         hub: &Hub,
         local: SocketAddr,
         offer: SdpOffer,

@@ -1,4 +1,4 @@
-//! Video over WebRTC, opened as WHEP has it: an SDP offer in a POST, the answer in its response.
+//! Sessions of WebRTC that send video.
 //!
 //! One UDP socket serves all viewers, under the port of the web side where that is free. The node is ICE-lite: it answers under the address under
 //! which the browser reached the page, and asks nobody for another one.
@@ -7,21 +7,13 @@
 
 mod session;
 
-use super::{Of, QualityQuery, admit};
-use crate::app::App;
 use crate::error::ApiError;
-use axum::Extension;
-use axum::extract::rejection::{PathRejection, QueryRejection};
-use axum::extract::{Path, Query, State};
-use axum::http::{HeaderMap, StatusCode, header};
-use axum::response::{IntoResponse, Response};
 use parking_lot::Mutex;
-use session::{Packet, Session};
-use skein_video::Coding;
+use session::Packet;
+pub(crate) use session::Session;
 use std::collections::{BTreeMap, VecDeque};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::sync::{Arc, Weak};
-use str0m::change::SdpOffer;
 use tokio::net::UdpSocket;
 use tokio::sync::{OnceCell, mpsc};
 
@@ -33,8 +25,6 @@ const MOST_REMEMBERED: usize = 256;
 const MOST_WAITING: usize = 128;
 /// No datagram of WebRTC is longer, in bytes.
 const LONGEST_DATAGRAM: usize = 2_000;
-/// What a viewer's offer is sent as.
-const SDP: &str = "application/sdp";
 
 /// Under which of its addresses the node was reached.
 #[derive(Debug, Clone, Copy)]
@@ -44,8 +34,9 @@ pub(crate) struct LocalAddress(pub(crate) SocketAddr);
 #[derive(Debug, Default)]
 pub(crate) struct WebRtc(OnceCell<Arc<Hub>>);
 
+/// The sessions.
 #[derive(Debug)]
-struct Hub {
+pub(crate) struct Hub {
     socket: UdpSocket,
     port: u16,
     sessions: Mutex<BTreeMap<String, mpsc::Sender<Packet>>>,
@@ -55,61 +46,17 @@ struct Hub {
     known: Mutex<BTreeMap<SocketAddr, String>>,
 }
 
-/// Answers an offer: from then on the video goes to whoever made it.
-///
-/// # Errors
-/// When there is no such camera, too many look already, or the offer is none that can be answered.
-pub(crate) async fn answer(
-    State(app): State<App>,
-    Extension(LocalAddress(local)): Extension<LocalAddress>,
-    of: Of,
-    query: Result<Query<QualityQuery>, QueryRejection>,
-    headers: HeaderMap,
-    body: String,
-) -> Result<Response, ApiError> {
-    let (Path((vehicle, payload)), Query(query)) = (of?, query?);
-    let kind = headers.get(header::CONTENT_TYPE).and_then(|kind| kind.to_str().ok());
-    if kind.and_then(|kind| kind.split(';').next()).map(str::trim) != Some(SDP) {
-        return Err(ApiError::NotSdp);
-    }
-    let offer = SdpOffer::from_sdp_string(&body).map_err(|error| unfit(&error))?;
-    let permit = admit(&app)?;
-    let viewer = app
-        .node
-        .watch_video(vehicle, &payload, query.quality.of(Coding::H264))?;
-    let hub = app.webrtc.hub(local).await?;
-    let (session, answer) = Session::answer(&hub, local, offer, viewer).map_err(|error| unfit(&error))?;
-    let id = hub.serve(session, permit)?;
-    let location = format!("/api/v1/video/sessions/{id}");
-    let headers = [(header::CONTENT_TYPE, SDP.to_owned()), (header::LOCATION, location)];
-    Ok((StatusCode::CREATED, headers, answer).into_response())
-}
-
-fn unfit(error: &dyn std::fmt::Display) -> ApiError {
-    ApiError::Shape {
-        problem: format!("this offer cannot be answered: {error}"),
-    }
-}
-
-/// Ends a session.
-///
-/// # Errors
-/// When there is none of this name.
-pub(crate) async fn end(
-    State(app): State<App>,
-    id: Result<Path<String>, PathRejection>,
-) -> Result<StatusCode, ApiError> {
-    let Path(id) = id?;
-    match app.webrtc.0.get() {
-        Some(hub) if hub.end(&id) => Ok(StatusCode::NO_CONTENT),
-        _ => Err(ApiError::NotFound {
-            path: format!("session {id}"),
-        }),
-    }
-}
-
 impl WebRtc {
-    async fn hub(&self, local: SocketAddr) -> Result<Arc<Hub>, ApiError> {
+    /// The sessions, if there ever was one.
+    pub(crate) fn opened(&self) -> Option<&Arc<Hub>> {
+        self.0.get()
+    }
+
+    /// The sessions, with a socket that is opened with the first.
+    ///
+    /// # Errors
+    /// When there is no socket.
+    pub(crate) async fn hub(&self, local: SocketAddr) -> Result<Arc<Hub>, ApiError> {
         let opened = self.0.get_or_try_init(|| open(local)).await;
         opened.cloned().map_err(|error| ApiError::NoSocket {
             reason: error.to_string(),
@@ -165,7 +112,7 @@ async fn receive(hub: Weak<Hub>) {
 
 impl Hub {
     /// Serves a session on a task of its own; gives its name.
-    fn serve(
+    pub(crate) fn serve(
         self: &Arc<Self>,
         session: Session,
         permit: tokio::sync::OwnedSemaphorePermit,
@@ -189,7 +136,7 @@ impl Hub {
     }
 
     /// Ends a session; whether there is or was one of this name. A browser that leaves closes its side first.
-    fn end(&self, id: &str) -> bool {
+    pub(crate) fn end(&self, id: &str) -> bool {
         // Without its sender it ends.
         let ended = self.sessions.lock().remove(id).is_some();
         ended || self.ended.lock().iter().any(|name| name == id)
