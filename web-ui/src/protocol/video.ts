@@ -1,9 +1,13 @@
-// Live video on the wire: what a stream is said to be, the pictures and words on its socket, and where that socket is. Its types stand here by
-// hand. Must never decode a picture: only what stands before it is read.
+// Live video on the wire: the pictures and words on the socket of a stream, and where that socket is. Must never decode a picture: only what stands
+// before it is read.
+
+import type { VideoRecording, VideoRecordingAnswer, VideoRecordingList, VideoStateWord, VideoStreamView } from './types';
+
+export type { VideoStreamList, VideoStreamView } from './types';
 
 /** How a stream is, as the node has it. */
-export const VIDEO_STATES = ['live', 'starting', 'stalled', 'no_key_picture', 'no_pictures', 'failed'] as const;
-export type VideoState = (typeof VIDEO_STATES)[number];
+export const VIDEO_STATES = ['live', 'starting', 'stalled', 'no_key_picture', 'no_pictures', 'failed'] as const satisfies readonly VideoStateWord[];
+export type VideoState = VideoStateWord;
 
 /** The whole picture, or a smaller one for where many are looked at. */
 export type VideoQuality = 'main' | 'sub';
@@ -11,30 +15,10 @@ export type VideoQuality = 'main' | 'sub';
 /** Which stream: a payload by its name, and the vehicle that carries it. */
 export type VideoAddress = { vehicle: number; payload: string };
 
-export type VideoStreamView = VideoAddress & {
-  state: VideoState;
-  /** Why, in words; empty if there is nothing to say. */
-  reason: string;
-  /** As a decoder wants it, `avc1.42c01f`; empty while it is not known. */
-  codec: string;
-  /** 0 while it is not known. */
-  width_px: number;
-  height_px: number;
-  rate_hz: number;
-  bytes_per_s: number;
-  /** Share of the pictures that were lost on the way to the node, 0 to 1. */
-  lost: number;
-  /** Since its newest picture was taken; null before the first. */
-  age_s: number | null;
-  viewers: number;
-};
-
-export type VideoStreamList = { streams: VideoStreamView[] };
-
 /** What became of a recording that was begun or ended. */
-export type RecordingReceipt = { file: string; seconds: number };
-export type Recording = VideoAddress & { file: string; bytes: number; seconds: number; running: boolean };
-export type RecordingList = { recordings: Recording[] };
+export type RecordingReceipt = VideoRecordingAnswer;
+export type Recording = VideoRecording;
+export type RecordingList = VideoRecordingList;
 
 /** What the node says as text on the socket of a stream. */
 export type VideoMessage = { type: 'state'; view: VideoStreamView } | { type: 'pong'; id: number; timeUs: number };
