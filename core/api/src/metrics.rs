@@ -7,7 +7,7 @@
 use metrics::{counter, gauge};
 use metrics_exporter_prometheus::{PrometheusBuilder, PrometheusHandle};
 use skein_domain::FlightState;
-use skein_runtime::NodeHandle;
+use skein_runtime::{CameraVideo, NodeHandle};
 use skein_view::{ActorHealth, ActorStatus, FleetSnapshot, PluginHealth, VehicleSnapshot};
 use std::sync::OnceLock;
 use std::time::Duration;
@@ -60,6 +60,7 @@ fn render_node(node: &NodeHandle) -> String {
         gauge!("skein_snapshot_age_seconds").set(now.seconds_since(snapshot.time).max(0.0));
         describe();
         fleet(&snapshot);
+        node.videos().iter().for_each(video);
         for (endpoint, counters) in node.endpoint_metrics() {
             for (name, count) in counters.read().named() {
                 counter!(format!("skein_endpoint_{name}_total"), "endpoint" => endpoint.to_string()).absolute(count);
@@ -103,6 +104,21 @@ fn describe() {
         "99th percentile of the time of a call into it."
     );
     metrics::describe_counter!("skein_actor_restarts_total", "How often it was started again.");
+    describe_gauge!("skein_video_rate_hertz", "Pictures per second of a camera.");
+    describe_gauge!(
+        "skein_video_lost_ratio",
+        "Share of a camera's pictures lost on their way here."
+    );
+    describe_gauge!("skein_video_viewers", "How many look at a camera.");
+    describe_gauge!("skein_video_age_seconds", "Since when no picture of a camera came.");
+    describe_gauge!(
+        "skein_video_glass_to_glass_p50_seconds",
+        "Median of the time from a camera's picture to the eyes, as a viewer told it."
+    );
+    describe_gauge!(
+        "skein_video_glass_to_glass_p99_seconds",
+        "99th percentile of the time from a camera's picture to the eyes, as a viewer told it."
+    );
 }
 
 /// The gauges of a snapshot, in the recorder of the moment.
@@ -141,6 +157,24 @@ fn plugin(health: &PluginHealth) {
     gauge!("skein_plugin_restarts", &labels).set(health.restarts as f64);
     gauge!("skein_plugin_call_p50_seconds", &labels).set(health.call_p50_us * 1e-6);
     gauge!("skein_plugin_call_p99_seconds", &labels).set(health.call_p99_us * 1e-6);
+}
+
+fn video(video: &CameraVideo) {
+    let labels = [
+        ("vehicle", video.vehicle.to_string()),
+        ("payload", video.payload.clone()),
+    ];
+    let health = &video.health;
+    gauge!("skein_video_rate_hertz", &labels).set(health.measured.rate_hz);
+    gauge!("skein_video_lost_ratio", &labels).set(health.measured.lost);
+    gauge!("skein_video_viewers", &labels).set(health.viewers as f64);
+    if let Some(age_s) = health.age_s {
+        gauge!("skein_video_age_seconds", &labels).set(age_s);
+    }
+    if let Some((p50_s, p99_s)) = health.glass_to_glass_s {
+        gauge!("skein_video_glass_to_glass_p50_seconds", &labels).set(p50_s);
+        gauge!("skein_video_glass_to_glass_p99_seconds", &labels).set(p99_s);
+    }
 }
 
 fn vehicle(vehicle: &VehicleSnapshot) {

@@ -104,6 +104,18 @@ impl NodeHandle {
         })
     }
 
+    /// A viewer tells how long it takes from the camera's picture to the eyes: median and 99th percentile in seconds. Of a camera that is not there it
+    /// is forgotten.
+    pub fn note_seen(&self, vehicle: VehicleId, payload: &str, p50_s: f64, p99_s: f64) {
+        let video = match self.shared.host(vehicle) {
+            Some(_) => Some(self.shared.videos.camera(vehicle, payload)),
+            None => self.camera(vehicle, payload).ok().map(|camera| camera.video.clone()),
+        };
+        if let Some(video) = video {
+            video.note_seen(self.now(), p50_s, p99_s);
+        }
+    }
+
     /// Looks at a camera from now on.
     ///
     /// # Errors

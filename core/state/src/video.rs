@@ -24,6 +24,9 @@ const ENCODES_FOR_S: f64 = 5.0;
 const STARTING_S: f64 = 5.0;
 /// Pictures that fail for so long, with none that does not, are a failure of the camera, in seconds.
 const FAILED_AFTER_S: f64 = 1.0;
+/// What a viewer told of the time from glass to glass is good for so long, in seconds; and a longer one is not believed.
+const SEEN_FOR_S: f64 = 10.0;
+const LONGEST_SEEN_S: f64 = 60.0;
 /// A stream stands when nothing came for so many of its periods, and for so long, in seconds.
 const STALLED_AFTER: (f64, f64) = (3.0, 0.5);
 
@@ -85,6 +88,8 @@ pub struct VideoHealth {
     pub age_s: Option<f64>,
     /// Viewers of all renditions.
     pub viewers: usize,
+    /// From glass to glass as a viewer told it last, of late: median and 99th percentile in seconds.
+    pub glass_to_glass_s: Option<(f64, f64)>,
 }
 
 /// The video of one payload.
@@ -108,6 +113,8 @@ struct Source {
     remote_format: Option<StreamFormat>,
     fault: Option<(NodeTime, String)>,
     began: Option<NodeTime>,
+    /// What a viewer told last of the time from glass to glass, and when.
+    seen: Option<(NodeTime, (f64, f64))>,
 }
 
 impl Default for Video {
@@ -221,6 +228,18 @@ impl Video {
             measured: source.meter.measured(now),
             age_s: last_at.map(|at| now.seconds_since(at).max(0.0)),
             viewers,
+            glass_to_glass_s: source
+                .seen
+                .filter(|(at, _)| now.seconds_since(*at) < SEEN_FOR_S)
+                .map(|(_, seen)| seen),
+        }
+    }
+
+    /// A viewer tells the time from glass to glass: median and 99th percentile in seconds. What cannot be is not taken.
+    pub fn note_seen(&self, now: NodeTime, p50_s: f64, p99_s: f64) {
+        let can_be = |time_s: f64| (0.0..LONGEST_SEEN_S).contains(&time_s);
+        if can_be(p50_s) && can_be(p99_s) {
+            self.source.lock().seen = Some((now, (p50_s, p99_s)));
         }
     }
 }

@@ -18,6 +18,8 @@ pub enum Source {
     Stills,
     /// A video file (H.264 in MP4), again and again, at its own speed: passed on as it is encoded, and decoded at `rate_hz` beside that.
     Video,
+    /// A camera in the network that is asked over RTSP: its H.264 is passed on as it is.
+    Rtsp,
 }
 
 /// Configuration of the camera plugin. Every key may be left out, but `path` for stills and video.
@@ -33,6 +35,12 @@ pub struct Settings {
     pub component_id: u8,
     /// The folder of stills, or the video file.
     pub path: PathBuf,
+    /// Address of a camera in the network: `rtsp://HOST[:PORT]/PATH`.
+    pub url: String,
+    /// Who asks for it; empty: nobody in particular.
+    pub user: String,
+    /// The password of that user.
+    pub password: String,
     /// Width of simulated frames in pixels. Stills and video have their own.
     #[schemars(range(min = 16, max = 4096))]
     pub width_px: u32,
@@ -82,6 +90,9 @@ impl Default for Settings {
             mavlink: false,
             component_id: 100,
             path: PathBuf::new(),
+            url: String::new(),
+            user: String::new(),
+            password: String::new(),
             width_px: 640,
             height_px: 360,
             decode: true,
@@ -125,6 +136,9 @@ impl Settings {
         let reads_files = matches!(self.source, Source::Stills | Source::Video);
         if reads_files && self.path.as_os_str().is_empty() {
             return Err("path is needed for stills and video".to_owned());
+        }
+        if self.source == Source::Rtsp && !self.url.starts_with("rtsp://") {
+            return Err("url is needed for rtsp: rtsp://HOST[:PORT]/PATH".to_owned());
         }
         Ok(())
     }

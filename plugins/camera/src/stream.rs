@@ -3,6 +3,7 @@
 //! Must never do: decode, block whoever takes a picture, or keep more than a few of them.
 
 mod file;
+mod rtsp;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -30,6 +31,25 @@ pub(crate) struct Coded {
 pub(crate) enum Origin {
     /// A video file, again and again, at its own pace.
     File(PathBuf),
+    /// A camera that is asked over RTSP.
+    Rtsp(RtspCamera),
+}
+
+/// A camera that is asked over RTSP.
+#[derive(Clone, PartialEq)]
+pub(crate) struct RtspCamera {
+    /// `rtsp://HOST[:PORT]/PATH`.
+    pub(crate) url: String,
+    /// Empty: it is not asked for.
+    pub(crate) user: String,
+    pub(crate) password: String,
+}
+
+impl std::fmt::Debug for RtspCamera {
+    /// Without the password: settings find their way into logs.
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(formatter, "{} as {:?}", self.url, self.user)
+    }
 }
 
 /// Why there is no stream.
@@ -37,6 +57,18 @@ pub(crate) enum Origin {
 pub(crate) enum StreamFault {
     #[error("{0}")]
     File(#[from] crate::decoding::DecodeError),
+    #[error("{url} is no address of a camera: {reason}")]
+    Address { url: String, reason: String },
+    #[error("{url} did not {what} within {within_s} s")]
+    Silent {
+        url: String,
+        what: &'static str,
+        within_s: u64,
+    },
+    #[error("{url}: {reason}")]
+    Rtsp { url: String, reason: String },
+    #[error("{url} has no H.264 video; it has {has}")]
+    NoH264 { url: String, has: String },
     #[error("the stream has ended")]
     Ended,
 }
@@ -82,6 +114,7 @@ impl StreamReader {
             .spawn(move || {
                 let outcome = match &origin {
                     Origin::File(path) => file::read(path, &outlet),
+                    Origin::Rtsp(camera) => rtsp::read(camera, &outlet),
                 };
                 if let Err(fault) = outcome {
                     outlet.give(Err(fault));

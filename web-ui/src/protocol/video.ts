@@ -90,6 +90,9 @@ export function readVideoMessage(text: string): VideoMessage | null {
 
 export const pingText = (id: number): string => JSON.stringify({ type: 'ping', id });
 
+/** How long it takes from glass to glass, for the node's metrics. */
+export const seenText = (p50Ms: number, p99Ms: number): string => JSON.stringify({ type: 'seen', p50_s: Math.max(0, p50Ms / 1000), p99_s: Math.max(0, p99Ms / 1000) });
+
 /** The decoder needs a picture that stands alone. */
 export const KEY_TEXT = JSON.stringify({ type: 'key' });
 

@@ -83,7 +83,7 @@ pub enum VideoMessage {
 }
 
 /// What a viewer may say.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, TS, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, TS, JsonSchema)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
 pub enum VideoRequest {
     /// Asks for the node's clock.
@@ -93,6 +93,13 @@ pub enum VideoRequest {
     },
     /// Its decoder cannot go on without a key picture.
     Key,
+    /// How long it takes from the camera's picture to the eyes, read from the clock in the picture, over the last seconds.
+    Seen {
+        /// Median in seconds.
+        p50_s: f64,
+        /// 99th percentile in seconds.
+        p99_s: f64,
+    },
 }
 
 /// A recording that was begun or ended.

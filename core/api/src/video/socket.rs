@@ -197,6 +197,10 @@ impl Client {
                 self.viewer.iter().for_each(Viewer::ask_for_key);
                 Ok(())
             }
+            Ok(VideoRequest::Seen { p50_s, p99_s }) => {
+                self.app.node.note_seen(self.vehicle, &self.payload, p50_s, p99_s);
+                Ok(())
+            }
             Err(error) => {
                 let reason = error.to_string();
                 self.say(&VideoMessage::Error { reason }).await

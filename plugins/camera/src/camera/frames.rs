@@ -44,6 +44,19 @@ struct Stream {
     retry: Option<NodeTime>,
 }
 
+/// What comes encoded with these settings.
+fn origin_of(settings: &Settings) -> Option<stream::Origin> {
+    match settings.source {
+        Source::Video => Some(stream::Origin::File(settings.path.clone())),
+        Source::Rtsp => Some(stream::Origin::Rtsp(stream::RtspCamera {
+            url: settings.url.clone(),
+            user: settings.user.clone(),
+            password: settings.password.clone(),
+        })),
+        Source::Mavlink | Source::Synthetic | Source::Stills => None,
+    }
+}
+
 #[derive(Debug)]
 enum Origin {
     Nothing,
@@ -55,7 +68,7 @@ impl Frames {
     pub(super) fn new(settings: &Settings, taken: u64) -> Self {
         let path = settings.path.clone();
         let files = match settings.source {
-            Source::Mavlink | Source::Synthetic => None,
+            Source::Mavlink | Source::Synthetic | Source::Rtsp => None,
             Source::Stills => Some(Files::Stills(path)),
             Source::Video if !settings.decode => None,
             Source::Video => Some(Files::Video {
@@ -69,8 +82,8 @@ impl Frames {
             size_px: None,
             fault: String::new(),
             retry: None,
-            stream: (settings.source == Source::Video).then(|| Stream {
-                origin: stream::Origin::File(settings.path.clone()),
+            stream: origin_of(settings).map(|origin| Stream {
+                origin,
                 reader: None,
                 began: None,
                 retry: None,

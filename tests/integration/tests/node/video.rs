@@ -186,6 +186,15 @@ async fn h264_over_a_websocket_is_decoded_and_shows_the_clock() {
     let now = NodeTime(pong["time_us"].as_u64().unwrap());
     let age_s = now.seconds_since(last.unwrap().taken);
     assert!((0.0..OLDEST_S).contains(&age_s), "{age_s} s");
+    let seen = r#"{"type":"seen","p50_s":0.0125,"p99_s":0.5}"#;
+    viewer.0.send(Message::text(seen)).await.unwrap();
+    let url = format!("http://{}/metrics", swarm.web_address());
+    eventually(patience(), "what a viewer sees is in the metrics", async || {
+        let metrics = reqwest::get(&url).await.unwrap().text().await.unwrap();
+        let line = r#"skein_video_glass_to_glass_p50_seconds{vehicle="1",payload="camera"} 0.0125"#;
+        metrics.contains(line).then_some(())
+    })
+    .await;
     viewer.0.send(Message::text(r#"{"type":"zoom"}"#)).await.unwrap();
     assert!(viewer.told("error").await["reason"].as_str().unwrap().contains("zoom"));
     swarm.stop().await;

@@ -4,6 +4,7 @@
 import { videoSocketUrl } from '../../protocol/video';
 import type { Picture } from '../../protocol/video';
 import { draw, takenAt } from './receiver';
+import type { Delays } from './pictureLog';
 import type { Asked, Receiver } from './receiver';
 import { VideoSocket } from './videoSocket';
 
@@ -29,6 +30,10 @@ export class JpegReceiver implements Receiver {
 
   get unreadable(): number {
     return this.#socket.unreadable;
+  }
+
+  seen(delays: Delays): void {
+    this.#socket.seen(delays);
   }
 
   nodeMs(pageMs: number): number | null {

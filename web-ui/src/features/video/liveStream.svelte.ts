@@ -164,6 +164,8 @@ export class LiveStream {
     if (view.state !== 'live') this.#liveMs = null;
     else this.#liveMs ??= performance.now();
     this.#view = view;
+    const delays = this.#delays.of(performance.now());
+    if (delays) this.#receiver?.seen(delays);
   }
 
   #shown({ source, widthPx, heightPx, takenMs }: ShownPicture): void {

@@ -25,7 +25,7 @@ function begun(choice: WayChoice = 'automatic', able = ALL) {
   const stream = new LiveStream({ vehicle: 2, payload: 'camera' }, 'sub', choice, able, () => node.heard, (way, asked): Receiver => {
     const one = { ...asked, way, closed: false };
     opened.push(one);
-    return { way, unreadable: 0, nodeMs: (pageMs) => pageMs + 1000, close: () => (one.closed = true) };
+    return { way, unreadable: 0, nodeMs: (pageMs) => pageMs + 1000, seen: () => {}, close: () => (one.closed = true) };
   });
   streams.push(stream);
   stream.open(SCREEN);

@@ -3,6 +3,7 @@
 
 import type { VideoAddress, VideoQuality, VideoStreamView } from '../../protocol/video';
 import type { VideoWay } from '../../model/videoWay';
+import type { Delays } from './pictureLog';
 
 /** What pictures are shown on: drawn, or played by the browser itself. */
 export type Screen = { canvas: HTMLCanvasElement; video: HTMLVideoElement };
@@ -34,6 +35,8 @@ export interface Receiver {
   nodeMs(pageMs: number): number | null;
   /** Messages that could not be read. */
   readonly unreadable: number;
+  /** Tells the node how long it takes from glass to glass. */
+  seen(delays: Delays): void;
   /** Ends it; the listener hears nothing any more. */
   close(): void;
 }

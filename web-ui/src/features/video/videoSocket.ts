@@ -1,10 +1,11 @@
 // The socket of one stream: hands on pictures and states, keeps the estimate of the node's clock, notices silence. Must never come back by
 // itself: whoever opened it decides when and on which way.
 
-import { KEY_TEXT, pingText, readPicture, readVideoMessage } from '../../protocol/video';
+import { KEY_TEXT, pingText, readPicture, readVideoMessage, seenText } from '../../protocol/video';
 import type { Picture, VideoStreamView } from '../../protocol/video';
 import { t } from '../../language/language.svelte';
 import { NodeClock } from './nodeClock';
+import type { Delays } from './pictureLog';
 
 const PING_EVERY_MS = 2000;
 /** Unanswered pings that are remembered. */
@@ -55,6 +56,11 @@ export class VideoSocket {
     if (now - this.#askedAt < KEY_EVERY_MS) return;
     this.#askedAt = now;
     this.#say(KEY_TEXT);
+  }
+
+  /** Tells the node how long it takes from glass to glass. */
+  seen({ p50Ms, p99Ms }: Delays): void {
+    this.#say(seenText(p50Ms, p99Ms));
   }
 
   /** Closes it; the listener hears nothing any more. */

@@ -5,6 +5,7 @@ import { videoSocketUrl } from '../../protocol/video';
 import type { Picture } from '../../protocol/video';
 import { DecoderGate, codecOf } from './h264';
 import { draw, takenAt } from './receiver';
+import type { Delays } from './pictureLog';
 import type { Asked, Receiver } from './receiver';
 import { VideoSocket } from './videoSocket';
 
@@ -42,6 +43,10 @@ export class WebcodecsReceiver implements Receiver {
 
   get unreadable(): number {
     return this.#socket.unreadable;
+  }
+
+  seen(delays: Delays): void {
+    this.#socket.seen(delays);
   }
 
   nodeMs(pageMs: number): number | null {

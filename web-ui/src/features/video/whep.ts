@@ -5,6 +5,7 @@ import { ApiError, endVideo, offerVideo } from '../../protocol/rest';
 import { videoSocketUrl } from '../../protocol/video';
 import { t } from '../../language/language.svelte';
 import { draw } from './receiver';
+import type { Delays } from './pictureLog';
 import type { Asked, Receiver } from './receiver';
 import { VideoSocket } from './videoSocket';
 
@@ -36,6 +37,10 @@ export class WhepReceiver implements Receiver {
 
   get unreadable(): number {
     return this.#socket.unreadable;
+  }
+
+  seen(delays: Delays): void {
+    this.#socket.seen(delays);
   }
 
   nodeMs(pageMs: number): number | null {
