@@ -187,8 +187,12 @@ impl Stream {
                     return due;
                 }
                 Err(error) => {
-                    *fault = error.to_string();
-                    log::warn!("{error}");
+                    let reason = error.to_string();
+                    // Once, not with every attempt.
+                    if *fault != reason {
+                        log::warn!("{reason}");
+                        *fault = reason;
+                    }
                 }
             }
         }

@@ -36,9 +36,11 @@ async fn unwanted(outlet: &Outlet) {
 }
 
 fn failed(camera: &RtspCamera, error: &dyn std::fmt::Display) -> StreamFault {
+    // What comes behind the first line is for those who look for faults in the library.
+    let reason = error.to_string();
     StreamFault::Rtsp {
         url: camera.url.clone(),
-        reason: error.to_string(),
+        reason: reason.lines().next().unwrap_or_default().to_owned(),
     }
 }
 

@@ -10,8 +10,9 @@ use futures_util::{SinkExt, StreamExt};
 use serde_json::{Value, json};
 use skein_config::{AdoptionRule, Escalation, Isolation, NodeConfig, PayloadRule};
 use skein_domain::{NodeTime, VehicleId};
+use skein_runtime::Fault;
 use skein_sim::PayloadPlan;
-use skein_testkit::{Flock, Member, Swarm, eventually, patience};
+use skein_testkit::{Flock, LONGEST_GAP_S, Member, Swarm, eventually, patience};
 use skein_video::{H264Decoder, jpeg};
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -42,8 +43,13 @@ fn camera() -> PayloadRule {
 
 /// One vehicle with a camera.
 async fn with_camera() -> Swarm {
+    with_camera_in(Isolation::InProcess).await
+}
+
+async fn with_camera_in(isolation: Isolation) -> Swarm {
+    let camera = PayloadRule { isolation, ..camera() };
     let adopt = AdoptionRule {
-        payloads: vec![camera(), rule("gimbal", json!({}))],
+        payloads: vec![camera, rule("gimbal", json!({}))],
         ..AdoptionRule::default()
     };
     let swarm = Swarm::start_with(1, move |config, sim| {
@@ -413,4 +419,40 @@ async fn a_camera_of_another_node_is_seen_at_the_ground_station() {
     })
     .await;
     flock.stop().await;
+}
+
+/// Raw times are told; what is judged is that each kill is followed by pictures, and the flight.
+#[tokio::test(flavor = "multi_thread")]
+#[ignore = "long: part of `cargo xtask test integration`"]
+async fn a_camera_that_is_killed_twenty_times_in_a_minute_comes_back_each_time_and_the_flight_goes_on() {
+    let swarm = with_camera_in(Isolation::Child).await;
+    swarm.take_off(6.0).await;
+    let mut viewer = Viewer::open(&swarm, "way=h264").await;
+    let mut away_s = Vec::new();
+    for _ in 0..20 {
+        let before = viewer.picture().await;
+        let payload = Some("camera".to_owned());
+        let vehicle = VehicleId(1);
+        let kill = Fault::PluginKill { vehicle, payload };
+        swarm.node().inject_fault(kill).await.unwrap();
+        let killed = swarm.node().now();
+        let mut after = viewer.picture().await;
+        // those that were on their way when it was killed
+        while after.taken <= killed {
+            after = viewer.picture().await;
+        }
+        away_s.push(after.taken.seconds_since(before.taken));
+        tokio::time::sleep(Duration::from_millis(2_500)).await;
+    }
+    away_s.sort_by(f64::total_cmp);
+    println!(
+        "    away for {:.2} s (median), {:.2} s (longest)",
+        away_s[10], away_s[19]
+    );
+    assert!(away_s[10] < 1.0, "{away_s:?}");
+    for vehicle in &swarm.truth_now().await.vehicles {
+        let gap_s = vehicle.offboard_gap_sender_max_s;
+        assert!(gap_s < LONGEST_GAP_S, "{gap_s:.3} s without a setpoint");
+    }
+    swarm.stop().await;
 }
