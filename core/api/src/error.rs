@@ -112,6 +112,18 @@ pub enum ApiError {
         /// What is missing.
         problem: String,
     },
+    /// There is no recording of this name.
+    #[error("there is no recording {file}")]
+    UnknownRecording {
+        /// The name asked for.
+        file: String,
+    },
+    /// There is and was no session of WebRTC of this name.
+    #[error("there is no session {session}")]
+    UnknownSession {
+        /// The name asked for.
+        session: String,
+    },
     /// The body is no offer of WebRTC.
     #[error("the body has to be an SDP offer, with the header `content-type: application/sdp`")]
     NotSdp,
@@ -150,7 +162,10 @@ impl ApiError {
                 [one] => refusal_status(&one.refusal),
                 _ => StatusCode::CONFLICT,
             },
-            Self::NoneKnown(_) | Self::NotFound { .. } => StatusCode::NOT_FOUND,
+            Self::NoneKnown(_)
+            | Self::NotFound { .. }
+            | Self::UnknownRecording { .. }
+            | Self::UnknownSession { .. } => StatusCode::NOT_FOUND,
             Self::Body(rejection) => rejection.status(),
             Self::Unfit { problem, .. } => problem.status(),
             Self::TooSlow => StatusCode::REQUEST_TIMEOUT,
@@ -181,6 +196,8 @@ impl ApiError {
             Self::TooSlow => "too_slow",
             Self::NotJson => "not_json",
             Self::NotSdp => "not_sdp",
+            Self::UnknownRecording { .. } => "unknown_recording",
+            Self::UnknownSession { .. } => "unknown_session",
             Self::NoSocket { .. } => "no_socket",
             Self::Shape { .. } => "invalid_body",
             Self::UnknownField { .. } => "unknown_field",
@@ -209,6 +226,8 @@ impl ApiError {
             Self::Unfit { problem, .. } => problem.facts(),
             Self::OutOfRange { field, problem } => json!({ "field": field, "problem": problem }),
             Self::TooManyStreams { limit } => json!({ "limit": limit }),
+            Self::UnknownRecording { file } => json!({ "file": file }),
+            Self::UnknownSession { session } => json!({ "session": session }),
             _ => Value::Null,
         }
     }

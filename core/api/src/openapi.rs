@@ -4,7 +4,7 @@
 //! answer). Where one type is both and it matters, the one for requests has the suffix `Input`.
 
 use crate::endpoints::{self, Endpoint};
-use crate::protocol::{ClientMessage, ErrorBody};
+use crate::protocol::{ClientMessage, ErrorBody, VideoRequest};
 use schemars::generate::SchemaSettings;
 use schemars::{Schema, SchemaGenerator};
 use serde_json::{Map, Value};
@@ -42,6 +42,7 @@ pub fn document() -> String {
     }
     schemas.answers.subschema_for::<ErrorBody>();
     schemas.requests.subschema_for::<ClientMessage>();
+    schemas.requests.subschema_for::<VideoRequest>();
     let info = InfoBuilder::new()
         .title("Skein")
         .version(env!("CARGO_PKG_VERSION"))

@@ -31,6 +31,7 @@ type Of = Result<axum::extract::Path<(VehicleId, String)>, PathRejection>;
 /// How large the pictures are wanted.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[schemars(inline)]
 pub(crate) enum WantedQuality {
     /// As the camera gives them.
     #[default]

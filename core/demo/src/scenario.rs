@@ -7,6 +7,7 @@ mod join_leave;
 mod leader_loss;
 mod mixed;
 mod no_coordinator;
+mod observe_video;
 mod tour;
 
 use super::layout::Layout;
@@ -64,6 +65,8 @@ pub enum Chosen {
     Fence(fence::Fence),
     /// Without a coordinator.
     NoCoordinator(no_coordinator::NoCoordinator),
+    /// Video of the cameras.
+    ObserveVideo(observe_video::ObserveVideo),
 }
 
 impl Chosen {
@@ -76,6 +79,7 @@ impl Chosen {
             Scenario::Formations => Self::Formations(formations::Formations::default()),
             Scenario::JoinLeave => Self::JoinLeave(join_leave::JoinLeave::default()),
             Scenario::Mixed => Self::Mixed(mixed::Mixed::default()),
+            Scenario::ObserveVideo => Self::ObserveVideo(observe_video::ObserveVideo::new(layout)),
             Scenario::Fence => Self::Fence(fence::Fence::default()),
         }
     }
@@ -91,6 +95,7 @@ impl Flight for Chosen {
             Self::Mixed(flight) => flight.prepare(setup),
             Self::Fence(flight) => flight.prepare(setup),
             Self::NoCoordinator(flight) => flight.prepare(setup),
+            Self::ObserveVideo(flight) => flight.prepare(setup),
         }
     }
 
@@ -103,6 +108,7 @@ impl Flight for Chosen {
             Self::Mixed(flight) => flight.fly(runner).await,
             Self::Fence(flight) => flight.fly(runner).await,
             Self::NoCoordinator(flight) => flight.fly(runner).await,
+            Self::ObserveVideo(flight) => flight.fly(runner).await,
         }
     }
 
@@ -115,6 +121,7 @@ impl Flight for Chosen {
             Self::Mixed(flight) => flight.criteria(referee),
             Self::Fence(flight) => flight.criteria(referee),
             Self::NoCoordinator(flight) => flight.criteria(referee),
+            Self::ObserveVideo(flight) => flight.criteria(referee),
         }
     }
 }

@@ -58,9 +58,7 @@ pub(crate) async fn file(
     name: Result<Path<String>, PathRejection>,
 ) -> Result<Response, ApiError> {
     let Path(name) = name?;
-    let not_found = || ApiError::NotFound {
-        path: format!("recording {name}"),
-    };
+    let not_found = || ApiError::UnknownRecording { file: name.clone() };
     let path = app.node.recorded_file(&name).map_err(|_| not_found())?;
     let file = tokio::fs::File::open(path).await.map_err(|_| not_found())?;
     let pieces = futures_util::stream::try_unfold(file, |mut file| async move {

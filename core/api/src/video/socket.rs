@@ -42,6 +42,7 @@ const MAX_MESSAGE_BYTES: usize = 512;
 /// Which way the pictures go.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[schemars(inline)]
 pub(crate) enum Way {
     /// H.264 access units in Annex B's byte stream.
     #[default]

@@ -62,8 +62,6 @@ pub(crate) async fn end(
     let Path(id) = id?;
     match app.webrtc.opened() {
         Some(hub) if hub.end(&id) => Ok(StatusCode::NO_CONTENT),
-        _ => Err(ApiError::NotFound {
-            path: format!("session {id}"),
-        }),
+        _ => Err(ApiError::UnknownSession { session: id }),
     }
 }

@@ -22,33 +22,6 @@ impl Tour {
         Self { layout }
     }
 
-    /// Vehicles with a gimbal keep it on the leader from here on.
-    async fn look_at_leader(&self, runner: &ScenarioRunner<'_>) -> anyhow::Result<()> {
-        let fleet = runner.node.snapshot();
-        let leader = runner.leader()?.id;
-        let carries_gimbal =
-            |v: &&VehicleSnapshot| !v.is_leader && v.payloads.iter().any(|p| p.kind == PayloadKind::Gimbal);
-        let observers: Vec<VehicleId> = fleet.vehicles.iter().filter(carries_gimbal).map(|v| v.id).collect();
-        if observers.is_empty() {
-            return Ok(());
-        }
-        let command = VehicleCommand::LookAt {
-            target: Target::Vehicle { vehicle: leader },
-        };
-        for receipt in runner
-            .node
-            .command(&Targets::Vehicles(observers.clone()), command)
-            .await
-        {
-            if let Some(refusal) = receipt.refusal {
-                bail!("vehicle {} refuses to look at the leader: {refusal}", receipt.vehicle);
-            }
-        }
-        runner.say(&format!("{} gimbals turn to the leader", observers.len()));
-        runner.referee.expect_gimbals(leader, observers);
-        Ok(())
-    }
-
     async fn form(&self, runner: &ScenarioRunner<'_>, shape: Shape) -> anyhow::Result<()> {
         let request = FormationRequest::new(shape, layout::SPACING_M);
         runner.form(&format!("{shape:?}"), request).await.map(drop)
@@ -67,11 +40,38 @@ impl Tour {
     }
 }
 
+/// Vehicles with a gimbal keep it on the leader from here on.
+pub(super) async fn look_at_leader(runner: &ScenarioRunner<'_>) -> anyhow::Result<()> {
+    let fleet = runner.node.snapshot();
+    let leader = runner.leader()?.id;
+    let carries_gimbal =
+        |v: &&VehicleSnapshot| !v.is_leader && v.payloads.iter().any(|p| p.kind == PayloadKind::Gimbal);
+    let observers: Vec<VehicleId> = fleet.vehicles.iter().filter(carries_gimbal).map(|v| v.id).collect();
+    if observers.is_empty() {
+        return Ok(());
+    }
+    let command = VehicleCommand::LookAt {
+        target: Target::Vehicle { vehicle: leader },
+    };
+    for receipt in runner
+        .node
+        .command(&Targets::Vehicles(observers.clone()), command)
+        .await
+    {
+        if let Some(refusal) = receipt.refusal {
+            bail!("vehicle {} refuses to look at the leader: {refusal}", receipt.vehicle);
+        }
+    }
+    runner.say(&format!("{} gimbals turn to the leader", observers.len()));
+    runner.referee.expect_gimbals(leader, observers);
+    Ok(())
+}
+
 impl Flight for Tour {
     async fn fly(&mut self, runner: &ScenarioRunner<'_>) -> anyhow::Result<()> {
         runner.take_off_all(layout::HEIGHT_M).await?;
         self.form(runner, Shape::Wedge).await?;
-        self.look_at_leader(runner).await?;
+        look_at_leader(runner).await?;
         let home = runner.leader_position()?;
         self.route(runner, "north, east and half-way south", |layout, start| {
             layout.way_out(start)

@@ -60,6 +60,13 @@ async fn a_formation_without_a_coordinator_keeps_its_shape() {
 
 #[tokio::test]
 #[ignore = "long: part of `cargo xtask test e2e`"]
+async fn video_is_received_while_the_cameras_follow_the_leader() {
+    let criteria = fly("observe-video", 5).await;
+    judged_by(&criteria, &["pictures per second of the slowest camera"]);
+}
+
+#[tokio::test]
+#[ignore = "long: part of `cargo xtask test e2e`"]
 async fn every_shape_and_anchor_is_flown() {
     let criteria = fly("formations", 6).await;
     judged_by(

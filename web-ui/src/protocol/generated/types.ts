@@ -3807,7 +3807,15 @@ export type VideoRequest = { "type": "ping",
 /**
  * Comes back with the answer.
  */
-id: number, } | { "type": "key" };
+id: number, } | { "type": "key" } | { "type": "seen", 
+/**
+ * Median in seconds.
+ */
+p50_s: number, 
+/**
+ * 99th percentile in seconds.
+ */
+p99_s: number, };
 
 /**
  * How the video of a camera is, in one word.
