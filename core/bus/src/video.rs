@@ -180,14 +180,6 @@ impl VideoSending {
         Some((key.0, part))
     }
 
-    /// Whether anything waits to be sent.
-    #[must_use]
-    pub fn is_due(&self) -> bool {
-        self.streams
-            .values()
-            .any(|sent| !sent.again.is_empty() || !sent.waiting.is_empty())
-    }
-
     /// A receiver misses something: it is sent again if it is still there. Whether it wants a key picture.
     pub fn lost(&mut self, now: NodeTime, from: NodeId, lost: &VideoLost) -> bool {
         let Some(sent) = self.streams.get_mut(&(from, lost.stream)) else {

@@ -180,6 +180,7 @@ impl Actor for Swarm {
             SwarmMessage::Served { to, id, answer } => state.served(to, id, &answer),
             SwarmMessage::ExpectVideo { from, stream, number } => drop(number.send(state.expect_video(from, *stream))),
             SwarmMessage::ForgetVideo { from, number } => state.forget_video(from, number),
+            SwarmMessage::EndVideo { to, number } => state.bus.end_video(to, number),
             SwarmMessage::WantVideoKey { from, number } => state.bus.want_video_key(from, number),
             SwarmMessage::SendVideo {
                 to,

@@ -31,5 +31,5 @@ pub use handle::{
 pub use node::{Adapter, AdapterStart, Node, NodeError};
 pub use skein_plugin_host::Frame;
 pub use skein_state::video::{Quality, Rendition};
-pub use video::{CameraVideo, RecordedVideo, VIDEO_SUB_PX};
+pub use video::{CameraVideo, RecordedVideo};
 pub use wiring::{WiringError, catalog};

@@ -11,12 +11,14 @@ use crate::handle::NodeHandle;
 use making::Maker;
 use skein_domain::payload::PayloadKind;
 use skein_domain::{Refusal, VehicleId};
-use skein_state::video::{Quality, RemoteStream, Rendition, VideoHealth, Viewer};
+use skein_state::video::{Making, Quality, RemoteStream, Rendition, VideoHealth, VideoStream, Viewer};
 use skein_video::Coding;
 use std::sync::Arc;
 
-pub use making::VIDEO_SUB_PX;
 pub use recording::RecordedVideo;
+
+/// Pause before pictures are made anew.
+const REMADE_AFTER: std::time::Duration = std::time::Duration::from_millis(100);
 
 /// A camera and how its video is.
 #[derive(Debug, Clone, PartialEq)]
@@ -143,7 +145,10 @@ impl NodeHandle {
                 rendition,
                 stream,
             };
-            tokio::spawn(between::fetch(self.clone(), node, looked, remote, making));
+            let node_here = self.clone();
+            tokio::spawn(while_looked_at(remote.stream.clone(), making, move || {
+                between::fetch(node_here.clone(), node, looked.clone(), remote.clone())
+            }));
             return Ok(viewer);
         }
         // Of another node's camera JPEG is made of the H.264 that comes from there, in the same size.
@@ -155,11 +160,11 @@ impl NodeHandle {
                 Quality::Main
             },
         };
-        let maker = Maker::new(self.clone(), looked, video, source, rendition, stream);
-        tokio::spawn(async move {
-            maker.run().await;
-            drop(making);
-        });
+        let node_here = self.clone();
+        tokio::spawn(while_looked_at(stream.clone(), making, move || {
+            let (looked, video, stream) = (looked.clone(), video.clone(), stream.clone());
+            Maker::new(node_here.clone(), looked, video, source, rendition, stream).run()
+        }));
         Ok(viewer)
     }
 
@@ -172,6 +177,19 @@ impl NodeHandle {
             )));
         }
         Ok(camera)
+    }
+}
+
+/// Makes pictures until nobody looks any more. Who began to look while that was found out, and saw that somebody makes them, is not left alone.
+async fn while_looked_at<F: Future<Output = ()>>(stream: Arc<VideoStream>, making: Making, make: impl Fn() -> F) {
+    let mut making = Some(making);
+    while let Some(present) = making.take() {
+        make().await;
+        drop(present);
+        if stream.viewers() > 0 {
+            tokio::time::sleep(REMADE_AFTER).await;
+            making = stream.begin_making();
+        }
     }
 }
 

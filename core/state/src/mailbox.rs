@@ -147,6 +147,13 @@ pub enum SwarmMessage {
         /// This node's number for it.
         number: u32,
     },
+    /// A node does not want a video of this one any more.
+    EndVideo {
+        /// Which node.
+        to: NodeId,
+        /// Its number for the stream.
+        number: u32,
+    },
     /// A decoder of it needs a key picture.
     WantVideoKey {
         /// Whose.

@@ -15,8 +15,6 @@ pub struct Recording {
     pub seconds: f64,
     /// What it has written, in bytes.
     pub bytes: u64,
-    /// Why it is not written; empty while it is.
-    pub fault: String,
 }
 
 #[derive(Debug)]
@@ -42,7 +40,6 @@ impl Recordings {
             file,
             seconds: 0.0,
             bytes: 0,
-            fault: String::new(),
         };
         let end_of = end.clone();
         under_way.insert(key, UnderWay { recording, end });

@@ -330,7 +330,7 @@ impl VideoStream {
 
     /// How many look at it.
     pub fn viewers(&self) -> usize {
-        self.viewers.load(Ordering::Relaxed)
+        self.viewers.load(Ordering::SeqCst)
     }
 
     /// Whether somebody needs a key picture; it counts as given after that.
@@ -340,13 +340,13 @@ impl VideoStream {
 
     /// Whoever makes its pictures says so; false if somebody does already. The guard ends it.
     pub fn begin_making(self: &Arc<Self>) -> Option<Making> {
-        let free = !self.made.swap(true, Ordering::AcqRel);
+        let free = !self.made.swap(true, Ordering::SeqCst);
         free.then(|| Making(self.clone()))
     }
 
     /// Looks at it from now on.
     pub fn view(self: &Arc<Self>) -> Viewer {
-        self.viewers.fetch_add(1, Ordering::Relaxed);
+        self.viewers.fetch_add(1, Ordering::SeqCst);
         Viewer {
             news: self.news.subscribe(),
             stream: self.clone(),
@@ -361,7 +361,7 @@ pub struct Making(Arc<VideoStream>);
 
 impl Drop for Making {
     fn drop(&mut self) {
-        self.0.made.store(false, Ordering::Release);
+        self.0.made.store(false, Ordering::SeqCst);
     }
 }
 
@@ -412,7 +412,7 @@ impl Viewer {
 
 impl Drop for Viewer {
     fn drop(&mut self) {
-        self.stream.viewers.fetch_sub(1, Ordering::Relaxed);
+        self.stream.viewers.fetch_sub(1, Ordering::SeqCst);
     }
 }
 

@@ -103,12 +103,6 @@ impl Relay {
         }
     }
 
-    /// The newest picture.
-    #[must_use]
-    pub fn newest(&self) -> Option<&Arc<EncodedFrame>> {
-        self.frames.back()
-    }
-
     fn end(&self) -> u64 {
         self.first + self.frames.len() as u64
     }

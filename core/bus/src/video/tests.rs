@@ -74,6 +74,20 @@ fn a_link_that_carries_less_leaves_out_whole_groups() {
 }
 
 #[test]
+fn a_stream_that_has_ended_makes_room_for_another() {
+    let mut sending = VideoSending::default();
+    let mut open = |number: u32| sending.push(at(0.0), (B, number), (true, &[1; 10]), 1000, RATE);
+    let most = MOST_STREAMS as u32;
+    assert!((0..most).all(|number| open(number) == Pushed::Taken));
+    assert_eq!(open(most), Pushed::LeftOut);
+    sending.end(B, 7);
+    assert_eq!(
+        sending.push(at(0.0), (B, most), (true, &[1; 10]), 1000, RATE),
+        Pushed::Taken
+    );
+}
+
+#[test]
 fn a_sender_that_starts_again_begins_anew() {
     let mut receiving = VideoReceiving::default();
     receiving.expect(A, 1);

@@ -5,16 +5,17 @@
 
 use super::Looked;
 use crate::handle::NodeHandle;
+use ractor::ActorRef;
 use skein_domain::{NodeId, Refusal, VehicleId};
 use skein_state::asks::{Answer, Ask};
-use skein_state::video::{Making, Quality, RemoteStream, Rendition, Viewer};
+use skein_state::video::{Quality, RemoteStream, Rendition, Viewer};
 use skein_state::{SharedState, SwarmMessage};
 use skein_video::Coding;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use tokio::sync::oneshot;
-use tokio::time::{Instant, interval, sleep};
+use tokio::time::{Instant, sleep};
 
 /// A stream that is looked at is asked for so often.
 const ASK_EVERY: Duration = Duration::from_secs(1);
@@ -28,53 +29,84 @@ const THIN_WITHIN: Duration = Duration::from_secs(8);
 /// After so long it is tried again whether it carries the others.
 const THIN_FOR: Duration = Duration::from_secs(20);
 
-/// Gets a stream of another node for as long as somebody looks at it.
-pub(super) async fn fetch(node: NodeHandle, from: NodeId, looked: Looked, remote: RemoteStream, making: Making) {
-    let Some(actor) = node.shared().swarm.as_ref().and_then(|swarm| swarm.actor()) else {
-        return;
-    };
-    let (numbered, number) = oneshot::channel();
-    let expect = SwarmMessage::ExpectVideo {
-        from,
-        stream: Box::new(remote.clone()),
-        number: numbered,
-    };
-    let Ok(number) = (match actor.cast(expect) {
-        Ok(()) => number.await.map_err(drop),
-        Err(_) => Err(()),
-    }) else {
-        return;
-    };
-    let me = node.shared().config.swarm.node.unwrap_or_default();
-    let mut asked: Option<Instant> = None;
-    let mut look = interval(LOOK_EVERY);
-    while remote.stream.viewers() > 0 {
-        look.tick().await;
-        if remote.stream.take_wish_for_key() {
-            // Whether it gets there or not, the decoder asks again.
-            let _ = actor.cast(SwarmMessage::WantVideoKey { from, number });
+/// Gets a stream of another node for as long as somebody looks at it, and that node flies the vehicle.
+pub(super) async fn fetch(node: NodeHandle, from: NodeId, looked: Looked, remote: RemoteStream) {
+    let is_there = || remote.stream.viewers() > 0 && node.host_elsewhere(looked.vehicle) == Some(from);
+    while is_there() {
+        // One that was started anew knows of no stream.
+        match Fetching::begin(&node, from, &remote).await {
+            Some(mut fetching) => {
+                while is_there() && fetching.go_on(&node, &looked, &remote).await {}
+                fetching.end();
+            }
+            None => sleep(ASK_EVERY).await,
         }
-        if asked.is_some_and(|at| at.elapsed() < ASK_EVERY) {
-            continue;
+    }
+}
+
+/// A stream under its number at one incarnation of the swarm actor.
+struct Fetching {
+    actor: Arc<ActorRef<SwarmMessage>>,
+    from: NodeId,
+    number: u32,
+    asked: Option<Instant>,
+}
+
+impl Fetching {
+    async fn begin(node: &NodeHandle, from: NodeId, remote: &RemoteStream) -> Option<Self> {
+        let actor = node.shared().swarm.as_ref()?.actor()?;
+        let (numbered, number) = oneshot::channel();
+        let stream = Box::new(remote.clone());
+        let number_of = SwarmMessage::ExpectVideo {
+            from,
+            stream,
+            number: numbered,
+        };
+        actor.cast(number_of).ok()?;
+        Some(Self {
+            number: number.await.ok()?,
+            asked: None,
+            actor,
+            from,
+        })
+    }
+
+    /// Asks for it when that is due. False when the swarm actor is not there any more.
+    async fn go_on(&mut self, node: &NodeHandle, looked: &Looked, remote: &RemoteStream) -> bool {
+        sleep(LOOK_EVERY).await;
+        let (from, number) = (self.from, self.number);
+        if remote.stream.take_wish_for_key() && self.actor.cast(SwarmMessage::WantVideoKey { from, number }).is_err() {
+            return false;
         }
-        asked = Some(Instant::now());
+        if self.asked.is_some_and(|at| at.elapsed() < ASK_EVERY) {
+            return true;
+        }
+        let present = node.shared().swarm.as_ref().and_then(|swarm| swarm.actor());
+        if present.is_none_or(|present| present.get_id() != self.actor.get_id()) {
+            return false;
+        }
+        self.asked = Some(Instant::now());
         let ask = Ask::Video {
-            to: NodeId(me),
+            to: NodeId(node.shared().config.swarm.node.unwrap_or_default()),
             number,
             vehicle: looked.vehicle,
             payload: looked.payload.clone(),
             small: remote.rendition.quality == Quality::Sub,
         };
-        let answer = node.ask(from, ask, ANSWER_WITHIN).await;
-        let refusal = match answer {
+        let refusal = match node.ask(from, ask, ANSWER_WITHIN).await {
             Ok(Answer::Done(Ok(()))) => None,
             Ok(Answer::Done(Err(refusal))) | Err(refusal) => Some(refusal.to_string()),
             Ok(_) => Some(format!("node {from} answered something else")),
         };
         remote.video.note_refusal(node.now(), refusal);
+        true
     }
-    let _ = actor.cast(SwarmMessage::ForgetVideo { from, number });
-    drop(making);
+
+    fn end(self) {
+        let (from, number) = (self.from, self.number);
+        // One that has ended has forgotten it.
+        let _ = self.actor.cast(SwarmMessage::ForgetVideo { from, number });
+    }
 }
 
 impl NodeHandle {
@@ -127,8 +159,14 @@ impl Sender {
     async fn run(mut self) {
         while let Ok(viewer) = self.view() {
             if self.send(viewer).await.is_none() {
-                return;
+                break;
             }
+        }
+        self.shared().videos.forget(self.to, self.number);
+        if let Some(actor) = self.shared().swarm.as_ref().and_then(|swarm| swarm.actor()) {
+            let (to, number) = (self.to, self.number);
+            // One that has ended keeps nothing.
+            let _ = actor.cast(SwarmMessage::EndVideo { to, number });
         }
     }
 

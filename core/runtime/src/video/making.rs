@@ -12,7 +12,7 @@ use std::time::Duration;
 use tokio::time::{MissedTickBehavior, interval};
 
 /// The largest picture of [`Quality::Sub`], in pixels.
-pub const VIDEO_SUB_PX: (u32, u32) = (320, 240);
+const VIDEO_SUB_PX: (u32, u32) = (320, 240);
 /// Pictures per second of [`Quality::Sub`], at most.
 const SUB_RATE_HZ: f64 = 10.0;
 /// JPEG pictures per second, at most: each costs five times the bytes that H.264 takes.

@@ -38,8 +38,6 @@ pub struct RecordedVideo {
     pub seconds: f64,
     /// It is being recorded.
     pub running: bool,
-    /// Why it is not written; empty while it is.
-    pub fault: String,
 }
 
 impl NodeHandle {
@@ -50,11 +48,7 @@ impl NodeHandle {
     pub fn start_recording(&self, vehicle: VehicleId, payload: &str) -> Result<RecordedVideo, Refusal> {
         let folder = self.recordings_folder()?.to_owned();
         let viewer = self.watch_video(vehicle, payload, Rendition::OF_CAMERA)?;
-        let since_1970_s = SystemTime::now()
-            .duration_since(UNIX_EPOCH)
-            .unwrap_or_default()
-            .as_secs();
-        let name = format!("{since_1970_s}-{vehicle}-{payload}");
+        let name = name_of(vehicle, payload);
         let file = format!("{name}.mp4");
         let begun = self.shared.recordings.begin(vehicle, payload, file.clone());
         let end = begun.ok_or_else(|| Refusal::not_permitted(format!("{payload} is being recorded already")))?;
@@ -63,8 +57,7 @@ impl NodeHandle {
             vehicle,
             payload: payload.to_owned(),
             folder,
-            name,
-            parts: 0,
+            next_name: Some(name),
             open: None,
             next_place: None,
         };
@@ -76,7 +69,6 @@ impl NodeHandle {
             bytes: 0,
             seconds: 0.0,
             running: true,
-            fault: String::new(),
         })
     }
 
@@ -94,7 +86,6 @@ impl NodeHandle {
             bytes: ended.bytes,
             seconds: ended.seconds,
             running: false,
-            fault: ended.fault,
         })
     }
 
@@ -111,7 +102,6 @@ impl NodeHandle {
                 bytes: one.bytes,
                 seconds: one.seconds,
                 running: true,
-                fault: one.fault,
             })
             .collect();
         let kept = self.recordings_folder().map(files_of).unwrap_or_default();
@@ -125,7 +115,6 @@ impl NodeHandle {
                     bytes,
                     seconds: 0.0,
                     running: false,
-                    fault: String::new(),
                 });
             }
         }
@@ -154,6 +143,12 @@ impl NodeHandle {
     }
 }
 
+/// A name that tells when a recording began, in milliseconds since 1970, and of which camera it is.
+fn name_of(vehicle: VehicleId, payload: &str) -> String {
+    let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    format!("{}-{vehicle}-{payload}", since_1970.as_millis())
+}
+
 /// The recordings of a folder with their sizes.
 fn files_of(folder: &Path) -> Vec<(String, u64)> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
@@ -177,9 +172,8 @@ struct Recorder {
     vehicle: VehicleId,
     payload: String,
     folder: PathBuf,
-    name: String,
-    /// Files begun; another one when the pictures change their size.
-    parts: u32,
+    /// Of the first file; another one, when the pictures change their size, is named by when it begins.
+    next_name: Option<String>,
     open: Option<OpenFile>,
     next_place: Option<NodeTime>,
 }
@@ -264,12 +258,8 @@ impl Recorder {
 
     async fn begin(&mut self, frame: &EncodedFrame) -> Result<(), String> {
         let (writer, head) = Mp4Writer::new(frame).map_err(|error| error.to_string())?;
-        self.parts += 1;
-        let name = if self.parts == 1 {
-            self.name.clone()
-        } else {
-            format!("{}-part{}", self.name, self.parts)
-        };
+        let next_name = self.next_name.take();
+        let name = next_name.unwrap_or_else(|| name_of(self.vehicle, &self.payload));
         let (folder, most) = (self.folder.clone(), self.shared.config.video.keep_bytes);
         let created = tokio::task::spawn_blocking(move || {
             std::fs::create_dir_all(&folder)?;

@@ -56,14 +56,15 @@ impl VideosElsewhere {
         Some(sign)
     }
 
-    /// Whether it is still wanted; it is forgotten if not.
+    /// Whether it is still wanted.
     pub fn is_wanted(&self, now: NodeTime, by: NodeId, number: u32) -> bool {
-        let mut wanted = self.wanted.lock();
-        let still = wanted.get(&(by, number)).is_some_and(|known| now < known.until);
-        if !still {
-            wanted.remove(&(by, number));
-        }
-        still
+        let wanted = self.wanted.lock();
+        wanted.get(&(by, number)).is_some_and(|known| now < known.until)
+    }
+
+    /// It is not sent any more: who still wants it begins anew with the next ask.
+    pub fn forget(&self, by: NodeId, number: u32) {
+        self.wanted.lock().remove(&(by, number));
     }
 
     /// It cannot go on without a key picture.

@@ -418,6 +418,10 @@ async fn a_camera_of_another_node_is_seen_at_the_ground_station() {
         (answer["streams"][0]["viewers"] == 0).then_some(())
     })
     .await;
+    // and begins again for who comes later
+    let mut again = Viewer::at(flock.web_address(9), "way=h264").await;
+    let first = again.picture().await.taken;
+    while again.picture().await.taken <= first {}
     flock.stop().await;
 }
 
