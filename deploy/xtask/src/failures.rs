@@ -6,6 +6,11 @@
 #[cfg(test)]
 mod tests;
 
+use std::collections::BTreeMap;
+
+/// So many lines of a panic are kept as the reason: where, and the values of an assertion.
+const MOST_LINES: usize = 4;
+
 /// The lists at the end of each test program's output.
 #[derive(Debug, Default)]
 pub struct Failures {
@@ -17,6 +22,9 @@ pub struct Failures {
     ended: u64,
     listing: Listing,
     stood_still: bool,
+    reasons: BTreeMap<String, Vec<String>>,
+    /// The test whose captured output is being read.
+    reading: Option<String>,
 }
 
 /// Which list a line may belong to: the one whose heading stands right above it.
@@ -42,6 +50,7 @@ impl Failures {
             _ => self.listing = Listing::under(line),
         }
         self.read_slow(line);
+        self.read_reason(line);
         if line.starts_with("running ") && (line.ends_with(" tests") || line.ends_with(" test")) {
             self.begun += 1;
         } else if line.starts_with("test result: ") {
@@ -64,9 +73,37 @@ impl Failures {
         }
     }
 
+    /// What a test that failed wrote stands under its name; of that the panic is kept.
+    fn read_reason(&mut self, line: &str) {
+        let heading = line
+            .strip_prefix("---- ")
+            .and_then(|rest| rest.strip_suffix(" stdout ----"));
+        if let Some(test) = heading {
+            self.reading = Some(test.to_owned());
+        } else if line == "failures:" || line == "stack backtrace:" || line.starts_with("note: ") {
+            self.reading = None;
+        } else if let Some(test) = &self.reading {
+            let kept = self.reasons.entry(test.clone()).or_default();
+            let begins = kept.is_empty() && line.contains(" panicked at ");
+            if begins || (!kept.is_empty() && kept.len() < MOST_LINES && !line.trim().is_empty()) {
+                kept.push(line.trim().to_owned());
+            }
+        }
+    }
+
+    /// Each test that failed, with the panic that ended it where one is known.
+    pub fn told(&self) -> Vec<String> {
+        let reason = |name: &String| match self.reasons.get(name) {
+            Some(lines) if !lines.is_empty() => format!("{name}: {}", lines.join(" | ")),
+            _ => name.clone(),
+        };
+        self.names.iter().map(reason).collect()
+    }
+
     /// Takes in what another program told.
     pub fn add(&mut self, other: Self) {
         self.names.extend(other.names);
+        self.reasons.extend(other.reasons);
         self.unsteady.extend(other.unsteady);
         self.unended.extend(other.unended);
         self.begun += other.begun;

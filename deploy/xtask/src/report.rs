@@ -45,6 +45,8 @@ struct Done {
     tally: Tally,
     /// Those that failed and passed when tried again.
     unsteady: Vec<String>,
+    /// The tests that failed, with their reasons.
+    failed: Vec<String>,
     failure: Option<String>,
     in_background: bool,
 }
@@ -95,6 +97,7 @@ impl<'r> Report<'r> {
                 Ok(()) => {
                     println!("ok {step}, when tried again");
                     done.failure = None;
+                    done.failed.clear();
                     done.tally.passed_again(tests.len() as u64);
                 }
                 Err(error) => {
@@ -164,9 +167,11 @@ impl<'r> Report<'r> {
         let output = self.output.clone();
         let step = step.output(&output);
         let (defers, mut deferred) = (self.deferred.is_some(), Vec::new());
+        let mut told = Vec::new();
         let passed = self.record(name, advice, |tally, unsteady| {
             let mut failures = Failures::default();
             let outcome = step.run_and_name(tally, &mut failures);
+            told = failures.told();
             let names = failures.names();
             unsteady.extend([names, failures.unsteady()].concat());
             let count = names.len() as u64;
@@ -187,6 +192,9 @@ impl<'r> Report<'r> {
             tally.passed_again(count);
             Ok(())
         });
+        if let (Some(done), false) = (self.done.last_mut(), passed) {
+            done.failed = told;
+        }
         if let (Some(all), false) = (&mut self.deferred, deferred.is_empty()) {
             all.push(Deferred {
                 step: name.to_owned(),
@@ -245,6 +253,7 @@ impl<'r> Report<'r> {
             seconds,
             tally,
             unsteady,
+            failed: Vec::new(),
             failure,
             in_background,
         });
@@ -287,13 +296,30 @@ impl<'r> Report<'r> {
         }
         let seconds = self.started.elapsed().as_secs_f64();
         println!("{summary}  {:<49} {seconds:>7.1} s", "all");
-        print!("{}", self.told_unsteady());
+        print!("{}{}", self.told_failed(), self.told_unsteady());
         println!("{total}");
         if self.done.iter().all(|done| done.failure.is_none()) {
             ExitCode::SUCCESS
         } else {
             ExitCode::FAILURE
         }
+    }
+
+    /// What failed, a line for each test: who reads only the end of a long output finds the reason there.
+    fn told_failed(&self) -> String {
+        let failed = self.done.iter().filter(|done| done.failure.is_some());
+        let mut text = String::new();
+        for done in failed {
+            if done.failed.is_empty() {
+                let reason = done.failure.as_deref().unwrap_or_default();
+                // writing to a String cannot fail
+                let _ = writeln!(text, "  failed: {}: {reason}", done.name);
+            }
+            for test in &done.failed {
+                let _ = writeln!(text, "  failed: {}: {test}", done.name);
+            }
+        }
+        text
     }
 
     /// What the reader is told of unsteady tests, a line for each; nothing where there are none.

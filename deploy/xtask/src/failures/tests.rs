@@ -49,6 +49,18 @@ fn those_listed_are_named() {
 }
 
 #[test]
+fn each_is_told_with_its_panic() {
+    let told = read(&[TWO_FAILED]).told();
+    assert_eq!(
+        told,
+        [
+            "a_flight: thread 'a_flight' (7) panicked at tests/a.rs:3:5: | left: 1",
+            "third::one"
+        ]
+    );
+}
+
+#[test]
 fn none_is_named_where_a_program_died() {
     assert_eq!(read(&[TWO_FAILED, "running 2 tests\ntest x ... "]).names().len(), 0);
 }

@@ -108,6 +108,10 @@ fn a_test_that_fails_twice_has_failed() {
     assert!(!report.tests("flights", "", failing(&["one", "two"]), |_| passing(1)));
     assert_eq!(report.total().failed, 3);
     assert_eq!(report.told_unsteady(), "");
+    assert_eq!(
+        report.told_failed(),
+        "  failed: flights: one\n  failed: flights: one\n  failed: flights: two\n"
+    );
     assert_eq!(code(report), format!("{:?}", ExitCode::FAILURE));
 }
 
@@ -143,6 +147,7 @@ fn only_what_is_named_is_tried_again() {
 fn a_plain_step_is_never_tried_again() {
     let mut report = Report::new();
     assert!(!report.step("seeds", "", failing(&["one"])));
+    assert!(report.told_failed().starts_with("  failed: seeds: "));
     assert_eq!((report.total().failed, report.total().unsteady), (1, 0));
     assert_eq!(code(report), format!("{:?}", ExitCode::FAILURE));
 }
