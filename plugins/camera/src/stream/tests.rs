@@ -21,10 +21,19 @@ fn a_file_that_is_none_is_told_and_ends_the_stream() {
 
 /// What a camera in the network says to each request, in order; then nothing more.
 fn camera(answers: &'static [&'static str]) -> (String, std::thread::JoinHandle<()>) {
+    let (url, served, _) = visited_camera(answers);
+    (url, served)
+}
+
+/// The same, and tells when somebody has come.
+fn visited_camera(answers: &'static [&'static str]) -> (String, std::thread::JoinHandle<()>, Receiver<()>) {
     let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = listener.local_addr().expect("an address");
+    let (comes, visited) = sync_channel(1);
     let served = std::thread::spawn(move || {
         let (mut line, _) = listener.accept().expect("a visitor");
+        // most tests do not ask
+        let _ = comes.try_send(());
         let mut read = [0; 4096];
         for answer in answers {
             let len = std::io::Read::read(&mut line, &mut read).unwrap_or(0);
@@ -40,7 +49,7 @@ fn camera(answers: &'static [&'static str]) -> (String, std::thread::JoinHandle<
         // open until the visitor goes
         while matches!(std::io::Read::read(&mut line, &mut read), Ok(1..)) {}
     });
-    (format!("rtsp://{address}/stream"), served)
+    (format!("rtsp://{address}/stream"), served, visited)
 }
 
 fn fault_of(url: &str, user: &str) -> StreamFault {
@@ -98,7 +107,7 @@ fn what_is_no_rtsp_or_has_no_h264_is_said() {
 
 #[test]
 fn a_reader_of_a_camera_that_hangs_ends_at_once_when_nobody_wants_it() {
-    let (url, served) = camera(&[]);
+    let (url, served, visited) = visited_camera(&[]);
     let origin = Origin::Rtsp(RtspCamera {
         url,
         user: String::new(),
@@ -106,6 +115,8 @@ fn a_reader_of_a_camera_that_hangs_ends_at_once_when_nobody_wants_it() {
     });
     let mut reader = StreamReader::start(origin).expect("a thread");
     assert_eq!(reader.take(0.0), Ok(None));
+    // A reader that nobody wants any more does not set out first.
+    visited.recv().expect("it has come");
     drop(reader);
     // its end of the line is closed: the camera sees the visitor go
     served.join().expect("it ends");
