@@ -39,6 +39,7 @@ pub fn usual() -> Vec<Plan> {
         apart: "every_part",
         resume: "ask",
         max_bytes_per_s: None,
+        camera: false,
         steppable_clock: false,
     };
     let place = |i: u8| (4.0 * f64::from(i % 2), 6.0 * f64::from(i));

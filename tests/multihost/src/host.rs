@@ -66,6 +66,8 @@ pub struct Plan {
     pub resume: &'static str,
     /// What its node sends at most, in bytes per second, if not the default.
     pub max_bytes_per_s: Option<f64>,
+    /// Its vehicle carries a camera: 640x480, 30 pictures a second, whose pictures are also shown straight over the air.
+    pub camera: bool,
     /// Its node's clock of the day can be stepped: see [`Host::step_clock`].
     pub steppable_clock: bool,
 }
@@ -151,6 +153,12 @@ impl Host {
     #[must_use]
     pub fn away(&self) -> &[(f64, Option<f64>)] {
         &self.away
+    }
+
+    /// Its network.
+    #[must_use]
+    pub fn namespace(&self) -> &Namespace {
+        &self.namespace
     }
 
     /// Speaks to its node over HTTP.
@@ -320,6 +328,11 @@ impl Host {
         let (n, air, manage) = (self.number, self.namespace.air, self.namespace.manage);
         let plugins = plugins_dir();
         let (transports, peers) = self.transports();
+        let web = if self.plan.camera {
+            Ipv4Addr::UNSPECIFIED
+        } else {
+            manage
+        };
         let (apart, resume) = (self.plan.apart, self.plan.resume);
         let mut text = format!(
             r#"[node]
@@ -349,7 +362,7 @@ domain_id = {DDS_DOMAIN}
 interfaces = ["{air}"]
 peers = {peers:?}
 [web]
-listen = "{manage}:8080"
+listen = "{web}:8080"
 [plugins]
 directories = [{plugins:?}]
 [resume]
@@ -362,8 +375,14 @@ floor_m = -20.0
 ceiling_m = 60.0
 "#
         ));
+        text + &self.carried()
+    }
+
+    /// The part of its configuration that tells of its vehicle.
+    fn carried(&self) -> String {
+        let mut text = String::new();
         if self.plan.vehicle.is_some() {
-            add(format!(
+            text = format!(
                 r#"[[endpoints]]
 name = "vehicle"
 address = "udp-listen://{ENDPOINT}"
@@ -371,7 +390,14 @@ address = "udp-listen://{ENDPOINT}"
 name = "uav-{{system_id}}"
 model = "generic-uav"
 "#
-            ));
+            );
+        }
+        if self.plan.camera {
+            text += r#"[[adopt.payloads]]
+name = "camera"
+plugin = "camera"
+config = { source = "synthetic", width_px = 640, height_px = 480, rate_hz = 30.0 }
+"#;
         }
         text
     }

@@ -9,6 +9,7 @@
 //! | waiting for something without sleeping | [`eventually`] with [`patience`] |
 //! | a port that nobody uses | [`free_udp_port`], [`free_tcp_port`] |
 //! | a child process that cannot outlive its test | [`Process`] |
+//! | the browser's end of WebRTC | `Peer`, with the feature `webrtc` |
 //! | a whole node with simulated vehicles in the test's own process | `Swarm`, with the feature `swarm` |
 //! | several nodes of one swarm, each with a vehicle | `Flock`, with the feature `swarm` |
 //!
@@ -25,6 +26,8 @@ mod ports;
 mod process;
 #[cfg(feature = "swarm")]
 mod swarm;
+#[cfg(feature = "webrtc")]
+mod webrtc;
 
 pub use artefacts::{example_library, plugins_dir, repository, skein_binary};
 #[cfg(feature = "swarm")]
@@ -35,3 +38,5 @@ pub use ports::{free_tcp_port, free_udp_port};
 pub use process::Process;
 #[cfg(feature = "swarm")]
 pub use swarm::Swarm;
+#[cfg(feature = "webrtc")]
+pub use webrtc::Peer;

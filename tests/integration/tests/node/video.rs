@@ -4,22 +4,19 @@
     reason = "what tests share may stop at the first surprise, as they do"
 )]
 
-mod webrtc;
-
 use futures_util::{SinkExt, StreamExt};
 use serde_json::{Value, json};
 use skein_config::{AdoptionRule, Escalation, Isolation, NodeConfig, PayloadRule};
 use skein_domain::{NodeTime, VehicleId};
 use skein_runtime::Fault;
 use skein_sim::PayloadPlan;
-use skein_testkit::{Flock, LONGEST_GAP_S, Member, Swarm, eventually, patience};
+use skein_testkit::{Flock, LONGEST_GAP_S, Member, Peer, Swarm, eventually, patience};
 use skein_video::{H264Decoder, jpeg};
 use std::net::SocketAddr;
 use std::time::Duration;
 use tokio::net::TcpStream;
 use tokio_tungstenite::tungstenite::Message;
 use tokio_tungstenite::{MaybeTlsStream, WebSocketStream};
-use webrtc::Peer;
 
 /// A picture is not older when it comes; a machine that stood still is forgiven by patience, not here.
 const OLDEST_S: f64 = 5.0;
@@ -272,7 +269,7 @@ async fn a_browser_that_speaks_webrtc_gets_the_same_pictures() {
     let swarm = with_camera().await;
     let base = format!("http://{}", swarm.web_address());
     let path = "/api/v1/vehicles/1/payloads/camera/video/whep";
-    let mut peer = Peer::new().await;
+    let mut peer = Peer::at(swarm.web_address().ip()).await;
     let post = |kind: &str, body: String| {
         let request = reqwest::Client::new().post(format!("{base}{path}"));
         request.header("content-type", kind).body(body).send()

@@ -4,3 +4,4 @@ mod failover;
 mod flights;
 mod namespaces;
 mod unicast;
+mod video;
