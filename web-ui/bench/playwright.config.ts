@@ -5,7 +5,7 @@ import e2e from '../e2e/playwright.config';
 export default defineConfig({
   ...e2e,
   testDir: '.',
-  testMatch: 'bench.ts',
+  testMatch: ['bench.ts', 'video.ts'],
   timeout: 1_800_000,
   retries: 0,
   reporter: [['line']],

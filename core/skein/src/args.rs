@@ -231,6 +231,24 @@ pub enum Bench {
         #[arg(long)]
         json: bool,
     },
+    /// Eight cameras over RTP relayed to two viewers in flight, beside `ffmpeg -c copy` and the same flight without them, in the same run.
+    Video {
+        /// FFmpeg with libx264.
+        #[arg(long, default_value = "ffmpeg", value_name = "PROGRAM")]
+        ffmpeg: PathBuf,
+        /// Length of each measuring window in seconds.
+        #[arg(long, default_value_t = 15)]
+        seconds: u32,
+        /// Print the report as JSON.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Part of `video`: a viewer, as its own process.
+    #[command(hide = true)]
+    VideoViewer {
+        /// Its settings as JSON.
+        settings: String,
+    },
     /// Part of `fleet`: the load generator, as its own process.
     #[command(hide = true)]
     LoadGenerator {

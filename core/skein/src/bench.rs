@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 use skein_bench::{
-    AssignmentBenchArgs, BusBenchArgs, FleetBenchArgs, Ros2BenchArgs, SwarmBenchArgs, run_assignment_bench,
-    run_bus_bench, run_fleet_bench, run_ros2_bench, run_swarm_bench,
+    AssignmentBenchArgs, BusBenchArgs, FleetBenchArgs, Ros2BenchArgs, SwarmBenchArgs, VideoBenchArgs,
+    run_assignment_bench, run_bus_bench, run_fleet_bench, run_ros2_bench, run_swarm_bench, run_video_bench,
 };
 use std::fmt::Display;
 use std::path::PathBuf;
@@ -54,6 +54,24 @@ pub fn ros2(python: PathBuf, seconds: u32, json: bool) -> anyhow::Result<ExitCod
     let program = std::env::current_exe()?;
     let report = run_ros2_bench(&Ros2BenchArgs::new(python, seconds, program))?;
     show(&report, json)
+}
+
+/// Live video relayed, beside FFmpeg.
+///
+/// # Errors
+/// When a child process cannot be started, ends, or shows no picture.
+pub fn video(ffmpeg: PathBuf, seconds: u32, json: bool) -> anyhow::Result<ExitCode> {
+    let program = std::env::current_exe()?;
+    let report = run_video_bench(&VideoBenchArgs::new(ffmpeg, seconds, program))?;
+    show(&report, json)
+}
+
+/// A viewer of live video, as its own process.
+///
+/// # Errors
+/// When its settings do not parse.
+pub fn video_viewer(settings: &str) -> anyhow::Result<ExitCode> {
+    Ok(skein_bench::run_video_viewer(settings).map(|()| ExitCode::SUCCESS)?)
 }
 
 /// As JSON, or for a person.

@@ -16,14 +16,20 @@ const SWARMS: [&str; 2] = ["200", "1000"];
 
 /// The first argument that asks for the figures of ROS 2 alone.
 const ROS2: &str = "ros2";
+/// The first argument that asks for those of live video alone.
+const VIDEO: &str = "video";
 
 /// Builds the release program, measures a call into a plugin, a swarm's decisions, its bus, assignments, ROS 2 and the dashboard, and becomes
-/// `skein bench fleet`. With `ros2` first it measures that alone, and what follows goes on to `skein bench ros2`.
+/// `skein bench fleet`. With `ros2` or `video` first it measures that alone, and what follows goes on to `skein bench ros2` or `video`.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Result<ExitCode> {
     demo::build(workspace)?;
     if let Some((_, arguments)) = arguments.split_first().filter(|(first, _)| *first == ROS2) {
         let python = Ros2::jazzy()?.python();
         ros2(&workspace.target.join("release/skein"), &python, arguments)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    if let Some((_, arguments)) = arguments.split_first().filter(|(first, _)| *first == VIDEO) {
+        video(workspace, &workspace.target.join("release/skein"), arguments)?;
         return Ok(ExitCode::SUCCESS);
     }
     let built = workspace
@@ -48,13 +54,17 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Result<ExitCode> {
         Ok(found) => ros2(&binary, &found.python(), &[])?,
         Err(error) => println!("no figures of ROS 2: {error:#}"),
     }
-    ui(workspace, &binary)?;
+    ui(workspace, &binary, "bench")?;
+    match Command::new("ffmpeg").arg("-version").output() {
+        Ok(_) => video(workspace, &binary, &[])?,
+        Err(error) => println!("no figures of video: ffmpeg: {error}"),
+    }
     let error = Command::new(&binary).args(["bench", "fleet"]).args(arguments).exec();
     Err(error).with_context(|| format!("cannot start {}", binary.display()))
 }
 
 /// The dashboard in a real browser, fed by the program; left out where there is no browser.
-fn ui(workspace: &Workspace, binary: &Path) -> Result<()> {
+fn ui(workspace: &Workspace, binary: &Path, script: &str) -> Result<()> {
     let chromium = match browser::chromium() {
         Ok(found) => found,
         Err(error) => {
@@ -62,12 +72,20 @@ fn ui(workspace: &Workspace, binary: &Path) -> Result<()> {
             return Ok(());
         }
     };
-    let measured = ui::npm(workspace, &["run", "bench"])
+    let measured = ui::npm(workspace, &["run", script])
         .env("SKEIN_BINARY", binary)
         .env(browser::VARIABLE, chromium)
         .status()?;
     ensure!(measured.success(), "the dashboard could not be measured: see above");
     Ok(())
+}
+
+/// Relayed beside FFmpeg; then from glass to glass in a real browser.
+fn video(workspace: &Workspace, binary: &Path, arguments: &[String]) -> Result<()> {
+    let more = arguments.iter().map(String::as_str);
+    let all: Vec<&str> = ["bench", VIDEO].into_iter().chain(more).collect();
+    measure(binary, &all)?;
+    ui(workspace, binary, "bench:video")
 }
 
 /// Between rclpy programs and through Skein.

@@ -50,6 +50,18 @@ impl FleetBenchArgs {
     }
 }
 
+impl FleetBenchArgs {
+    /// Whether anything would be measured.
+    pub(crate) fn check(&self) -> Result<(), BenchError> {
+        if self.seconds == 0 || self.rounds == 0 {
+            return Err(BenchError::Argument(
+                "a window of at least one second and at least one round are needed".into(),
+            ));
+        }
+        Ok(())
+    }
+}
+
 /// The identity of the program on the wire, and of the bare loop.
 const OWN_SYSTEM_ID: u8 = 245;
 
@@ -58,11 +70,7 @@ const OWN_SYSTEM_ID: u8 = 245;
 /// # Errors
 /// When a child process cannot be started, ends, or the fleet does not get into the air.
 pub fn run_fleet_bench(args: &FleetBenchArgs) -> Result<FleetBenchReport, BenchError> {
-    if args.seconds == 0 || args.rounds == 0 {
-        return Err(BenchError::Argument(
-            "a window of at least one second and at least one round are needed".into(),
-        ));
-    }
+    args.check()?;
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
         .build()
@@ -121,7 +129,7 @@ async fn bare_window(args: &FleetBenchArgs) -> Result<WindowFigures, BenchError>
     figures
 }
 
-fn start_generator(args: &FleetBenchArgs, target: SocketAddr) -> Result<Part, BenchError> {
+pub(crate) fn start_generator(args: &FleetBenchArgs, target: SocketAddr) -> Result<Part, BenchError> {
     let settings = LoadGeneratorSettings {
         vehicles: args.vehicles,
         target,
@@ -138,7 +146,11 @@ fn start_generator(args: &FleetBenchArgs, target: SocketAddr) -> Result<Part, Be
 }
 
 /// One window of a side that is under load already.
-async fn window(args: &FleetBenchArgs, side: &Part, generator: &mut Part) -> Result<WindowFigures, BenchError> {
+pub(crate) async fn window(
+    args: &FleetBenchArgs,
+    side: &Part,
+    generator: &mut Part,
+) -> Result<WindowFigures, BenchError> {
     tokio::time::sleep(Duration::from_secs_f64(args.settle_s)).await;
     generator.tell(b"b").await?;
     let (begun, machine) = (Instant::now(), Machine::now());

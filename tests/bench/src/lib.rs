@@ -7,6 +7,8 @@
 //!
 //! Latencies through ROS 2 and DDS, beside rclpy programs, and what ROS 2 costs ([`run_ros2_bench`]).
 //!
+//! What it takes to relay live video, beside FFmpeg ([`run_video_bench`]).
+//!
 //! The cost of plugins' calls is measured from inside, in a program of their own ([`run_plugin_bench`]).
 //!
 //! Must never do: reach into the program measured. What counts is what leaves its sockets and what the system charges it.
@@ -26,6 +28,7 @@ mod program;
 mod report;
 mod ros2;
 mod swarm;
+mod video;
 mod wire;
 
 pub use assignment::{AssignmentBenchArgs, AssignmentBenchReport, AssignmentFigures, run_assignment_bench};
@@ -40,3 +43,4 @@ pub use program::VehicleLink;
 pub use report::{FleetBenchReport, Gaps, LoadFigures, SideFigures, Spread, WindowFigures};
 pub use ros2::{CostFigures, Latency, Ros2BenchArgs, Ros2BenchReport, Shown, run_ros2_bench};
 pub use swarm::{SwarmBenchArgs, SwarmBenchReport, run_swarm_bench};
+pub use video::{VideoBenchArgs, VideoBenchReport, run_video_bench, run_video_viewer};

@@ -29,7 +29,8 @@ pub(crate) struct Program {
     pub part: Part,
     /// Where it hears vehicles over MAVLink.
     pub endpoint: SocketAddr,
-    web: SocketAddr,
+    /// Its web server.
+    pub web: SocketAddr,
     files: TempDir,
 }
 
@@ -58,6 +59,8 @@ pub(crate) struct Setup<'a> {
     pub dds_domain: u16,
     /// Whether it shows itself to ROS 2.
     pub ros2: bool,
+    /// Ports of cameras that send RTP, the first for vehicle 1, the next for vehicle 2.
+    pub cameras: &'a [u16],
 }
 
 impl<'a> Setup<'a> {
@@ -70,17 +73,32 @@ impl<'a> Setup<'a> {
             link: VehicleLink::Mavlink,
             dds_domain: 0,
             ros2: false,
+            cameras: &[],
         }
+    }
+
+    /// The vehicles that have a camera.
+    fn with_cameras(&self) -> String {
+        let numbered = (1..).zip(self.cameras);
+        let rules = numbered.map(|(system_id, port)| {
+            format!(
+                "[[adopt]]\nsystem_ids = \"{system_id}\"\nmodel = \"generic-uav\"\n\
+                 [[adopt.payloads]]\nname = \"camera\"\nplugin = \"camera\"\n\
+                 config = {{ source = \"rtp\", listen = \"127.0.0.1:{port}\" }}\n\n"
+            )
+        });
+        rules.collect()
     }
 
     fn configuration(&self) -> String {
         let plugins = self.plugins.display().to_string();
         let vehicles = match self.link {
             VehicleLink::Mavlink => {
-                "[[endpoints]]\nname = \"bench\"\naddress = \"udp-listen://127.0.0.1:0\"\n\n\
-                 [[adopt]]\nmodel = \"generic-uav\"\n"
+                "[[endpoints]]\nname = \"bench\"\naddress = \"udp-listen://127.0.0.1:0\"\n\n".to_owned()
+                    + &self.with_cameras()
+                    + "[[adopt]]\nmodel = \"generic-uav\"\n"
             }
-            VehicleLink::Dds => "[[adopt]]\nmodel = \"generic-uav\"\nlinks = [\"dds\"]\n",
+            VehicleLink::Dds => "[[adopt]]\nmodel = \"generic-uav\"\nlinks = [\"dds\"]\n".to_owned(),
         };
         let (domain, ros2) = (self.dds_domain, self.ros2);
         format!(
