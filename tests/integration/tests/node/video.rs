@@ -4,6 +4,8 @@
     reason = "what tests share may stop at the first surprise, as they do"
 )]
 
+mod odd;
+
 use futures_util::{SinkExt, StreamExt};
 use serde_json::{Value, json};
 use skein_config::{AdoptionRule, Escalation, Isolation, NodeConfig, PayloadRule};

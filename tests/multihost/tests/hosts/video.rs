@@ -71,15 +71,17 @@ struct Seen {
     pictures: u32,
     /// The longest time without a picture, less that in which this machine stood still.
     longest_s: f64,
+    /// How often the picture was frozen.
+    freezes: u32,
 }
 
 impl fmt::Display for Seen {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let rate_hz = f64::from(self.pictures) / WATCHED.as_secs_f64();
+        let (longest_s, freezes) = (self.longest_s, self.freezes);
         write!(
             f,
-            "{rate_hz:.1} pictures a second, longest time without one {:.2} s",
-            self.longest_s
+            "{rate_hz:.1} pictures a second, longest time without one {longest_s:.2} s, frozen {freezes} times"
         )
     }
 }
@@ -96,16 +98,19 @@ async fn watch(own: Ipv4Addr, node: Ipv4Addr) -> Seen {
     peer.accept(&answer.text().await.expect("an answer"));
     peer.picture().await;
     let begun = Instant::now();
-    let (mut last, mut pictures, mut longest) = (begun, 0, Duration::ZERO);
+    let (mut last, mut pictures, mut longest, mut freezes) = (begun, 0, Duration::ZERO, 0);
     while begun.elapsed() < WATCHED {
         peer.picture().await;
         let now = Instant::now();
         let stood_still = probe.until(now).saturating_sub(probe.until(last));
-        longest = longest.max((now - last).saturating_sub(stood_still));
+        let without = (now - last).saturating_sub(stood_still);
+        longest = longest.max(without);
+        freezes += u32::from(without.as_secs_f64() > FREEZE_S);
         (last, pictures) = (now, pictures + 1);
     }
     Seen {
         pictures,
         longest_s: longest.as_secs_f64(),
+        freezes,
     }
 }
