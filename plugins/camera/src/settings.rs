@@ -7,6 +7,9 @@ use serde::Deserialize;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
+const NO_GSTREAMER: &str = "this camera plugin was built without GStreamer: install libgstreamer1.0-dev and \
+    libgstreamer-plugins-base1.0-dev (Debian's names), and build the plugins again with `cargo xtask build-plugins`";
+
 /// Where frames come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -24,6 +27,8 @@ pub enum Source {
     Rtsp,
     /// RTP with H.264 that somebody sends to `listen`: it is passed on as it is.
     Rtp,
+    /// A pipeline of GStreamer that gives H.264, for cameras on this computer's own ports. Only where the plugin was built with GStreamer.
+    Gstreamer,
 }
 
 /// Configuration of the camera plugin. Every key may be left out, but `path` for stills and video.
@@ -49,6 +54,8 @@ pub struct Settings {
     pub listen: String,
     /// Parameter sets of a sender that does not send them, as SDP has them (`sprop-parameter-sets`): base64, with commas between.
     pub parameter_sets: String,
+    /// The pipeline in GStreamer's launch syntax, up to and with what encodes, such as `videotestsrc is-live=true ! x264enc tune=zerolatency`.
+    pub pipeline: String,
     /// Width of simulated frames in pixels. Stills and video have their own.
     #[schemars(range(min = 16, max = 4096))]
     pub width_px: u32,
@@ -103,6 +110,7 @@ impl Default for Settings {
             password: String::new(),
             listen: String::new(),
             parameter_sets: String::new(),
+            pipeline: String::new(),
             width_px: 640,
             height_px: 360,
             decode: true,
@@ -153,6 +161,14 @@ impl Settings {
         }
         if self.source == Source::Rtsp && !self.url.starts_with("rtsp://") {
             return Err("url is needed for rtsp: rtsp://HOST[:PORT]/PATH".to_owned());
+        }
+        if self.source == Source::Gstreamer {
+            if !cfg!(feature = "gstreamer") {
+                return Err(NO_GSTREAMER.to_owned());
+            }
+            if self.pipeline.trim().is_empty() {
+                return Err("pipeline is needed for gstreamer: SOURCE ! ENCODER".to_owned());
+            }
         }
         if self.source == Source::Rtp {
             self.listen_address()?;

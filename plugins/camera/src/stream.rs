@@ -3,6 +3,8 @@
 //! Must never do: decode, or keep more than a few pictures.
 
 mod file;
+#[cfg(feature = "gstreamer")]
+mod pipeline;
 mod rtp;
 mod rtsp;
 
@@ -47,6 +49,9 @@ pub(crate) enum Origin {
     Rtsp(RtspCamera),
     /// RTP that somebody sends here.
     Rtp(RtpPort),
+    /// A pipeline in GStreamer's launch syntax.
+    #[cfg(feature = "gstreamer")]
+    Pipeline(String),
 }
 
 /// A camera that is asked over RTSP.
@@ -83,6 +88,9 @@ pub(crate) enum StreamFault {
     Rtsp { url: String, reason: String },
     #[error("{url} has no H.264 video; it has {has}")]
     NoH264 { url: String, has: String },
+    #[cfg(feature = "gstreamer")]
+    #[error(transparent)]
+    Pipeline(#[from] pipeline::PipelineFault),
     #[error("{listen} cannot be listened on: {reason}")]
     Port { listen: SocketAddr, reason: String },
     #[error("{listen} got no picture within {within_s} s: {lack}")]
@@ -113,6 +121,8 @@ impl StreamReader {
             Origin::File(path) => file::read(path, outlet),
             Origin::Rtsp(camera) => rtsp::read(camera, outlet),
             Origin::Rtp(port) => rtp::read(port, logger.as_ref(), outlet),
+            #[cfg(feature = "gstreamer")]
+            Origin::Pipeline(description) => pipeline::read(description, outlet),
         })?;
         Ok(Self { feed, waiting: None })
     }

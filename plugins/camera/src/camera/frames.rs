@@ -58,6 +58,11 @@ fn origin_of(settings: &Settings) -> Option<stream::Origin> {
             listen: settings.listen_address().ok()?,
             parameter_sets: stream::parameter_sets(&settings.parameter_sets).ok()?,
         })),
+        #[cfg(feature = "gstreamer")]
+        Source::Gstreamer => Some(stream::Origin::Pipeline(settings.pipeline.clone())),
+        // Without it the configuration is refused before this.
+        #[cfg(not(feature = "gstreamer"))]
+        Source::Gstreamer => None,
         Source::Mavlink | Source::Synthetic | Source::Stills => None,
     }
 }
@@ -73,7 +78,7 @@ impl Frames {
     pub(super) fn new(settings: &Settings, taken: u64) -> Self {
         let path = settings.path.clone();
         let files = match settings.source {
-            Source::Mavlink | Source::Synthetic | Source::Rtsp | Source::Rtp => None,
+            Source::Mavlink | Source::Synthetic | Source::Rtsp | Source::Rtp | Source::Gstreamer => None,
             Source::Stills => Some(Files::Stills(path)),
             Source::Video if !settings.decode => None,
             Source::Video => Some(Files::Video {

@@ -98,7 +98,8 @@ impl Unit {
             return;
         };
         match kind(*header) {
-            1..IDR_SLICE => self.has_slice = true,
+            // The other partitions of a slice (3, 4) are of no use without the first.
+            1 | 2 => self.has_slice = true,
             IDR_SLICE => (self.has_slice, self.is_key) = (true, true),
             SEQUENCE_PARAMETER_SET => {
                 self.has_sequence_set = true;

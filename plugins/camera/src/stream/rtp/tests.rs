@@ -7,7 +7,7 @@ use super::order::WINDOW;
 use super::*;
 use crate::feed::Feed;
 use proptest::prelude::*;
-use sender::{Sender, Shot, Style, units_of};
+use sender::{Sender, Shot, Style, is_same, units_of};
 
 const AT_ONCE: Duration = Duration::ZERO;
 
@@ -18,7 +18,7 @@ fn pictures(reception: &mut Reception, now: Duration, datagrams: &[Vec<u8>]) -> 
 
 /// Which of these access units they are; each has to be one.
 fn which(pictures: &[Picture], whole: &[Vec<u8>]) -> Vec<usize> {
-    let which = |picture: &Picture| whole.iter().position(|unit| *unit == picture.bytes);
+    let which = |picture: &Picture| whole.iter().position(|unit| is_same(&picture.bytes, unit));
     pictures
         .iter()
         .map(|picture| which(picture).expect("it is as it was sent"))
@@ -68,6 +68,21 @@ fn after_a_loss_it_goes_on_with_the_next_key_picture() {
     assert_eq!(given, [numbers(0..2), numbers(4..40)].concat());
     let left_out: u64 = pictures.iter().map(|picture| picture.left_out).sum();
     assert_eq!((left_out, reception.counts().lost), (2, 1));
+}
+
+#[test]
+fn a_picture_that_is_lost_whole_is_missed_by_those_that_refer_to_it() {
+    let shots = film(40, 4);
+    let style = Style::Delimited;
+    let mut by_shot = Sender::new(7, 100, style).send(&shots);
+    by_shot.remove(2);
+    let mut reception = Reception::new(Vec::new());
+    let given = which(
+        &pictures(&mut reception, AT_ONCE, &by_shot.concat()),
+        &units_of(&shots, style),
+    );
+    // Each picture begins with a delimiter: that it is whole is known, and is not enough.
+    assert_eq!(given, [numbers(0..2), numbers(4..40)].concat());
 }
 
 #[test]
@@ -289,7 +304,7 @@ proptest! {
         for (_, datagram) in sent {
             for picture in reception.take(AT_ONCE, datagram) {
                 let from = given.last().map_or(0, |last| last + 1);
-                let index = (from..whole.len()).find(|index| whole[*index] == picture.bytes);
+                let index = (from..whole.len()).find(|index| is_same(&picture.bytes, &whole[*index]));
                 prop_assert!(index.is_some(), "it is as it was sent, and in its order");
                 given.extend(index);
             }

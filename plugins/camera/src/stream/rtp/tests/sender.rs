@@ -5,6 +5,14 @@ const MOST_PAYLOAD_BYTES: usize = 1_200;
 /// Pictures follow each other closely, so that the window of these tests is one of packets.
 const TICKS: u32 = 90;
 
+const DELIMITER: [u8; 2] = [9, 0x10];
+
+/// Whether a picture is this access unit. A delimiter may be lost before parameter sets: it says nothing that these do not.
+pub(super) fn is_same(picture: &[u8], unit: &[u8]) -> bool {
+    let bare = unit.strip_prefix(&[0, 0, 0, 1, DELIMITER[0], DELIMITER[1]]);
+    picture == unit || bare.is_some_and(|bare| picture == bare)
+}
+
 /// An access unit.
 #[derive(Debug, Clone)]
 pub(super) struct Shot {
@@ -21,10 +29,12 @@ pub(super) enum Style {
     Aggregated,
     /// Slices alone.
     SetsNever,
+    /// As the first, with a delimiter before each picture.
+    Delimited,
 }
 
 impl Style {
-    pub(super) const ALL: [Self; 3] = [Self::SetsEachTime, Self::Aggregated, Self::SetsNever];
+    pub(super) const ALL: [Self; 4] = [Self::SetsEachTime, Self::Aggregated, Self::SetsNever, Self::Delimited];
 }
 
 /// An SPS and a PPS.
@@ -40,6 +50,9 @@ pub(super) fn append(nal: &[u8], unit: &mut Vec<u8>) {
 /// The NAL units of a picture; no two pictures have the same ones.
 fn nals(index: usize, shot: &Shot, style: Style) -> Vec<Vec<u8>> {
     let mut nals = Vec::new();
+    if style == Style::Delimited {
+        nals.push(DELIMITER.to_vec());
+    }
     if shot.is_key && style != Style::SetsNever {
         nals.extend(sets());
     }
@@ -109,7 +122,7 @@ impl Sender {
             && let Some(last) = sent.last_mut()
         {
             // A delimiter with the next timestamp tells that the last picture has ended.
-            last.push(self.packet(false, &[9, 0x10]));
+            last.push(self.packet(false, &DELIMITER));
         }
         sent
     }
