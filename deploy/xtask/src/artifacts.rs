@@ -5,6 +5,7 @@
 //!
 //! Must never do: guess a file name that cargo can tell.
 
+use crate::plugins;
 use crate::workspace::{Package, Workspace};
 use anyhow::{Context, Result, ensure};
 use serde::Deserialize;
@@ -88,16 +89,17 @@ impl Message {
 /// out unless the run is a whole one: nothing loads them. The tests of tiers say `test = false`: cargo builds these only where they are named,
 /// and not beside `--tests`.
 pub fn builds(workspace: &Workspace, whole: bool, tiers: &[&Package]) -> Vec<Vec<String>> {
-    let of = |selected: &[&str]| selected.iter().map(|argument| (*argument).to_owned()).collect();
+    let of = |selected: &[&str]| -> Vec<String> { selected.iter().map(|argument| (*argument).to_owned()).collect() };
     let tests = if whole { "--all-targets" } else { "--tests" };
-    let mut first: Vec<String> = of(&["--workspace", "--lib", "--bins", tests]);
+    let everything = [of(&["--workspace"]), of(plugins::optional_features())].concat();
+    let mut first = [everything.clone(), of(&["--lib", "--bins", tests])].concat();
     let loaded = workspace.packages.iter().filter(|package| has_loaded_examples(package));
     first.extend(loaded.flat_map(|package| targets(package, "example")));
     let named: Vec<String> = tiers.iter().flat_map(|package| targets(package, "test")).collect();
     if named.is_empty() {
         return vec![first];
     }
-    vec![first, [of(&["--workspace"]), named].concat()]
+    vec![first, [everything, named].concat()]
 }
 
 fn has_loaded_examples(package: &Package) -> bool {

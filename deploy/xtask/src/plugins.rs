@@ -10,7 +10,23 @@ use std::ffi::OsString;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
+
+/// The library of GStreamer that the camera plugin links where it is installed, by its name in pkg-config.
+const GSTREAMER: &str = "gstreamer-app-1.0";
+const WITHOUT_GSTREAMER: &str = "the camera plugin is built without `source = \"gstreamer\"`: pkg-config does not find gstreamer-app-1.0 (Debian: apt install libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev)";
+
+/// The arguments that turn on what of the plugins needs a library of the system, where that is installed.
+pub fn optional_features() -> &'static [&'static str] {
+    let mut search = Command::new("pkg-config");
+    search.args(["--exists", GSTREAMER]).stderr(Stdio::null());
+    let is_installed = search.status().is_ok_and(|status| status.success());
+    if is_installed {
+        &["--features", "camera-plugin/gstreamer"]
+    } else {
+        &[]
+    }
+}
 
 /// Which cargo profile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,10 +79,14 @@ pub fn build_with(workspace: &Workspace, profile: Profile, others: &[&str]) -> R
         compiler.to_string_lossy()
     );
     println!("building {}", names.join(", "));
+    if optional_features().is_empty() {
+        println!("{WITHOUT_GSTREAMER}");
+    }
     let mut command = workspace.cargo();
     command
         .arg("build")
         .args(profile.arguments())
+        .args(optional_features())
         .args(names.iter().flat_map(|name| ["-p", name]));
     let made = artifacts::build(workspace, command)?;
     collect(workspace, profile, &made)

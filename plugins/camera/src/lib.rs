@@ -7,6 +7,7 @@ mod camera;
 mod capture;
 mod clock_strip;
 mod decoding;
+mod feed;
 mod occurrence;
 mod remote;
 mod settings;

@@ -1,9 +1,14 @@
 //! The plugin's configuration.
 
+use crate::stream;
 use payload_mavlink::Patience;
 use schemars::JsonSchema;
 use serde::Deserialize;
+use std::net::SocketAddr;
 use std::path::PathBuf;
+
+const NO_GSTREAMER: &str = "this camera plugin was built without GStreamer: install libgstreamer1.0-dev and \
+    libgstreamer-plugins-base1.0-dev (Debian's names), and build the plugins again with `cargo xtask build-plugins`";
 
 /// Where frames come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
@@ -20,6 +25,10 @@ pub enum Source {
     Video,
     /// A camera in the network that is asked over RTSP: its H.264 is passed on as it is.
     Rtsp,
+    /// RTP with H.264 that somebody sends to `listen`: it is passed on as it is.
+    Rtp,
+    /// A pipeline of GStreamer that gives H.264, for cameras on this computer's own ports. Only where the plugin was built with GStreamer.
+    Gstreamer,
 }
 
 /// Configuration of the camera plugin. Every key may be left out, but `path` for stills and video.
@@ -41,6 +50,12 @@ pub struct Settings {
     pub user: String,
     /// The password of that user.
     pub password: String,
+    /// Where RTP comes to: `ADDRESS:PORT`, such as `0.0.0.0:5600`. The address of a multicast group is joined.
+    pub listen: String,
+    /// Parameter sets of a sender that does not send them, as SDP has them (`sprop-parameter-sets`): base64, with commas between.
+    pub parameter_sets: String,
+    /// The pipeline in GStreamer's launch syntax, up to and with what encodes, such as `videotestsrc is-live=true ! x264enc tune=zerolatency`.
+    pub pipeline: String,
     /// Width of simulated frames in pixels. Stills and video have their own.
     #[schemars(range(min = 16, max = 4096))]
     pub width_px: u32,
@@ -93,6 +108,9 @@ impl Default for Settings {
             url: String::new(),
             user: String::new(),
             password: String::new(),
+            listen: String::new(),
+            parameter_sets: String::new(),
+            pipeline: String::new(),
             width_px: 640,
             height_px: 360,
             decode: true,
@@ -133,6 +151,10 @@ impl Settings {
                 return Err(format!("{key} = {value}: it must be within {low} and {high}"));
             }
         }
+        self.check_source()
+    }
+
+    fn check_source(&self) -> Result<(), String> {
         let reads_files = matches!(self.source, Source::Stills | Source::Video);
         if reads_files && self.path.as_os_str().is_empty() {
             return Err("path is needed for stills and video".to_owned());
@@ -140,7 +162,31 @@ impl Settings {
         if self.source == Source::Rtsp && !self.url.starts_with("rtsp://") {
             return Err("url is needed for rtsp: rtsp://HOST[:PORT]/PATH".to_owned());
         }
+        if self.source == Source::Gstreamer {
+            if !cfg!(feature = "gstreamer") {
+                return Err(NO_GSTREAMER.to_owned());
+            }
+            if self.pipeline.trim().is_empty() {
+                return Err("pipeline is needed for gstreamer: SOURCE ! ENCODER".to_owned());
+            }
+        }
+        if self.source == Source::Rtp {
+            self.listen_address()?;
+            stream::parameter_sets(&self.parameter_sets).map_err(|reason| format!("parameter_sets: {reason}"))?;
+        }
         Ok(())
+    }
+
+    /// Where RTP comes to; else why it cannot.
+    pub(crate) fn listen_address(&self) -> Result<SocketAddr, String> {
+        let listen = &self.listen;
+        match listen.parse::<SocketAddr>() {
+            Ok(address) if address.port() != 0 => Ok(address),
+            _ if listen.is_empty() => Err("listen is needed for rtp: ADDRESS:PORT, such as 0.0.0.0:5600".to_owned()),
+            _ => Err(format!(
+                "listen = {listen:?}: it must be ADDRESS:PORT, such as 0.0.0.0:5600"
+            )),
+        }
     }
 
     /// Whether a MAVLink camera is steered.

@@ -1,21 +1,23 @@
 //! H.264 that comes encoded, from a file or over a network, read on a thread of its own and given away picture by picture.
 //!
-//! Must never do: decode, block whoever takes a picture, or keep more than a few of them.
+//! Must never do: decode, or keep more than a few pictures.
 
 mod file;
+#[cfg(feature = "gstreamer")]
+mod pipeline;
+mod rtp;
 mod rtsp;
 
+pub(crate) use rtp::{RtpPort, parameter_sets};
+
+use crate::feed::{Ended, Feed};
+use skein_plugin_sdk::log::Logger;
+use std::net::SocketAddr;
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
-use std::time::Duration;
 use thiserror::Error;
 
 /// So many pictures may wait. A network's newest ones are worth more than its oldest, but what is dropped here is missing for two seconds.
 const QUEUE_LEN: usize = 32;
-/// How long the end of the thread is waited for.
-const END_WAIT: Duration = Duration::from_millis(250);
 
 /// An encoded picture.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,6 +26,18 @@ pub(crate) struct Coded {
     pub(crate) bytes: Vec<u8>,
     /// When it is to be given, in seconds since the stream began; none: at once.
     pub(crate) due_s: Option<f64>,
+    /// How many before it are known to be missing.
+    pub(crate) left_out: u64,
+}
+
+impl Coded {
+    fn at_once(bytes: Vec<u8>) -> Self {
+        Self {
+            bytes,
+            due_s: None,
+            left_out: 0,
+        }
+    }
 }
 
 /// Where the stream comes from.
@@ -33,6 +47,11 @@ pub(crate) enum Origin {
     File(PathBuf),
     /// A camera that is asked over RTSP.
     Rtsp(RtspCamera),
+    /// RTP that somebody sends here.
+    Rtp(RtpPort),
+    /// A pipeline in GStreamer's launch syntax.
+    #[cfg(feature = "gstreamer")]
+    Pipeline(String),
 }
 
 /// A camera that is asked over RTSP.
@@ -69,93 +88,57 @@ pub(crate) enum StreamFault {
     Rtsp { url: String, reason: String },
     #[error("{url} has no H.264 video; it has {has}")]
     NoH264 { url: String, has: String },
-    #[error("the stream has ended")]
-    Ended,
+    #[cfg(feature = "gstreamer")]
+    #[error(transparent)]
+    Pipeline(#[from] pipeline::PipelineFault),
+    #[error("{listen} cannot be listened on: {reason}")]
+    Port { listen: SocketAddr, reason: String },
+    #[error("{listen} got no picture within {within_s} s: {lack}")]
+    NoRtpPicture {
+        listen: SocketAddr,
+        within_s: u64,
+        lack: rtp::Lack,
+    },
+    #[error(transparent)]
+    Ended(#[from] Ended),
 }
+
+/// Where the reading thread puts what it reads.
+type Outlet = crate::feed::Outlet<Coded, StreamFault>;
 
 /// Reads a stream on its own thread.
 #[derive(Debug)]
 pub(crate) struct StreamReader {
-    coded: Option<Receiver<Result<Coded, StreamFault>>>,
-    ended: Receiver<()>,
-    stop: Arc<AtomicBool>,
+    feed: Feed<Coded, StreamFault>,
     /// Taken from the queue, but not due yet.
     waiting: Option<Coded>,
 }
 
-/// Where the reading thread puts what it reads.
-struct Outlet {
-    coded: SyncSender<Result<Coded, StreamFault>>,
-    stop: Arc<AtomicBool>,
-}
-
-impl Outlet {
-    /// Waits for room. False when nobody wants more.
-    fn give(&self, coded: Result<Coded, StreamFault>) -> bool {
-        self.coded.send(coded).is_ok() && self.is_wanted()
-    }
-
-    fn is_wanted(&self) -> bool {
-        !self.stop.load(Ordering::Relaxed)
-    }
-}
-
 impl StreamReader {
     pub(crate) fn start(origin: Origin) -> std::io::Result<Self> {
-        let (give, coded) = sync_channel(QUEUE_LEN);
-        let (end, ended) = sync_channel(0);
-        let stop = Arc::new(AtomicBool::new(false));
-        let outlet = Outlet {
-            coded: give,
-            stop: stop.clone(),
-        };
-        std::thread::Builder::new()
-            .name("skein-stream".to_owned())
-            .spawn(move || {
-                let outcome = match &origin {
-                    Origin::File(path) => file::read(path, &outlet),
-                    Origin::Rtsp(camera) => rtsp::read(camera, &outlet),
-                };
-                if let Err(fault) = outcome {
-                    outlet.give(Err(fault));
-                }
-                drop(outlet);
-                // Its disconnection is the message.
-                drop(end);
-            })?;
-        Ok(Self {
-            coded: Some(coded),
-            ended,
-            stop,
-            waiting: None,
-        })
+        let logger = Logger::current();
+        let feed = Feed::start("skein-stream", QUEUE_LEN, move |outlet| match &origin {
+            Origin::File(path) => file::read(path, outlet),
+            Origin::Rtsp(camera) => rtsp::read(camera, outlet),
+            Origin::Rtp(port) => rtp::read(port, logger.as_ref(), outlet),
+            #[cfg(feature = "gstreamer")]
+            Origin::Pipeline(description) => pipeline::read(description, outlet),
+        })?;
+        Ok(Self { feed, waiting: None })
     }
 
     /// The next picture, if one is due `since_s` after the stream began.
     pub(crate) fn take(&mut self, since_s: f64) -> Result<Option<Coded>, StreamFault> {
         let next = match self.waiting.take() {
-            Some(waiting) => waiting,
-            None => match self.coded.as_ref().map(Receiver::try_recv) {
-                Some(Ok(coded)) => coded?,
-                Some(Err(TryRecvError::Empty)) => return Ok(None),
-                Some(Err(TryRecvError::Disconnected)) | None => return Err(StreamFault::Ended),
-            },
+            Some(waiting) => Some(waiting),
+            None => self.feed.take()?,
         };
-        if next.due_s.is_some_and(|due_s| due_s > since_s) {
-            self.waiting = Some(next);
+        let is_early = |coded: &Coded| coded.due_s.is_some_and(|due_s| due_s > since_s);
+        if next.as_ref().is_some_and(is_early) {
+            self.waiting = next;
             return Ok(None);
         }
-        Ok(Some(next))
-    }
-}
-
-impl Drop for StreamReader {
-    fn drop(&mut self) {
-        self.stop.store(true, Ordering::Relaxed);
-        // A thread that waits for room wakes by this.
-        self.coded = None;
-        // Nobody sends here: it ends with the thread, or with patience.
-        let _ = self.ended.recv_timeout(END_WAIT);
+        Ok(next)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::Camera;
 use crate::clock_strip;
-use crate::decoding::{DecodeError, Files, Picture, Reader};
+use crate::decoding::{self, DecodeError, Files, Picture, Reader};
 use crate::settings::{Settings, Source};
 use crate::stream::{self, Coded, StreamFault, StreamReader};
 use crate::synthetic::Synthetic;
@@ -53,6 +53,16 @@ fn origin_of(settings: &Settings) -> Option<stream::Origin> {
             user: settings.user.clone(),
             password: settings.password.clone(),
         })),
+        Source::Rtp => Some(stream::Origin::Rtp(stream::RtpPort {
+            // Both were judged with the rest of the configuration.
+            listen: settings.listen_address().ok()?,
+            parameter_sets: stream::parameter_sets(&settings.parameter_sets).ok()?,
+        })),
+        #[cfg(feature = "gstreamer")]
+        Source::Gstreamer => Some(stream::Origin::Pipeline(settings.pipeline.clone())),
+        // Without it the configuration is refused before this.
+        #[cfg(not(feature = "gstreamer"))]
+        Source::Gstreamer => None,
         Source::Mavlink | Source::Synthetic | Source::Stills => None,
     }
 }
@@ -68,7 +78,7 @@ impl Frames {
     pub(super) fn new(settings: &Settings, taken: u64) -> Self {
         let path = settings.path.clone();
         let files = match settings.source {
-            Source::Mavlink | Source::Synthetic | Source::Rtsp => None,
+            Source::Mavlink | Source::Synthetic | Source::Rtsp | Source::Rtp | Source::Gstreamer => None,
             Source::Stills => Some(Files::Stills(path)),
             Source::Video if !settings.decode => None,
             Source::Video => Some(Files::Video {
@@ -99,7 +109,7 @@ impl Frames {
     }
 
     fn start(&mut self, files: &Files, taken: u64) -> Option<Reader> {
-        match Reader::start(files.clone(), taken) {
+        match decoding::start(files.clone(), taken) {
             Ok(reader) => Some(reader),
             Err(error) => {
                 self.fault = format!("no thread to decode on: {error}");
@@ -142,11 +152,11 @@ impl Frames {
                 return Some(picture);
             }
             Ok(None) => {}
-            Err(DecodeError::Ended) => {
+            Err(DecodeError::Ended(ended)) => {
                 *reader = None;
                 self.delivers = false;
                 if self.fault.is_empty() {
-                    self.fault = DecodeError::Ended.to_string();
+                    self.fault = ended.to_string();
                 }
             }
             Err(error) => {
@@ -160,7 +170,7 @@ impl Frames {
 
 impl Stream {
     /// The encoded pictures that are due; begins anew with the source where it failed.
-    fn due(&mut self, now: NodeTime, fault: &mut String) -> Vec<Coded> {
+    fn due(&mut self, now: NodeTime, delivers: &mut bool, fault: &mut String) -> Vec<Coded> {
         let Some(reader) = &mut self.reader else {
             if self.retry.is_none_or(|retry| now >= retry) {
                 self.retry = Some(now.plus_seconds(RETRY_S));
@@ -177,16 +187,19 @@ impl Stream {
             match reader.take(since_s) {
                 Ok(Some(coded)) => {
                     self.began.get_or_insert(now);
+                    *delivers = true;
                     fault.clear();
                     due.push(coded);
                 }
                 Ok(None) => return due,
-                Err(StreamFault::Ended) => {
+                Err(StreamFault::Ended(_)) => {
+                    *delivers = false;
                     self.reader = None;
                     self.retry = Some(now.plus_seconds(RETRY_S));
                     return due;
                 }
                 Err(error) => {
+                    *delivers = false;
                     let reason = error.to_string();
                     // Once, not with every attempt.
                     if *fault != reason {
@@ -206,10 +219,10 @@ impl Camera {
         let Some(stream) = &mut self.frames.stream else {
             return;
         };
-        let due = stream.due(now, &mut self.frames.fault);
+        let due = stream.due(now, &mut self.frames.delivers, &mut self.frames.fault);
         for coded in due {
-            self.frames.delivers = true;
-            self.core.coded += 1;
+            // Numbers that are missing count as lost, here as below.
+            self.core.coded += 1 + coded.left_out;
             let Some(mut frame) = acquire(coded.bytes.len()) else {
                 // The number is missing in what is given: whoever looks knows that one was lost.
                 self.core.capture.dropped += 1;

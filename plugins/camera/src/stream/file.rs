@@ -14,8 +14,11 @@ pub(super) fn read(path: &Path, outlet: &Outlet) -> Result<(), StreamFault> {
                 path: path.to_owned(),
                 reason: error.to_string(),
             })?;
-            let due_s = Some(round_began_s + video.decoded_at_s(index));
-            if !outlet.give(Ok(Coded { bytes, due_s })) {
+            let coded = Coded {
+                due_s: Some(round_began_s + video.decoded_at_s(index)),
+                ..Coded::at_once(bytes)
+            };
+            if !outlet.give(Ok(coded)) {
                 return Ok(());
             }
         }

@@ -3,6 +3,7 @@
 //! Must never do: wait for a camera without an end, or show a password.
 
 use super::{Coded, Outlet, RtspCamera, StreamFault};
+use crate::feed::Ended;
 use futures_util::StreamExt;
 use retina::client::{Credentials, Demuxed, PlayOptions, Session, SessionOptions, SetupOptions};
 use retina::codec::{CodecItem, FrameFormat};
@@ -60,14 +61,13 @@ async fn receive(camera: &RtspCamera, outlet: &Outlet) -> Result<(), StreamFault
         let item = next.map_err(|_| silent(camera, "send a picture", SILENT_AFTER))?;
         match item {
             Some(Ok(CodecItem::VideoFrame(frame))) => {
-                let bytes = frame.data().to_vec();
-                if !outlet.give(Ok(Coded { bytes, due_s: None })) {
+                if !outlet.give(Ok(Coded::at_once(frame.into_data()))) {
                     return Ok(());
                 }
             }
             Some(Ok(_)) => {}
             Some(Err(error)) => return Err(failed(camera, &error)),
-            None => return Err(StreamFault::Ended),
+            None => return Err(Ended.into()),
         }
     }
 }

@@ -1,6 +1,8 @@
 //! Tests of streams that fail.
 
 use super::*;
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
 
 #[test]
 fn a_file_that_is_none_is_told_and_ends_the_stream() {
@@ -16,24 +18,24 @@ fn a_file_that_is_none_is_told_and_ends_the_stream() {
         std::thread::yield_now();
         outcome = reader.take(0.0);
     }
-    assert_eq!(outcome, Err(StreamFault::Ended));
+    assert_eq!(outcome, Err(Ended.into()));
 }
 
 /// What a camera in the network says to each request, in order; then nothing more.
 fn camera(answers: &'static [&'static str]) -> (String, std::thread::JoinHandle<()>) {
-    let (url, served, _) = visited_camera(answers);
+    let (url, served, _) = camera_that_tells(answers);
     (url, served)
 }
 
-/// The same, and tells when somebody has come.
-fn visited_camera(answers: &'static [&'static str]) -> (String, std::thread::JoinHandle<()>, Receiver<()>) {
+/// The same, and when a visitor came.
+fn camera_that_tells(answers: &'static [&'static str]) -> (String, std::thread::JoinHandle<()>, Receiver<()>) {
+    let (tell, visited) = channel();
     let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = listener.local_addr().expect("an address");
-    let (comes, visited) = sync_channel(1);
     let served = std::thread::spawn(move || {
         let (mut line, _) = listener.accept().expect("a visitor");
-        // most tests do not ask
-        let _ = comes.try_send(());
+        // Most tests do not ask.
+        let _ = tell.send(());
         let mut read = [0; 4096];
         for answer in answers {
             let len = std::io::Read::read(&mut line, &mut read).unwrap_or(0);
@@ -107,16 +109,16 @@ fn what_is_no_rtsp_or_has_no_h264_is_said() {
 
 #[test]
 fn a_reader_of_a_camera_that_hangs_ends_at_once_when_nobody_wants_it() {
-    let (url, served, visited) = visited_camera(&[]);
+    let (url, served, visited) = camera_that_tells(&[]);
     let origin = Origin::Rtsp(RtspCamera {
         url,
         user: String::new(),
         password: String::new(),
     });
     let mut reader = StreamReader::start(origin).expect("a thread");
+    // Not before it has come: one that is not wanted any more does not even go there.
+    visited.recv().expect("a visitor");
     assert_eq!(reader.take(0.0), Ok(None));
-    // A reader that nobody wants any more does not set out first.
-    visited.recv().expect("it has come");
     drop(reader);
     // its end of the line is closed: the camera sees the visitor go
     served.join().expect("it ends");

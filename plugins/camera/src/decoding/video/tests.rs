@@ -1,7 +1,7 @@
 //! Tests of video: a file made here, whose pictures are known; and files that are damaged.
 
 use super::*;
-use crate::decoding::{Files, Reader};
+use crate::decoding::{self, Files, Reader};
 use crate::stream::{Origin, StreamReader};
 use openh264::encoder::{Encoder, EncoderConfig, FrameRate, IntraFramePeriod, RateControlMode};
 use openh264::formats::YUVBuffer;
@@ -133,7 +133,7 @@ fn next(reader: &mut Reader) -> Result<u8, DecodeError> {
 
 fn reads(path: &Path, rate_hz: f64, taken: u64) -> Reader {
     let path = path.to_owned();
-    Reader::start(Files::Video { path, rate_hz }, taken).unwrap()
+    decoding::start(Files::Video { path, rate_hz }, taken).unwrap()
 }
 
 fn assert_shows(reader: &mut Reader, indexes: impl IntoIterator<Item = u32>) {
