@@ -9,6 +9,10 @@ use str0m::net::{Protocol, Receive};
 use str0m::{Candidate, Event, Input, Output, Rtc};
 use tokio::net::UdpSocket;
 
+/// So many packets may come before one that is missing is given up. A browser waits longer: Chromium until the picture has stood for a
+/// while, which is not below the way there and back.
+const PACKETS_WAITED: usize = 300;
+
 /// A browser's end of one stream.
 pub struct Peer {
     rtc: Rtc,
@@ -28,7 +32,8 @@ impl Peer {
     pub async fn at(address: IpAddr) -> Self {
         let socket = UdpSocket::bind((address, 0)).await.expect("a socket");
         let local = socket.local_addr().expect("its address");
-        let mut rtc = Rtc::builder().clear_codecs().enable_h264(true).build(Instant::now());
+        let rtc = Rtc::builder().clear_codecs().enable_h264(true);
+        let mut rtc = rtc.set_reordering_size_video(PACKETS_WAITED).build(Instant::now());
         let candidate = Candidate::host(local, "udp").expect("an address that others reach");
         rtc.add_local_candidate(candidate);
         let mut changes = rtc.sdp_api();

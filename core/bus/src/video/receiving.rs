@@ -9,8 +9,10 @@ use std::collections::{BTreeMap, BTreeSet};
 const GIVE_UP_S: f64 = 0.35;
 /// Parts that were overtaken are waited for so long, in seconds, before they are asked for.
 const OVERTAKEN_S: f64 = 0.01;
-/// What is still missing is asked for again after so long, in seconds.
-const ASK_AGAIN_S: f64 = 0.12;
+/// What is still missing is asked for again after so long, in seconds, and then after [`RARER`] times as long each time. On a link with a
+/// longer way something comes twice by this; on one that loses both a picture and what it was asked for with there is time for a third try.
+const ASK_AGAIN_S: f64 = 0.06;
+const RARER: f64 = 1.5;
 /// A key picture is asked for again after so long, in seconds.
 const KEY_AGAIN_S: f64 = 0.5;
 /// Pictures of one stream that may be incomplete or wait for one before them.
@@ -33,6 +35,13 @@ impl Partial {
     }
 }
 
+/// When something was asked for, and how long that is waited for.
+#[derive(Debug, Clone, Copy)]
+struct Asked {
+    at: NodeTime,
+    patience_s: f64,
+}
+
 #[derive(Debug, Default)]
 struct Stream {
     /// The run of the sender that it comes from.
@@ -43,8 +52,8 @@ struct Stream {
     bytes: usize,
     /// Since when the next one is missing.
     missing_since: Option<NodeTime>,
-    /// What was asked for, and when.
-    asked: BTreeMap<(u64, Option<u16>), NodeTime>,
+    /// What was asked for.
+    asked: BTreeMap<(u64, Option<u16>), Asked>,
     asked_key: Option<NodeTime>,
     wants_key: bool,
 }
@@ -231,9 +240,11 @@ impl Stream {
         let newest = *newest;
         let asked = &mut self.asked;
         let mut due = |what: (u64, Option<u16>)| {
-            let again = asked.get(&what).is_none_or(|at| now.seconds_since(*at) >= ASK_AGAIN_S);
+            let before = asked.get(&what).copied();
+            let again = before.is_none_or(|Asked { at, patience_s }| now.seconds_since(at) >= patience_s);
             if again {
-                asked.insert(what, now);
+                let patience_s = before.map_or(ASK_AGAIN_S, |before| before.patience_s * RARER);
+                asked.insert(what, Asked { at: now, patience_s });
             }
             again
         };

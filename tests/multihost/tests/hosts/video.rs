@@ -22,6 +22,8 @@ const LOSSY_AIR: Quality = Quality {
     doubled: 0.0,
     overtaken: 0.0,
 };
+/// A way that has become longer is taken for a full one at first, and less is sent; until then, in seconds.
+const LONGER_WAY_KNOWN_S: f64 = 20.0;
 const WATCHED: Duration = Duration::from_secs(60);
 /// A picture that stands still for longer is frozen, in seconds.
 const FREEZE_S: f64 = 0.5;
@@ -38,6 +40,7 @@ async fn video_goes_on_where_datagrams_are_lost_and_late() {
     let mut mission = Mission::new(&mut field, GROUND);
     mission.take_off().await;
     field.air().everywhere(LOSSY_AIR);
+    field.pass(LONGER_WAY_KNOWN_S).await;
 
     let (ground, observer) = (
         field.host(GROUND).namespace().clone(),
