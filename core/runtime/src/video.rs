@@ -135,6 +135,11 @@ impl NodeHandle {
         let Some(making) = stream.begin_making() else {
             return Ok(viewer);
         };
+        let is_passed_on = elsewhere.is_none() && rendition == Rendition::OF_CAMERA && video.encodes(self.now());
+        if !is_passed_on {
+            // Nobody has looked for a while: the last pictures are of that time.
+            stream.forget_pictures();
+        }
         let looked = Looked {
             vehicle,
             payload: payload.to_owned(),

@@ -328,6 +328,11 @@ impl VideoStream {
         *self.format.lock() = Some(format);
     }
 
+    /// Keeps none of its pictures: they were made for those who looked before.
+    pub fn forget_pictures(&self) {
+        self.relay.lock().forget();
+    }
+
     /// How many look at it.
     pub fn viewers(&self) -> usize {
         self.viewers.load(Ordering::SeqCst)
