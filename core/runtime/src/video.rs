@@ -6,6 +6,7 @@
 mod between;
 mod making;
 mod recording;
+mod rtp;
 
 use crate::handle::NodeHandle;
 use making::Maker;
@@ -16,6 +17,7 @@ use skein_video::Coding;
 use std::sync::Arc;
 
 pub use recording::RecordedVideo;
+pub(crate) use rtp::RtpOut;
 
 /// Pause before pictures are made anew.
 const REMADE_AFTER: std::time::Duration = std::time::Duration::from_millis(100);

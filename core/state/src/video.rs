@@ -409,6 +409,11 @@ impl Viewer {
         self.stream.wants_key.store(true, Ordering::Relaxed);
     }
 
+    /// Whether both look at one stream.
+    pub fn sees_the_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.stream, &other.stream)
+    }
+
     /// Pictures that it was not in time for.
     pub fn left_out(&self) -> u64 {
         self.cursor.left_out
