@@ -22,6 +22,9 @@ pub(crate) use rtp::RtpOut;
 /// Pause before pictures are made anew.
 const REMADE_AFTER: std::time::Duration = std::time::Duration::from_millis(100);
 
+/// A camera that encodes and gives pixels beside that, as some do, has given some within so long, in seconds.
+const PIXELS_COUNT_S: f64 = 3.0;
+
 /// A camera and how its video is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraVideo {
@@ -105,6 +108,17 @@ impl NodeHandle {
             payload: payload.to_owned(),
             health: camera.video.health(self.now()),
             fault: fault_of(&camera),
+        })
+    }
+
+    /// Whether a camera of this node gives H.264 and, of late, no pixels: whoever wants a picture of it has to look at [`Rendition::FILES`].
+    #[must_use]
+    pub fn gives_no_pixels(&self, vehicle: VehicleId, payload: &str) -> bool {
+        let now = self.now();
+        self.camera(vehicle, payload).is_ok_and(|camera| {
+            let pixels_at = camera.frame().map(|frame| frame.header.time);
+            let has_pixels = pixels_at.is_some_and(|at| now.seconds_since(at) < PIXELS_COUNT_S);
+            camera.video.encodes(now) && !has_pixels
         })
     }
 

@@ -54,6 +54,12 @@ impl Rendition {
         coding: Coding::H264,
         quality: Quality::Main,
     };
+
+    /// Its pictures as files, each for itself.
+    pub const FILES: Self = Self {
+        coding: Coding::Jpeg,
+        quality: Quality::Main,
+    };
 }
 
 /// How the video of a camera is, in one word.

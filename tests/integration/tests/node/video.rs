@@ -4,6 +4,7 @@
     reason = "what tests share may stop at the first surprise, as they do"
 )]
 
+mod encoded;
 mod rtp;
 mod webrtc;
 
