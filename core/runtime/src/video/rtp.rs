@@ -3,6 +3,7 @@
 //! Bound: one picture in work; what it is not in time for is left out, as for any viewer. Must never do: look at a camera while the network does
 //! not take the pictures, or wait anywhere but in its own task.
 
+mod announcing;
 mod packets;
 
 use crate::handle::NodeHandle;
@@ -77,6 +78,7 @@ impl Actor for RtpOut {
         for settings in node.config().video.rtp.clone() {
             sending.run(&myself, Sender::new(node.clone(), settings).run());
         }
+        sending.run(&myself, announcing::announce(node));
         Ok(sending)
     }
 

@@ -5,6 +5,7 @@
 )]
 
 mod encoded;
+mod ground_station;
 mod rtp;
 mod webrtc;
 
