@@ -81,21 +81,23 @@ pub(crate) async fn restart_model(
     Ok(accepted())
 }
 
-/// The last frame as a picture that browsers show: JPEG as it is, pixels as PNG.
+/// The last frame as a picture that browsers show: JPEG as it is, or made of a camera's H.264; pixels as PNG.
 pub(crate) async fn frame(State(app): State<App>, of: Of) -> Result<Response, ApiError> {
     let Path((vehicle, payload)) = of?;
-    let frame = app
-        .node
-        .payload_frame(vehicle, &payload)?
-        .ok_or_else(|| ApiError::NotFound {
-            path: format!("the frame of payload {payload} of vehicle {vehicle}"),
-        })?;
-    let format = frame.header.format;
-    let made = tokio::task::spawn_blocking(move || crate::picture::encode(&frame.header, frame.bytes())).await;
-    let picture = made.unwrap_or_default();
-    let kind = match format {
-        PixelFormat::Jpeg => "image/jpeg",
-        PixelFormat::Gray8 | PixelFormat::Rgb8 | PixelFormat::H264 => "image/png",
+    let none = || ApiError::NotFound {
+        path: format!("the frame of payload {payload} of vehicle {vehicle}"),
+    };
+    let (kind, picture) = if app.node.gives_no_pixels(vehicle, &payload) {
+        let picture = crate::video::still(&app, vehicle, &payload).await?;
+        ("image/jpeg", picture.ok_or_else(none)?)
+    } else {
+        let frame = app.node.payload_frame(vehicle, &payload)?.ok_or_else(none)?;
+        let kind = match frame.header.format {
+            PixelFormat::Jpeg => "image/jpeg",
+            PixelFormat::Gray8 | PixelFormat::Rgb8 | PixelFormat::H264 => "image/png",
+        };
+        let made = tokio::task::spawn_blocking(move || crate::picture::encode(&frame.header, frame.bytes())).await;
+        (kind, made.unwrap_or_default())
     };
     let headers = [(header::CONTENT_TYPE, kind), (header::CACHE_CONTROL, "no-store")];
     Ok((headers, picture).into_response())

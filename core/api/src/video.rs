@@ -25,6 +25,10 @@ pub(crate) use recordings::{file, recordings, start, stop};
 pub(crate) use socket::{SocketQuery, open};
 pub(crate) use whep::{answer, end};
 
+/// How long a single picture is waited for, and how old it may be in seconds to be taken for that of now.
+const STILL_WITHIN: std::time::Duration = std::time::Duration::from_secs(5);
+const STILL_AGE_S: f64 = 0.5;
+
 /// A vehicle and one of its payloads.
 type Of = Result<axum::extract::Path<(VehicleId, String)>, PathRejection>;
 
@@ -88,6 +92,23 @@ fn view(video: CameraVideo) -> VideoStreamView {
         age_s: health.age_s,
         viewers: u32::try_from(health.viewers).unwrap_or(u32::MAX),
     }
+}
+
+/// The newest picture of a camera that gives H.264, made as for a viewer, who looks until then; none if it gives none in time.
+pub(crate) async fn still(app: &App, vehicle: VehicleId, payload: &str) -> Result<Option<Vec<u8>>, ApiError> {
+    let _permit = admit(app)?;
+    let mut viewer = app.node.watch_video(vehicle, payload, Rendition::FILES)?;
+    let until = tokio::time::Instant::now() + STILL_WITHIN;
+    let mut newest = None;
+    // Decoding begins with the last key picture, which may be seconds old, and has soon come to the present.
+    while let Ok(given) = tokio::time::timeout_at(until, viewer.next()).await {
+        let age_s = app.node.now().seconds_since(given.frame.taken);
+        newest = Some(given.frame.bytes.to_vec());
+        if age_s < STILL_AGE_S {
+            break;
+        }
+    }
+    Ok(newest)
 }
 
 /// A place for one more viewer.

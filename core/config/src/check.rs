@@ -30,6 +30,7 @@ impl NodeConfig {
         self.swarm.problems(&mut problems);
         self.dds_problems(&mut problems);
         self.ros2.problems(&mut problems);
+        self.video.problems(&mut problems);
         if !self.web.enabled && self.swarm.id.is_none() {
             problems.push(problem(
                 "web.enabled",

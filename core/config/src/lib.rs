@@ -17,6 +17,7 @@ mod resume;
 mod ros2;
 pub mod settings;
 mod swarm;
+mod video;
 
 pub use dds::{DdsPeer, DdsPeerError, DdsSettings, LinkKind};
 pub use fences::{FenceFault, FenceFileError, ImportedFences, parse_fences, read_fence_file, to_geojson};
@@ -28,9 +29,10 @@ pub use ros2::Ros2Settings;
 pub use settings::{
     AdoptionRule, CoordinatorSettings, EndpointSettings, Escalation, FaultSettings, FenceSettings, Isolation,
     LinkSettings, NewcomerSettings, NodeConfig, NodeSettings, OnStop, PayloadRule, PluginSettings, ReturningSettings,
-    SafetySettings, VideoSettings, WebSettings,
+    SafetySettings, WebSettings,
 };
 pub use swarm::{Apart, SwarmSettings, SwarmTransport, ZenohSettings};
+pub use video::{RtpQuality, RtpSettings, VideoSettings};
 
 use std::path::{Path, PathBuf};
 use thiserror::Error;

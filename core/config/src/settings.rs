@@ -1,6 +1,8 @@
 //! The settings themselves, one struct per table of the file. `default.toml` says what each key is for.
 
-use crate::{DdsSettings, LinkKind, OperatorSettings, ResumeSettings, Ros2Settings, SwarmSettings, SystemIdSet};
+use crate::{
+    DdsSettings, LinkKind, OperatorSettings, ResumeSettings, Ros2Settings, SwarmSettings, SystemIdSet, VideoSettings,
+};
 use serde::{Deserialize, Serialize};
 use skein_domain::{EnergySettings, FailsafeSettings, FenceZone, PreflightSettings};
 use std::net::SocketAddr;
@@ -456,25 +458,6 @@ impl Default for WebSettings {
             enabled: true,
             listen: SocketAddr::from(([127, 0, 0, 1], 8080)),
             allowed_hosts: Vec::new(),
-        }
-    }
-}
-
-/// `[video]`
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct VideoSettings {
-    /// Folder that videos are recorded into. By default `recordings` beside the configuration file; without one none are recorded.
-    pub recordings: Option<PathBuf>,
-    /// When its recordings take more, the oldest are removed, in bytes.
-    pub keep_bytes: u64,
-}
-
-impl Default for VideoSettings {
-    fn default() -> Self {
-        Self {
-            recordings: None,
-            keep_bytes: 8_000_000_000,
         }
     }
 }

@@ -18,6 +18,10 @@ impl Fields<'_> {
         u32::from_le_bytes([self.u8(at), self.u8(at + 1), self.u8(at + 2), self.u8(at + 3)])
     }
 
+    pub fn f32(&self, at: usize) -> f32 {
+        f32::from_bits(self.u32(at))
+    }
+
     pub fn i32(&self, at: usize) -> i32 {
         self.u32(at).cast_signed()
     }

@@ -46,3 +46,4 @@ pub use sighting::{ReferenceSink, Sighting, Sightings};
 pub use source::Source;
 pub use table::LinkTable;
 pub use vehicle::AutopilotIdentity;
+pub use vehicle::cameras::{ToldCamera, ToldStream};

@@ -7,6 +7,7 @@ use crate::frame::Frame;
 use crate::outlet::Outlet;
 use crate::source::Source;
 use crate::taps::Taps;
+use crate::vehicle::cameras::ToldCamera;
 use crate::vehicle::{AUTOPILOT_COMPONENT, AutopilotIdentity, VehicleCore};
 use parking_lot::Mutex;
 use skein_domain::link::{LinkEvent, MessageTap, RoutePoint, StreamState, VehicleLink};
@@ -151,6 +152,7 @@ impl Px4Link {
     ) -> Received {
         let mut inner = self.inner.lock();
         let of_autopilot = frame.header.component_id == AUTOPILOT_COMPONENT;
+        inner.core.cameras().hear(now, frame);
         if !inner.route.is(number, address) {
             // A camera or a second computer of the same vehicle may well sit elsewhere; with two senders of one system id
             // nobody can tell whose it is.
@@ -186,6 +188,16 @@ impl Px4Link {
     pub(crate) fn receive_radio(&self, number: usize, address: Option<SocketAddr>, frame: &Frame<'_>) -> bool {
         let mut inner = self.inner.lock();
         inner.route.is(number, address) && inner.taps.give(frame)
+    }
+
+    /// Takes in a command of whomever to a component of its system. True if it is for a camera that this node speaks for.
+    pub(crate) fn ask_cameras(&self, now: NodeTime, frame: &Frame<'_>) -> bool {
+        self.inner.lock().core.cameras().ask(now, frame)
+    }
+
+    /// Speaks for these cameras from now on, in place of those before: they are told to ground stations that the autopilot passes messages on to.
+    pub fn tell_cameras(&self, now: NodeTime, cameras: Vec<ToldCamera>) {
+        self.inner.lock().core.cameras().tell(now, cameras);
     }
 
     /// Does what is due, if the vehicle is heard at endpoint `number`.

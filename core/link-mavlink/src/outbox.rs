@@ -30,9 +30,16 @@ impl Outbox {
 
     /// Encodes a message behind those that wait.
     pub fn push<D: MessageData>(&mut self, message: &D) {
+        let mut sender = self.header;
+        self.push_from(&mut sender, message);
+        self.header = sender;
+    }
+
+    /// The same as a message of another sender, who counts its own frames.
+    pub fn push_from<D: MessageData>(&mut self, sender: &mut MavHeader, message: &D) {
         let mut raw = MAVLinkV2MessageRaw::new();
-        raw.serialize_message_data(self.header, message);
-        self.header.sequence = self.header.sequence.wrapping_add(1);
+        raw.serialize_message_data(*sender, message);
+        sender.sequence = sender.sequence.wrapping_add(1);
         self.bytes.extend_from_slice(raw.raw_bytes());
         self.ends.push(self.bytes.len());
     }
@@ -42,6 +49,22 @@ impl Outbox {
     /// # Errors
     /// If the message is not known here, so that its checksum cannot be made, or the payload is longer than the message.
     pub fn push_payload(&mut self, message_id: u32, payload: &[u8]) -> Result<(), Refusal> {
+        let mut sender = self.header;
+        self.push_payload_from(&mut sender, message_id, payload)?;
+        self.header = sender;
+        Ok(())
+    }
+
+    /// The same as a message of another sender, who counts its own frames.
+    ///
+    /// # Errors
+    /// As [`Self::push_payload`].
+    pub fn push_payload_from(
+        &mut self,
+        sender: &mut MavHeader,
+        message_id: u32,
+        payload: &[u8],
+    ) -> Result<(), Refusal> {
         let (Some(extra), Some(longest)) = (checksum_extra(message_id), payload_len(message_id)) else {
             return Err(Refusal::not_supported(format!(
                 "message {message_id} is not known to the link"
@@ -59,7 +82,7 @@ impl Outbox {
             system_id,
             component_id,
             sequence,
-        } = self.header;
+        } = *sender;
         let [a, b, c, _] = message_id.to_le_bytes();
         let start = self.bytes.len();
         self.bytes.extend([
@@ -80,7 +103,7 @@ impl Outbox {
         let checksum = calculate_crc(checked, extra);
         self.bytes.extend(checksum.to_le_bytes());
         self.ends.push(self.bytes.len());
-        self.header.sequence = sequence.wrapping_add(1);
+        sender.sequence = sequence.wrapping_add(1);
         Ok(())
     }
 

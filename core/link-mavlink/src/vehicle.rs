@@ -4,6 +4,7 @@
 //! result: recorded flights are replayed through it.
 
 pub mod boot;
+pub mod cameras;
 pub mod clock_sync;
 mod inbound;
 mod messages;
@@ -18,6 +19,7 @@ use crate::decode::{Heartbeat, Inbound};
 use crate::frame::FrameHeader;
 use crate::outbox::Outbox;
 use boot::BootWatch;
+use cameras::Cameras;
 use clock_sync::ClockSync;
 use mavlink::dialects::common::{HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavState, MavType};
 use messages::FramesTo;
@@ -89,6 +91,7 @@ pub struct VehicleCore {
     duplicate: bool,
     interleaved: Option<NodeTime>,
     route: RouteUpload,
+    cameras: Cameras,
 }
 
 impl VehicleCore {
@@ -105,6 +108,7 @@ impl VehicleCore {
         parameters.set_armed(first.armed());
         Self {
             outbox: Outbox::new(settings.own_system_id, settings.own_component_id),
+            cameras: Cameras::new(system_id, settings.own_system_id),
             rates: RateKeeper::new(settings.rates, system_id, now),
             settings,
             system_id,
@@ -215,6 +219,11 @@ impl VehicleCore {
         self.rates.want(wants);
     }
 
+    /// The cameras that this node speaks for.
+    pub fn cameras(&mut self) -> &mut Cameras {
+        &mut self.cameras
+    }
+
     /// Does what has become due; gives when to come again.
     pub fn on_tick(&mut self, now: NodeTime) -> NodeTime {
         self.control(now, OffboardControl::poll_emergency);
@@ -248,6 +257,10 @@ impl VehicleCore {
             self.next_heartbeat = now.plus_seconds(1.0 / self.settings.heartbeat_hz);
             self.outbox.push(&own_heartbeat());
         }
+        // Behind what flies the vehicle, and never to two of them.
+        if self.connected && !self.duplicate {
+            self.cameras.poll(now, &mut self.outbox);
+        }
         self.due(now)
     }
 
@@ -255,7 +268,14 @@ impl VehicleCore {
         let mut due = now.plus_seconds(TICK_MAX_S).min(self.next_heartbeat);
         let lost = self.silence.since().plus_seconds(self.settings.lost_after_s);
         let tuning = (!self.offboard.is_tuning()).then(|| self.rates.due());
-        let when_connected = [Some(lost), tuning, Some(self.clock.due()), self.parameters.due()];
+        let cameras = self.cameras.due().filter(|_| !self.duplicate);
+        let when_connected = [
+            Some(lost),
+            tuning,
+            Some(self.clock.due()),
+            self.parameters.due(),
+            cameras,
+        ];
         let always = [self.offboard.due(&self.settings), self.route.due()];
         for next in always
             .into_iter()

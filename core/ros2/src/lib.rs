@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 mod adapter;
+mod camera;
 pub mod cmd_vel;
 pub mod detections;
 mod endpoints;

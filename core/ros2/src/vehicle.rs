@@ -2,16 +2,17 @@
 //!
 //! Must never do: say an old position as a new one, or encode a picture that nobody looks at.
 
+use crate::camera::Camera;
 use crate::cmd_vel::{self, Report};
 use crate::endpoints::{Place, Voice};
 use crate::interfaces::diagnostic::DiagnosticStatus;
 use crate::interfaces::geometry::{PoseStamped, TransformStamped, Twist};
 use crate::interfaces::nav::Odometry;
-use crate::interfaces::sensor::{BatteryState, CameraInfo, CompressedImage, NavSatFix};
+use crate::interfaces::sensor::{BatteryState, NavSatFix};
 use crate::interfaces::skein::{GimbalState, VehicleState};
 use crate::interfaces::vision::Detection2DArray;
 use crate::stamp::Stamps;
-use crate::{Ros2Error, Tasks, detections, names, picture, quality, services, translate};
+use crate::{Ros2Error, Tasks, detections, names, quality, services, translate};
 use parking_lot::Mutex;
 use ros2_client::Context;
 use skein_domain::payload::PayloadKind;
@@ -22,25 +23,6 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
-
-struct Camera {
-    image: Voice<CompressedImage>,
-    info: Voice<CameraInfo>,
-    optical_frame: String,
-    last_sequence: u64,
-}
-
-impl Camera {
-    fn new(place: &mut Place, vehicle: &str, payload: &str) -> Result<Self, Ros2Error> {
-        let part = payload_part(payload);
-        Ok(Self {
-            image: place.voice(&format!("{part}/image_raw/compressed"), &quality::pictures())?,
-            info: place.voice(&format!("{part}/camera_info"), &quality::pictures())?,
-            optical_frame: optical_frame(vehicle, payload),
-            last_sequence: 0,
-        })
-    }
-}
 
 struct Detector {
     detections: Voice<Detection2DArray>,
@@ -64,6 +46,7 @@ pub struct Ros2Vehicle {
     detectors: BTreeMap<String, Detector>,
     measured: Option<NodeTime>,
     cmd_vel: Arc<Mutex<Report>>,
+    runtime: tokio::runtime::Handle,
     place: Place,
 }
 
@@ -107,6 +90,7 @@ impl Ros2Vehicle {
             id,
             name,
             cmd_vel,
+            runtime: runtime.clone(),
             place,
         })
     }
@@ -202,27 +186,13 @@ impl Ros2Vehicle {
         for payload in vehicle.payloads.iter().filter(|p| p.kind == PayloadKind::Camera) {
             let camera = match self.cameras.entry(payload.name.clone()) {
                 Entry::Occupied(known) => known.into_mut(),
-                Entry::Vacant(new) => new.insert(Camera::new(&mut self.place, &self.name, &payload.name)?),
+                Entry::Vacant(new) => {
+                    let frame = optical_frame(&self.name, &payload.name);
+                    let topics = payload_part(&payload.name);
+                    new.insert(Camera::new(&mut self.place, (self.id, &payload.name), &topics, frame)?)
+                }
             };
-            let (looked_at, info_heard) = (self.place.is_heard(&camera.image), self.place.is_heard(&camera.info));
-            if !looked_at && !info_heard {
-                continue;
-            }
-            let Ok(Some(frame)) = node.payload_frame(self.id, &payload.name) else {
-                continue;
-            };
-            if frame.header.sequence == camera.last_sequence {
-                continue;
-            }
-            camera.last_sequence = frame.header.sequence;
-            let header = stamps.header(frame.header.time, &camera.optical_frame);
-            if let Some(pose) = &frame.header.pose {
-                transforms.push(picture::transform(header.clone(), &camera.optical_frame, pose));
-            }
-            camera.info.say(picture::info(header.clone(), &frame.header));
-            if let Some(data) = looked_at.then(|| picture::jpeg(&frame.header, frame.bytes())).flatten() {
-                camera.image.say(picture::compressed(header, data));
-            }
+            transforms.extend(camera.say(&self.place, node, &self.runtime, stamps));
         }
         Ok(transforms)
     }

@@ -30,6 +30,6 @@ pub use handle::{
 };
 pub use node::{Adapter, AdapterStart, Node, NodeError};
 pub use skein_plugin_host::Frame;
-pub use skein_state::video::{Quality, Rendition};
+pub use skein_state::video::{Quality, Rendition, Viewer};
 pub use video::{CameraVideo, RecordedVideo};
 pub use wiring::{WiringError, catalog};

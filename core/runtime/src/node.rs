@@ -14,6 +14,7 @@ use crate::listening;
 use crate::observer::Observer;
 use crate::parts::Parts;
 use crate::resume::{Keeper, KeeperArguments};
+use crate::video::RtpOut;
 use crate::wiring::{self, WiringError};
 use ractor::{Actor, ActorCell, ActorId, ActorProcessingErr, ActorRef, RpcReplyPort, SpawnErr, SupervisionEvent};
 use skein_cluster::{Swarm, SwarmArguments, SwarmSetup};
@@ -152,6 +153,7 @@ enum Part {
     Swarm,
     DdsLinks,
     Endpoint(usize),
+    Rtp,
     Adapter(usize),
 }
 
@@ -237,6 +239,7 @@ impl NodeState {
     async fn start_all(&mut self, myself: &ActorRef<NodeMessage>) -> Result<(), NodeError> {
         // The fleet first: endpoints report what they hear to it.
         let endpoints = (0..self.arguments.endpoints.len()).map(Part::Endpoint);
+        let rtp = (!self.arguments.handle.config().video.rtp.is_empty()).then_some(Part::Rtp);
         let adapters = (0..self.arguments.adapters.len()).map(Part::Adapter);
         let first = [
             Part::Fleet,
@@ -252,6 +255,7 @@ impl NodeState {
             .chain(swarm)
             .chain(dds)
             .chain(endpoints)
+            .chain(rtp)
             .chain(adapters)
         {
             self.start(myself, part).await?;
@@ -268,6 +272,7 @@ impl NodeState {
             Part::Keeper => "keeper".into(),
             Part::Swarm => "swarm".into(),
             Part::DdsLinks => "dds-links".into(),
+            Part::Rtp => "rtp".into(),
             Part::Endpoint(i) => self
                 .arguments
                 .endpoints
@@ -329,9 +334,8 @@ impl NodeState {
             }
             Part::Observer => Ok(spawned(Observer::spawn_linked(None, Observer, shared, parent).await)?.get_id()),
             Part::Keeper => {
-                let arguments = KeeperArguments {
-                    handle: self.arguments.handle.clone(),
-                };
+                let handle = self.arguments.handle.clone();
+                let arguments = KeeperArguments { handle };
                 Ok(spawned(Keeper::spawn_linked(None, Keeper, arguments, parent).await)?.get_id())
             }
             Part::Swarm => {
@@ -359,6 +363,10 @@ impl NodeState {
                     references: Some(listening::sightings(&shared)),
                 };
                 Ok(spawned(Endpoint::spawn_linked(None, Endpoint, arguments, parent).await)?.get_id())
+            }
+            Part::Rtp => {
+                let node = self.arguments.handle.clone();
+                Ok(spawned(RtpOut::spawn_linked(None, RtpOut, node, parent).await)?.get_id())
             }
             Part::Adapter(i) => {
                 let adapter = self.arguments.adapters.get(i).ok_or("not configured")?;

@@ -6,6 +6,7 @@
 mod between;
 mod making;
 mod recording;
+mod rtp;
 
 use crate::handle::NodeHandle;
 use making::Maker;
@@ -16,9 +17,13 @@ use skein_video::Coding;
 use std::sync::Arc;
 
 pub use recording::RecordedVideo;
+pub(crate) use rtp::RtpOut;
 
 /// Pause before pictures are made anew.
 const REMADE_AFTER: std::time::Duration = std::time::Duration::from_millis(100);
+
+/// A camera that encodes and gives pixels beside that, as some do, has given some within so long, in seconds.
+const PIXELS_COUNT_S: f64 = 3.0;
 
 /// A camera and how its video is.
 #[derive(Debug, Clone, PartialEq)]
@@ -106,6 +111,17 @@ impl NodeHandle {
         })
     }
 
+    /// Whether a camera of this node gives H.264 and, of late, no pixels: whoever wants a picture of it has to look at [`Rendition::FILES`].
+    #[must_use]
+    pub fn gives_no_pixels(&self, vehicle: VehicleId, payload: &str) -> bool {
+        let now = self.now();
+        self.camera(vehicle, payload).is_ok_and(|camera| {
+            let pixels_at = camera.frame().map(|frame| frame.header.time);
+            let has_pixels = pixels_at.is_some_and(|at| now.seconds_since(at) < PIXELS_COUNT_S);
+            camera.video.encodes(now) && !has_pixels
+        })
+    }
+
     /// A viewer tells how long it takes from the camera's picture to the eyes: median and 99th percentile in seconds. Of a camera that is not there it
     /// is forgotten.
     pub fn note_seen(&self, vehicle: VehicleId, payload: &str, p50_s: f64, p99_s: f64) {
@@ -135,6 +151,11 @@ impl NodeHandle {
         let Some(making) = stream.begin_making() else {
             return Ok(viewer);
         };
+        let is_passed_on = elsewhere.is_none() && rendition == Rendition::OF_CAMERA && video.encodes(self.now());
+        if !is_passed_on {
+            // Nobody has looked for a while: the last pictures are of that time.
+            stream.forget_pictures();
+        }
         let looked = Looked {
             vehicle,
             payload: payload.to_owned(),

@@ -54,6 +54,12 @@ impl Rendition {
         coding: Coding::H264,
         quality: Quality::Main,
     };
+
+    /// Its pictures as files, each for itself.
+    pub const FILES: Self = Self {
+        coding: Coding::Jpeg,
+        quality: Quality::Main,
+    };
 }
 
 /// How the video of a camera is, in one word.
@@ -328,6 +334,11 @@ impl VideoStream {
         *self.format.lock() = Some(format);
     }
 
+    /// Keeps none of its pictures: they were made for those who looked before.
+    pub fn forget_pictures(&self) {
+        self.relay.lock().forget();
+    }
+
     /// How many look at it.
     pub fn viewers(&self) -> usize {
         self.viewers.load(Ordering::SeqCst)
@@ -402,6 +413,11 @@ impl Viewer {
     /// Its decoder cannot go on without a key picture.
     pub fn ask_for_key(&self) {
         self.stream.wants_key.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether both look at one stream.
+    pub fn sees_the_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.stream, &other.stream)
     }
 
     /// Pictures that it was not in time for.

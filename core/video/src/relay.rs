@@ -58,6 +58,11 @@ impl Relay {
         }
     }
 
+    /// Keeps none of the pictures that came so far: whoever looks from now on is not to see what was before.
+    pub fn forget(&mut self) {
+        self.drop_first(self.frames.len());
+    }
+
     fn drop_first(&mut self, count: usize) {
         for dropped in self.frames.drain(..count.min(self.frames.len())) {
             self.bytes -= dropped.bytes.len();

@@ -130,7 +130,7 @@ pub(super) fn instances() -> Vec<Endpoint> {
         .with::<String>("payload")
         .answer(
             StatusCode::OK,
-            "PNG, or JPEG if the camera gives that.",
+            "PNG, or JPEG if the camera gives that or H.264.",
             Some(("image/png", schema_of::<String>)),
         )
         .fails(&[400, 404]),

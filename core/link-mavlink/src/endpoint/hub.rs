@@ -12,7 +12,7 @@ use crate::outbox::Outbox;
 use crate::settings::EndpointSettings;
 use crate::sighting::{self, ReferenceSink};
 use crate::table::{LinkTable, Slot};
-use crate::vehicle::{AUTOPILOT_COMPONENT, command_long, own_heartbeat};
+use crate::vehicle::{AUTOPILOT_COMPONENT, cameras, command_long, own_heartbeat};
 use mavlink::dialects::common::MavCmd;
 use skein_domain::{Clock, NodeTime};
 use skein_px4::LinkSettings;
@@ -133,8 +133,11 @@ impl Hub {
         if sighting::is_of_others(frame.header.message_id) {
             self.sight(now, frame);
         }
+        let asked = self.ask_cameras(now, frame);
         let Some(Some(link)) = self.known.get(usize::from(system_id)) else {
-            self.on_stranger(now, counters, frame, from);
+            if !asked {
+                self.on_stranger(now, counters, frame, from);
+            }
             return;
         };
         match link.receive(now, self.slot.number, from, frame) {
@@ -154,6 +157,12 @@ impl Hub {
                 }
             }
         }
+    }
+
+    /// A command may be for a camera that this node speaks for: autopilots pass on what ground stations ask of one. True if it is.
+    fn ask_cameras(&self, now: NodeTime, frame: &Frame<'_>) -> bool {
+        let target = cameras::asked_system(frame).and_then(|system_id| self.known.get(usize::from(system_id)));
+        matches!(target, Some(Some(link)) if link.ask_cameras(now, frame))
     }
 
     /// A telemetry radio speaks for itself, not as a part of a vehicle: what it says is about every vehicle that is heard

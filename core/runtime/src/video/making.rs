@@ -208,11 +208,7 @@ impl Codecs {
             Input::Pixels(_) if !due => return Ok(None),
             Input::Pixels(frame) => {
                 let header = &frame.header;
-                let as_it_is = Rendition {
-                    coding: Coding::Jpeg,
-                    quality: Quality::Main,
-                };
-                if header.format == PixelFormat::Jpeg && wanted == as_it_is {
+                if header.format == PixelFormat::Jpeg && wanted == Rendition::FILES {
                     return Ok(Some(Made {
                         bytes: frame.bytes().to_vec(),
                         key: true,

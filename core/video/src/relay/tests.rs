@@ -120,3 +120,18 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn what_was_forgotten_is_given_to_nobody_and_the_rest_goes_on() {
+    let mut relay = Relay::default();
+    let (mut before, mut after) = (Cursor::default(), Cursor::default());
+    relay.push(frame(1, true, 10));
+    assert!(relay.next(&mut before).is_some());
+    relay.push(frame(2, false, 10));
+    relay.forget();
+    assert_eq!((relay.next(&mut before), relay.next(&mut after)), (None, None));
+    assert!(relay.waits_for_key(&before) && relay.waits_for_key(&after));
+    relay.push(frame(3, true, 10));
+    let given = [&mut before, &mut after].map(|cursor| relay.next(cursor).expect("the new one").frame.sequence);
+    assert_eq!(given, [3, 3]);
+}

@@ -4,7 +4,10 @@
     reason = "what tests share may stop at the first surprise, as they do"
 )]
 
+mod encoded;
+mod ground_station;
 mod odd;
+mod rtp;
 
 use futures_util::{SinkExt, StreamExt};
 use serde_json::{Value, json};
@@ -46,6 +49,10 @@ async fn with_camera() -> Swarm {
 }
 
 async fn with_camera_in(isolation: Isolation) -> Swarm {
+    with_camera_and(isolation, |_| {}).await
+}
+
+async fn with_camera_and(isolation: Isolation, adapt: impl FnOnce(&mut NodeConfig)) -> Swarm {
     let camera = PayloadRule { isolation, ..camera() };
     let adopt = AdoptionRule {
         payloads: vec![camera, rule("gimbal", json!({}))],
@@ -54,6 +61,7 @@ async fn with_camera_in(isolation: Isolation) -> Swarm {
     let swarm = Swarm::start_with(1, move |config, sim| {
         config.adopt = vec![adopt];
         sim.payloads = PayloadPlan::all();
+        adapt(config);
     })
     .await;
     eventually(patience(), "the camera is live", async || {
@@ -359,13 +367,17 @@ async fn what_cannot_be_seen_is_said() {
 
 /// A vehicle with a camera whose node is another one than that of the ground station, which is node 9.
 async fn with_camera_elsewhere(folder: &std::path::Path) -> Flock {
+    with_camera_elsewhere_and(folder, |config| {
+        config.adopt.iter_mut().for_each(|rule| rule.payloads = vec![camera()]);
+    })
+    .await
+}
+
+async fn with_camera_elsewhere_and(folder: &std::path::Path, adapt: fn(&mut NodeConfig)) -> Flock {
     let of_node = |node: u8, priority: u16, flies: bool| Member {
         node,
         priority: Some(u8::try_from(priority).unwrap()),
         flies,
-    };
-    let adapt = |config: &mut NodeConfig| {
-        config.adopt.iter_mut().for_each(|rule| rule.payloads = vec![camera()]);
     };
     let members = [of_node(1, 10, true), of_node(9, 200, false)];
     let flock = Flock::start(&members, folder.to_owned(), adapt).await;
