@@ -115,6 +115,10 @@ struct Source {
     /// When the camera last gave H.264, and a key picture.
     encoded_at: Option<NodeTime>,
     key_seen: bool,
+    /// Number of the last picture that came encoded and whole.
+    sequence: Option<u64>,
+    /// A picture was lost since the last key picture: what follows it would be shown damaged.
+    broken: bool,
     /// Of another node's camera.
     remote_format: Option<StreamFormat>,
     fault: Option<(NodeTime, String)>,
@@ -151,8 +155,11 @@ impl Video {
                 source.key_seen |= encoded.key;
                 source.fault = None;
                 source.meter.count(now, &encoded);
+                let broken = source.breaks_off(&encoded);
                 drop(source);
-                self.stream(Rendition::OF_CAMERA).push(encoded);
+                if !broken {
+                    self.stream(Rendition::OF_CAMERA).push(encoded);
+                }
             }
             Err(fault) => {
                 source.fault.get_or_insert((now, fault.to_string()));
@@ -251,6 +258,14 @@ impl Video {
 }
 
 impl Source {
+    /// Whether a picture cannot be shown because one before it, that it may refer to, is missing.
+    fn breaks_off(&mut self, encoded: &EncodedFrame) -> bool {
+        let before = self.sequence.replace(encoded.sequence);
+        let follows = before.is_none_or(|before| encoded.sequence == before + 1);
+        self.broken = !encoded.key && (self.broken || !follows);
+        self.broken
+    }
+
     fn count_pixels(&mut self, now: NodeTime, frame: &Frame) {
         let header = &frame.header;
         let of_meter = EncodedFrame {

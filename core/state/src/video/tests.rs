@@ -59,3 +59,15 @@ fn a_camera_that_gives_nothing_is_told_by_when_it_began() {
     assert_eq!(video.health(NodeTime(1_000_000)).state, VideoState::Starting);
     assert_eq!(video.health(NodeTime(6_000_000)).state, VideoState::NoPictures);
 }
+
+#[test]
+fn after_a_lost_picture_none_is_shown_until_the_next_key_picture() {
+    let mut source = Source::default();
+    let mut shown = |sequence, key| !source.breaks_off(&frame(sequence, key));
+    assert!(shown(1, true) && shown(2, false));
+    // 3 is lost
+    assert!(!shown(4, false) && !shown(5, false));
+    assert!(shown(6, true) && shown(7, false));
+    // the camera begins anew, in the middle of a group
+    assert!(!shown(1, false) && shown(2, true));
+}
