@@ -18,12 +18,13 @@ const PLUGINS: &str = "SKEIN_PLUGINS";
 
 /// Those that the documents show: they are in the repository, in this folder. All others are made when somebody wants to see them.
 const KEPT_IN: &str = "web-ui/screenshots";
-const KEPT: [&str; 11] = [
+const KEPT: [&str; 12] = [
     "flight.webp",
     "console.png",
     "pages/1920-dark-formation.webp",
     "pages/1920-dark-space.webp",
     "pages/1920-dark-page-vehicle.webp",
+    "pages/1920-dark-page-video.webp",
     "pages/1024-light-commands.webp",
     "pages/1024-light-by-hand.webp",
     "pages/1024-light-fences.webp",
