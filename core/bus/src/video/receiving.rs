@@ -48,6 +48,8 @@ struct Stream {
     boot: Option<Boot>,
     /// The picture to hand out next; none until a key picture came.
     next: Option<u64>,
+    /// What was handed out last does not go on: too much waited, and it was dropped.
+    broken_off: bool,
     coming: BTreeMap<u64, Partial>,
     bytes: usize,
     /// Since when the next one is missing.
@@ -148,7 +150,9 @@ impl Stream {
         // That it is the first already, and still too much, leaves nothing to keep.
         let kept = if kept == first { u64::MAX } else { kept };
         self.drop_before(kept);
-        self.next = self.next.filter(|next| *next >= kept);
+        let next = self.next.filter(|next| *next >= kept);
+        self.broken_off |= next.is_none() && self.next.is_some();
+        self.next = next;
         self.wants_key |= kept == u64::MAX;
     }
 
@@ -166,7 +170,7 @@ impl Stream {
             let in_order = self.next.filter(|next| self.coming.get(next).is_some_and(whole));
             let chosen = in_order.or_else(|| self.later_key(now));
             let Some(picture) = chosen else { break };
-            let after_gap = self.next.is_some_and(|next| picture > next);
+            let after_gap = std::mem::take(&mut self.broken_off) || self.next.is_some_and(|next| picture > next);
             let Some(partial) = self.coming.remove(&picture) else {
                 break;
             };
