@@ -261,7 +261,7 @@ impl Source {
     /// Whether a picture cannot be shown because one before it, that it may refer to, is missing.
     fn breaks_off(&mut self, encoded: &EncodedFrame) -> bool {
         let before = self.sequence.replace(encoded.sequence);
-        let follows = before.is_none_or(|before| encoded.sequence == before + 1);
+        let follows = before.is_none_or(|before| before.checked_add(1) == Some(encoded.sequence));
         self.broken = !encoded.key && (self.broken || !follows);
         self.broken
     }

@@ -70,4 +70,10 @@ fn after_a_lost_picture_none_is_shown_until_the_next_key_picture() {
     assert!(shown(6, true) && shown(7, false));
     // the camera begins anew, in the middle of a group
     assert!(!shown(1, false) && shown(2, true));
+    // a number that nothing can follow
+    let last = EncodedFrame {
+        sequence: u64::MAX,
+        ..frame(0, true)
+    };
+    assert!(!source.breaks_off(&last) && source.breaks_off(&frame(0, false)));
 }

@@ -59,7 +59,8 @@ impl Packets {
 
 /// A moment in units of 1/90,000 s, which wrap around as RTP has it.
 fn timestamp(taken: NodeTime) -> u32 {
-    (taken.0 * 9 / 100) as u32
+    // The moment is the camera's word: whatever it is, it fits.
+    (u128::from(taken.0) * 9 / 100) as u32
 }
 
 #[cfg(test)]

@@ -103,3 +103,14 @@ fn after_weeks_the_timestamp_wraps_and_goes_on() {
     );
     assert_eq!(next.wrapping_sub(one), 3_600);
 }
+
+#[test]
+fn no_moment_is_too_late() {
+    assert_eq!(timestamp(NodeTime(10)), 0);
+    assert_eq!(timestamp(NodeTime(1_000_000)), 90_000);
+    // 2^64 - 1 µs are more units than 32 bits hold: they wrap around
+    assert_eq!(
+        timestamp(NodeTime(u64::MAX)),
+        ((u128::from(u64::MAX) * 9 / 100) % (1 << 32)) as u32
+    );
+}
