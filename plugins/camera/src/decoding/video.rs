@@ -1,5 +1,7 @@
 //! A video: H.264 in an MP4 file, again and again, at its own speed.
 
+mod fragments;
+
 use super::{DecodeError, MOST_PIXELS, Outlet, Picture};
 use mp4parse::unstable::{CheckedInteger, create_sample_table};
 use mp4parse::{CodecType, SampleEntry, Track, TrackType, VideoCodecSpecific, VideoSampleEntry};
@@ -26,12 +28,14 @@ struct Sample {
     decode_s: f64,
 }
 
+/// When each picture is shown, in seconds, in the order of showing.
+type Shown = Vec<f64>;
+
 /// What is needed to decode a file.
 pub(crate) struct Video {
     file: BufReader<File>,
     samples: Vec<Sample>,
-    /// When each picture is shown, in seconds, in the order of showing.
-    shown_s: Vec<f64>,
+    shown_s: Shown,
     /// Parameter sets, as they stand in a raw stream.
     head: Vec<u8>,
     /// Bytes of the number before each unit.
@@ -86,7 +90,9 @@ impl Video {
         let file = File::open(path).map_err(unreadable)?;
         let size = file.metadata().map_err(unreadable)?.len();
         let mut file = BufReader::new(file);
-        let context = mp4parse::read_mp4(&mut file).map_err(|error| damaged(&format!("{error:?}")))?;
+        let whole = fragments::whole_boxes(&mut file, size).map_err(unreadable)?;
+        let context =
+            mp4parse::read_mp4(&mut file.by_ref().take(whole)).map_err(|error| damaged(&format!("{error:?}")))?;
         let mut tracks = context
             .tracks
             .iter()
@@ -102,7 +108,13 @@ impl Video {
             return Err(damaged("the pictures are too large"));
         }
         let (len_size, head) = parameter_sets(config).ok_or_else(|| damaged("no parameter sets"))?;
-        let (samples, shown_s) = samples(track, size).ok_or_else(|| damaged("its table of pictures is wrong"))?;
+        let wrong = || damaged("its table of pictures is wrong");
+        let (mut samples, mut shown_s) = samples(track, size).ok_or_else(wrong)?;
+        if let (true, Some(id)) = (samples.is_empty(), track.track_id) {
+            let ticks_per_s = ticks_per_s(track).ok_or_else(wrong)?;
+            (samples, shown_s) = fragments::samples(&mut file, size, id, ticks_per_s);
+        }
+        shown_s.sort_by(f64::total_cmp);
         if samples.is_empty() {
             return Err(DecodeError::Empty { path: path.to_owned() });
         }
@@ -240,7 +252,7 @@ fn h264(track: &Track) -> Option<&VideoSampleEntry> {
 }
 
 /// Where the samples are, and when their pictures are shown; `None` if that cannot be.
-fn samples(track: &Track, size: u64) -> Option<(Vec<Sample>, Vec<f64>)> {
+fn samples(track: &Track, size: u64) -> Option<(Vec<Sample>, Shown)> {
     // Every sample has a byte at least: a table that claims more would only fill the memory.
     let claimed = track
         .stts
@@ -251,7 +263,7 @@ fn samples(track: &Track, size: u64) -> Option<(Vec<Sample>, Vec<f64>)> {
     if claimed > size {
         return None;
     }
-    let ticks_per_s = track.timescale.map(|scale| scale.0).filter(|ticks| *ticks > 0)? as f64;
+    let ticks_per_s = ticks_per_s(track)?;
     let table = create_sample_table(track, CheckedInteger(0))?;
     let mut samples = Vec::with_capacity(table.len());
     let mut shown_s = Vec::with_capacity(table.len());
@@ -271,8 +283,12 @@ fn samples(track: &Track, size: u64) -> Option<(Vec<Sample>, Vec<f64>)> {
         });
         shown_s.push(entry.start_composition.0 as f64 / ticks_per_s);
     }
-    shown_s.sort_by(f64::total_cmp);
     Some((samples, shown_s))
+}
+
+fn ticks_per_s(track: &Track) -> Option<f64> {
+    let ticks = track.timescale.map(|scale| scale.0).filter(|ticks| *ticks > 0);
+    ticks.map(|ticks| ticks as f64)
 }
 
 /// Reads the decoder's configuration: how long the number before each unit is, and the parameter sets.

@@ -68,11 +68,19 @@ impl Field {
     }
 
     async fn until(&self, what: &str, wanted: impl Fn(&Value) -> bool) -> Value {
-        eventually(patience() + FLIGHT, what, async || {
+        let deadline = Instant::now() + patience() + FLIGHT;
+        loop {
             let fleet = self.get("fleet").await;
-            wanted(&fleet).then_some(fleet)
-        })
-        .await
+            if wanted(&fleet) {
+                return fleet;
+            }
+            assert!(
+                Instant::now() < deadline,
+                "in vain for {what}; at last:\n{fleet}\n{}",
+                self.node.output()
+            );
+            tokio::time::sleep(Duration::from_millis(20)).await;
+        }
     }
 
     /// All up, in a wedge.

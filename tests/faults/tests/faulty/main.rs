@@ -4,3 +4,4 @@ mod crashes;
 mod failsafe;
 mod killed;
 mod losses;
+mod recording;

@@ -3,6 +3,7 @@
 use super::*;
 use crate::decoding::{self, Files, Reader};
 use crate::stream::{Origin, StreamReader};
+use muxide::fragmented::{FragmentConfig, FragmentedMuxer};
 use openh264::encoder::{Encoder, EncoderConfig, FrameRate, IntraFramePeriod, RateControlMode};
 use openh264::formats::YUVBuffer;
 use openh264::nal_units;
@@ -30,8 +31,8 @@ fn numbers(values: &[u32]) -> Vec<u8> {
     values.iter().flat_map(|value| value.to_be_bytes()).collect()
 }
 
-/// A video of grey pictures that become brighter one by one.
-fn mp4() -> Vec<u8> {
+/// Grey pictures that become brighter one by one: the two parameter sets, and each picture with the lengths of its units.
+fn pictures() -> ([Vec<u8>; 2], Vec<Vec<u8>>) {
     let config = EncoderConfig::new()
         .skip_frames(false)
         .rate_control_mode(RateControlMode::Off)
@@ -64,10 +65,33 @@ fn mp4() -> Vec<u8> {
         assert!(!sample.is_empty());
         samples.push(sample);
     }
+    (sets, samples)
+}
+
+fn mp4() -> Vec<u8> {
+    let (sets, samples) = pictures();
     let head = part(b"ftyp", &[b"isom".to_vec(), numbers(&[512]), b"isomavc1".to_vec()]);
     let mdat = part(b"mdat", &samples);
     let lens: Vec<u32> = samples.iter().map(|sample| sample.len() as u32).collect();
     [head.clone(), mdat, moov(&sets, &lens, head.len() as u32 + 8)].concat()
+}
+
+/// The same pictures, a second in a fragment.
+fn fragmented() -> Vec<u8> {
+    let ([sps, pps], samples) = pictures();
+    let config = FragmentConfig::new(WIDTH as u32, HEIGHT as u32, RATE_HZ).with_fragment_duration_ms(1000);
+    let mut muxer = FragmentedMuxer::new(FragmentConfig { sps, pps, ..config }).unwrap();
+    let mut bytes = muxer.init_segment();
+    for (index, sample) in samples.iter().enumerate() {
+        if muxer.ready_to_flush() {
+            bytes.extend(muxer.flush_segment().unwrap());
+        }
+        let at = index as u64;
+        // A unit of kind 5 is one that a decoder can begin with.
+        muxer.write_video(at, at, sample, sample[4] & 0x1f == 5).unwrap();
+    }
+    bytes.extend(muxer.flush_segment().unwrap());
+    bytes
 }
 
 fn moov([sps, pps]: &[Vec<u8>; 2], lens: &[u32], first: u32) -> Vec<u8> {
@@ -177,6 +201,34 @@ fn a_file_cut_off_shows_what_is_there_or_says_why_not() {
 }
 
 #[test]
+fn a_file_in_fragments_is_read_as_far_as_it_is_whole() {
+    let (bytes, whole) = (fragmented(), file(&mp4()));
+    let (cut, uncut) = (file(&bytes[..bytes.len() - 7]), file(&bytes));
+    let (mut plain, mut fragments) = (Video::open(whole.path()).unwrap(), Video::open(uncut.path()).unwrap());
+    assert_eq!((fragments.len(), &fragments.shown_s), (plain.len(), &plain.shown_s));
+    for index in 0..plain.len() {
+        // The plain file does not say which pictures a decoder can begin with: all are told the parameter sets.
+        let (here, there) = (fragments.coded(index).unwrap(), plain.coded(index).unwrap());
+        assert!(there.ends_with(&here), "{index}");
+        assert_eq!(here.len() == there.len(), index % 8 == 0, "{index}");
+        assert!((fragments.decoded_at_s(index) - plain.decoded_at_s(index)).abs() < 1e-9);
+    }
+    assert_shows(
+        &mut reads(uncut.path(), f64::from(RATE_HZ), 0),
+        (0..PICTURES).chain(0..3),
+    );
+    // The last fragment is not whole; those before it are shown.
+    let left = Video::open(cut.path()).unwrap().len();
+    assert!(left > 0 && left < PICTURES as usize, "{left}");
+    // What has no fragment yet says so.
+    let head = bytes.windows(4).position(|name| name == b"moof").unwrap() - 4;
+    assert!(matches!(
+        Video::open(file(&bytes[..head]).path()),
+        Err(DecodeError::Empty { .. })
+    ));
+}
+
+#[test]
 fn pictures_are_picked_by_time() {
     let shown: Vec<f64> = (0..30).map(|index| f64::from(index) / 30.0).collect();
     assert_eq!(pick(&shown, 5.0), [0, 6, 12, 18, 24]);
@@ -191,8 +243,11 @@ proptest! {
 
     /// Only the container: what a decoder makes of damaged pictures is not decided here.
     #[test]
-    fn no_damage_of_the_container_makes_it_panic(changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8)) {
-        let mut bytes = mp4_once().clone();
+    fn no_damage_of_the_container_makes_it_panic(
+        in_fragments in any::<bool>(),
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
+    ) {
+        let mut bytes = once()[usize::from(in_fragments)].clone();
         for (at, value) in changes {
             let at = at.index(bytes.len());
             bytes[at] = value;
@@ -215,9 +270,9 @@ proptest! {
     }
 }
 
-fn mp4_once() -> &'static Vec<u8> {
-    static MP4: std::sync::OnceLock<Vec<u8>> = std::sync::OnceLock::new();
-    MP4.get_or_init(mp4)
+fn once() -> &'static [Vec<u8>; 2] {
+    static FILES: std::sync::OnceLock<[Vec<u8>; 2]> = std::sync::OnceLock::new();
+    FILES.get_or_init(|| [mp4(), fragmented()])
 }
 
 #[test]
