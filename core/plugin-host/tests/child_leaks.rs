@@ -25,7 +25,9 @@ async fn two_hundred_lives_leave_nothing_behind() {
         }
     }
     wait_for_none(&runners).await;
-    assert_eq!((count_of("/proc/self/fd"), count_of("/proc/self/task")), before);
+    // A thread that waited for work in the beginning may have ended since.
+    let after = (count_of("/proc/self/fd"), count_of("/proc/self/task"));
+    assert!(after.0 <= before.0 && after.1 <= before.1, "{before:?}, then {after:?}");
     assert_eq!(orders::children_of_this_process(), Vec::<String>::new());
 }
 
