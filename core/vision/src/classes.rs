@@ -1,0 +1,56 @@
+//! What a thing is taken for: a score for each class that a detector knows.
+
+use std::collections::BTreeMap;
+
+/// Scores by class, each 0..=1.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ClassScores(BTreeMap<String, f64>);
+
+impl ClassScores {
+    /// Of one class alone; a score that is no number is taken for nothing.
+    #[must_use]
+    pub fn one(class: &str, score: f64) -> Self {
+        Self::all([(class.to_owned(), score)])
+    }
+
+    /// Of several classes.
+    #[must_use]
+    pub fn all(scores: impl IntoIterator<Item = (String, f64)>) -> Self {
+        let scores = scores.into_iter();
+        Self(
+            scores
+                .filter(|(_, score)| *score > 0.0)
+                .map(|(class, score)| (class, score.min(1.0)))
+                .collect(),
+        )
+    }
+
+    /// The class with the greatest score, and the score; `None` if there is none.
+    #[must_use]
+    pub fn best(&self) -> Option<(&str, f64)> {
+        let best = self.0.iter().max_by(|a, b| a.1.total_cmp(b.1));
+        best.map(|(class, score)| (class.as_str(), *score))
+    }
+
+    /// The score of one class.
+    #[must_use]
+    pub fn of(&self, class: &str) -> f64 {
+        self.0.get(class).copied().unwrap_or(0.0)
+    }
+
+    /// All of them.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, f64)> {
+        self.0.iter().map(|(class, score)| (class.as_str(), *score))
+    }
+
+    /// Moves all scores by `share`, 0..=1, towards those of another one.
+    pub fn blend(&mut self, newer: &Self, share: f64) {
+        for score in self.0.values_mut() {
+            *score *= 1.0 - share;
+        }
+        for (class, score) in &newer.0 {
+            *self.0.entry(class.clone()).or_insert(0.0) += share * score;
+        }
+        self.0.retain(|_, score| *score > 1e-4);
+    }
+}

@@ -1,0 +1,308 @@
+//! Which tracklets belong together, and to which tracks. Nothing is decided while another answer is nearly as good: the next sightings will tell.
+
+use super::birth::{self, Explained};
+use super::estimate::Estimate;
+use super::tracklet::{Belongs, Tracklet};
+use super::{BELIEVED_AFTER, Observation, Sensor, SwarmTracker, Track};
+use std::cmp::Ordering;
+use std::collections::BTreeSet;
+
+/// Sightings that are needed before anything is decided.
+pub(super) const ENOUGH: usize = 5;
+/// And how long they have to last, in seconds.
+const ENOUGH_S: f64 = 0.4;
+/// What belongs together deviates by less than this, by the deviation that is expected.
+const FITS: f64 = 2.2;
+/// The second best has to be worse by this, as twice a logarithm of likelihoods.
+const CLEARLY: f64 = 9.0;
+/// After this many seconds less is enough: a target that flies along with another is to be seen at last.
+const PATIENCE_S: f64 = 3.0;
+const LESS_CLEARLY: f64 = 2.0;
+/// Two tracks that are no farther from each other are one: 95 % of six squared deviations.
+const SAME: f64 = 12.6;
+
+impl SwarmTracker {
+    /// Tracklets that a track predicted go to it.
+    pub(super) fn join_tracks(&mut self) {
+        let mut fits: Vec<(f64, usize, u64)> = Vec::new();
+        for (index, tracklet) in self.tracklets.iter().enumerate() {
+            if tracklet.belongs != Belongs::Nothing || !is_enough(tracklet) {
+                continue;
+            }
+            let known = self
+                .tracks
+                .iter()
+                .filter(|track| !track.guessed_range && track.sightings >= BELIEVED_AFTER);
+            let free = known.filter(|track| !self.sees(tracklet, track));
+            let mut costs: Vec<(f64, u64)> = free
+                .filter_map(|track| Some((self.cost(tracklet, &track.estimate)?, track.id)))
+                .collect();
+            costs.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let wanted = if tracklet.age_s() > PATIENCE_S {
+                LESS_CLEARLY
+            } else {
+                CLEARLY
+            };
+            let clear = costs.get(1).is_none_or(|second| second.0 - costs[0].0 > wanted);
+            if let (Some((cost, id)), true) = (costs.first(), clear) {
+                fits.push((*cost, index, *id));
+            }
+        }
+        fits.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (_, index, id) in fits {
+            let sensor = self.tracklets[index].sensor.clone();
+            let now = self.tracklets[index].seen();
+            if !self.sensors_of(id, now).contains(&sensor) {
+                self.tracklets[index].belongs = Belongs::Track(id);
+                self.learn(index, id);
+            }
+        }
+    }
+
+    /// Whether this tracklet's sensor sees the track under another name.
+    fn sees(&self, tracklet: &Tracklet, track: &Track) -> bool {
+        self.sensors_of(track.id, tracklet.seen()).contains(&tracklet.sensor)
+    }
+
+    /// How badly an estimate predicts what a tracklet saw; `None` if it does not.
+    fn cost(&self, tracklet: &Tracklet, estimate: &Estimate) -> Option<f64> {
+        let (mut squared, mut dimensions, mut cost) = (0.0, 0, 0.0);
+        for (time, seen) in &tracklet.sightings {
+            let fit = estimate.fit(*time, seen, self.settings.acceleration_m2_s3)?;
+            squared += fit.squared;
+            dimensions += fit.dimensions;
+            cost += fit.cost();
+        }
+        (squared < FITS * dimensions as f64).then_some(cost)
+    }
+
+    /// What a tracklet knew before it belonged to the track: its newest sighting, and what it takes it for.
+    fn learn(&mut self, index: usize, id: u64) {
+        let tracklet = &self.tracklets[index];
+        let Some(track) = self.tracks.iter_mut().find(|track| track.id == id) else {
+            return;
+        };
+        if let Some((time, seen)) = tracklet.sightings.back()
+            && track.estimate.correct(*time, seen, self.settings.acceleration_m2_s3)
+        {
+            track.seen = track.seen.max(tracklet.seen());
+        }
+        track.scores.blend(&tracklet.scores, 0.2);
+    }
+
+    /// Tracklets of two cameras that see one thing begin a track, or make a guessed one a known one.
+    pub(super) fn pair_cameras(&mut self) {
+        loop {
+            let pairs = self.pairs();
+            let clear = pairs.iter().filter(|pair| is_clear(pair, &pairs, &self.tracklets));
+            let worse = |pair: &Pair| (std::cmp::Reverse(pair.witnesses), pair.explained.ratio());
+            let best = clear.min_by(|a, b| {
+                let (a, b) = (worse(a), worse(b));
+                a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+            });
+            let Some(best) = best else { return };
+            let (first, second, estimate) = (best.first, best.second, best.explained.estimate.clone());
+            if !self.begin_pair(first, second, estimate) {
+                return;
+            }
+            self.join_tracks();
+        }
+    }
+
+    /// All that could belong together.
+    fn pairs(&self) -> Vec<Pair> {
+        let open: Vec<usize> = (0..self.tracklets.len()).filter(|index| self.is_open(*index)).collect();
+        let mut pairs = Vec::new();
+        for (place, first) in open.iter().copied().enumerate() {
+            for second in open[place + 1..].iter().copied() {
+                let (a, b) = (&self.tracklets[first], &self.tracklets[second]);
+                let apart_s = a.seen().seconds_since(b.seen()).abs();
+                if a.sensor == b.sensor || apart_s > self.settings.sight_lost_s {
+                    continue;
+                }
+                let (a_seen, b_seen): (Vec<_>, Vec<_>) = (
+                    a.sightings.iter().cloned().collect(),
+                    b.sightings.iter().cloned().collect(),
+                );
+                let explained = birth::explain(a.seen().max(b.seen()), &a_seen, &b_seen);
+                if let Some(explained) = explained.filter(|explained| explained.ratio() < FITS) {
+                    let witnesses = self.witnesses(&open, first, second, &explained.estimate);
+                    pairs.push(Pair {
+                        first,
+                        second,
+                        explained,
+                        witnesses,
+                    });
+                }
+            }
+        }
+        pairs
+    }
+
+    /// How many other sensors see something there.
+    fn witnesses(&self, open: &[usize], first: usize, second: usize, estimate: &Estimate) -> usize {
+        let of_pair = [&self.tracklets[first].sensor, &self.tracklets[second].sensor];
+        let others = open.iter().map(|index| &self.tracklets[*index]);
+        let others = others.filter(|tracklet| !of_pair.contains(&&tracklet.sensor));
+        let seeing = others.filter(|tracklet| self.cost(tracklet, estimate).is_some());
+        let sensors: BTreeSet<&Sensor> = seeing.map(|tracklet| &tracklet.sensor).collect();
+        sensors.len()
+    }
+
+    /// Whether a partner is looked for: a camera's tracklet that belongs to nothing, or alone to its track.
+    fn is_open(&self, index: usize) -> bool {
+        let tracklet = &self.tracklets[index];
+        let open = match tracklet.belongs {
+            Belongs::Nothing => true,
+            Belongs::Track(id) => self.sensors_of(id, tracklet.seen()).len() == 1,
+            Belongs::Own(_) | Belongs::Dropped => false,
+        };
+        open && tracklet.is_bearing() && is_enough(tracklet)
+    }
+
+    fn begin_pair(&mut self, first: usize, second: usize, estimate: Estimate) -> bool {
+        let guessed = [first, second].map(|index| match self.tracklets[index].belongs {
+            Belongs::Track(id) => Some(id),
+            _ => None,
+        });
+        let id = match guessed {
+            [Some(id), Some(other)] => {
+                let (kept, gone) = self.older(id, other);
+                self.tracks.retain(|track| track.id != gone);
+                Some(kept)
+            }
+            [Some(id), None] | [None, Some(id)] => Some(id),
+            [None, None] => {
+                let scores = self.tracklets[first].scores.clone();
+                self.begin(estimate.clone(), scores, BELIEVED_AFTER)
+            }
+        };
+        let Some(id) = id else { return false };
+        if let Some(track) = self.tracks.iter_mut().find(|track| track.id == id) {
+            track.seen = estimate.time;
+            track.estimate = estimate;
+            track.guessed_range = false;
+            track.scores.blend(&self.tracklets[second].scores, 0.5);
+        }
+        for index in [first, second] {
+            self.tracklets[index].belongs = Belongs::Track(id);
+        }
+        true
+    }
+
+    /// Which of two tracks is kept when they are one: the pinned, the named, the older.
+    fn older(&self, first: u64, second: u64) -> (u64, u64) {
+        let rank = |id: u64| {
+            let track = self.tracks.iter().find(|track| track.id == id);
+            track.map_or((false, false), |track| (track.pinned, !track.name.is_empty()))
+        };
+        let first_stays = (rank(first), std::cmp::Reverse(first)) > (rank(second), std::cmp::Reverse(second));
+        if first_stays { (first, second) } else { (second, first) }
+    }
+
+    /// A tracklet of positions that no track predicted.
+    pub(super) fn begin_from_positions(&mut self) {
+        for index in 0..self.tracklets.len() {
+            let tracklet = &self.tracklets[index];
+            let Some((time, Observation::Position { position, covariance })) = tracklet.sightings.back() else {
+                continue;
+            };
+            if tracklet.belongs == Belongs::Nothing && is_enough(tracklet) {
+                let mut estimate = Estimate::of_position(*time, position, covariance);
+                for (time, seen) in tracklet.sightings.iter().rev().skip(1) {
+                    estimate.correct(*time, seen, self.settings.acceleration_m2_s3);
+                }
+                let scores = tracklet.scores.clone();
+                if let Some(id) = self.begin(estimate, scores, BELIEVED_AFTER) {
+                    self.tracklets[index].belongs = Belongs::Track(id);
+                }
+            }
+        }
+    }
+
+    /// Two tracks that are one become one.
+    pub(super) fn merge(&mut self) {
+        while let Some((first, second)) = self.same() {
+            let (kept, gone) = self.older(first, second);
+            self.tracks.retain(|track| track.id != gone);
+            for tracklet in &mut self.tracklets {
+                if tracklet.belongs == Belongs::Track(gone) {
+                    tracklet.belongs = Belongs::Track(kept);
+                }
+            }
+        }
+    }
+
+    /// Two tracks that no sensor tells apart, and that are where the other one is.
+    fn same(&self) -> Option<(u64, u64)> {
+        let known: Vec<&Track> = self.tracks.iter().filter(|track| !track.guessed_range).collect();
+        for (place, first) in known.iter().enumerate() {
+            for second in &known[place + 1..] {
+                let now = first.estimate.time.max(second.estimate.time);
+                let told_apart = {
+                    let sensors = self.sensors_of(first.id, now);
+                    self.sensors_of(second.id, now)
+                        .iter()
+                        .any(|sensor| sensors.contains(sensor))
+                };
+                let density = self.settings.acceleration_m2_s3;
+                let (a, b) = (first.estimate.at(now, density), second.estimate.at(now, density));
+                let off = a.state - b.state;
+                let whole = (a.covariance + b.covariance).cholesky();
+                let near = whole.is_some_and(|whole| off.dot(&whole.solve(&off)) < SAME);
+                // Two that are hardly known anywhere are not known to be one.
+                let sharp = (a.position_covariance() + b.position_covariance()).trace() < 100.0;
+                if near && sharp && !told_apart {
+                    return Some((first.id, second.id));
+                }
+            }
+        }
+        None
+    }
+}
+
+/// Two tracklets that one thing explains.
+struct Pair {
+    first: usize,
+    second: usize,
+    explained: Explained,
+    /// Other sensors that see something there.
+    witnesses: usize,
+}
+
+impl Pair {
+    fn has(&self, index: usize) -> bool {
+        self.first == index || self.second == index
+    }
+
+    fn other(&self, index: usize) -> usize {
+        if self.first == index { self.second } else { self.first }
+    }
+}
+
+/// Whether no other pair that has one of its tracklets, and the same two sensors, has as many witnesses and explains nearly as well.
+fn is_clear(pair: &Pair, pairs: &[Pair], tracklets: &[Tracklet]) -> bool {
+    let age_s = tracklets[pair.first].age_s().min(tracklets[pair.second].age_s());
+    let wanted = if age_s > PATIENCE_S { LESS_CLEARLY } else { CLEARLY };
+    let rival = |index: usize| {
+        let sensor = &tracklets[pair.other(index)].sensor;
+        let rivals = pairs
+            .iter()
+            .filter(|rival| rival.has(index) && rival.other(index) != pair.other(index));
+        let mut of_sensor = rivals.filter(|rival| tracklets[rival.other(index)].sensor == *sensor);
+        of_sensor.any(|rival| match rival.witnesses.cmp(&pair.witnesses) {
+            Ordering::Less => false,
+            Ordering::Equal => rival.explained.squared - pair.explained.squared < wanted,
+            Ordering::Greater => true,
+        })
+    };
+    !rival(pair.first) && !rival(pair.second)
+}
+
+pub(super) fn is_enough(tracklet: &Tracklet) -> bool {
+    let lasts_s = match (tracklet.sightings.front(), tracklet.sightings.back()) {
+        (Some(first), Some(last)) => last.0.seconds_since(first.0),
+        _ => 0.0,
+    };
+    tracklet.sightings.len() >= ENOUGH && lasts_s >= ENOUGH_S
+}

@@ -1,0 +1,62 @@
+//! Vehicles of the swarm that sensors see: they are known by their telemetry, and are no tracks.
+
+use super::joining::ENOUGH;
+use super::tracklet::{Belongs, Tracklet};
+use super::{Observation, OwnVehicle, SwarmTracker};
+use nalgebra::Matrix3;
+
+/// Share of sightings that a vehicle of the swarm has to explain.
+const OWN_SHARE: f64 = 0.7;
+/// And how far off they may be, in standard deviations.
+const OWN_DEVIATIONS: f64 = 3.5;
+
+impl SwarmTracker {
+    /// What vehicles of the swarm explain belongs to them, for as long as they do.
+    pub(super) fn leave_out_own(&mut self, own: &[OwnVehicle]) {
+        for tracklet in &mut self.tracklets {
+            match tracklet.belongs {
+                Belongs::Nothing if tracklet.sightings.len() >= ENOUGH => {
+                    if let Some(vehicle) = own.iter().find(|vehicle| explains(vehicle, tracklet)) {
+                        tracklet.belongs = Belongs::Own(vehicle.id);
+                    }
+                }
+                Belongs::Own(id)
+                    if !own
+                        .iter()
+                        .any(|vehicle| vehicle.id == id && explains(vehicle, tracklet)) =>
+                {
+                    tracklet.belongs = Belongs::Nothing;
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+/// Whether a vehicle of the swarm is what most of the sightings saw.
+fn explains(vehicle: &OwnVehicle, tracklet: &Tracklet) -> bool {
+    let fits = tracklet.sightings.iter().filter(|(time, seen)| {
+        let place = vehicle.position + vehicle.velocity * time.seconds_since(vehicle.time);
+        let off = match seen {
+            Observation::Bearing {
+                origin,
+                origin_error_m,
+                direction,
+                error_rad,
+            } => {
+                let way = place - origin;
+                let error_rad = error_rad.hypot(origin_error_m.hypot(vehicle.error_m) / way.norm().max(0.1));
+                way.angle(direction) / error_rad
+            }
+            Observation::Position { position, covariance } => {
+                let whole = covariance + Matrix3::from_diagonal_element(vehicle.error_m.powi(2));
+                let off = position - place;
+                whole
+                    .cholesky()
+                    .map_or(f64::INFINITY, |whole| off.dot(&whole.solve(&off)).sqrt())
+            }
+        };
+        off < OWN_DEVIATIONS
+    });
+    fits.count() as f64 >= OWN_SHARE * tracklet.sightings.len() as f64
+}

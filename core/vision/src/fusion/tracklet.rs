@@ -1,0 +1,104 @@
+//! What one sensor follows under one name, and what that belongs to.
+
+use super::{Observation, RangeGuess, Sensor, Sighting};
+use crate::ClassScores;
+use skein_domain::{NodeTime, VehicleId};
+use std::collections::VecDeque;
+
+/// Not seen for so long, a tracklet is forgotten, in seconds.
+pub(super) const FORGOTTEN_AFTER_S: f64 = 2.0;
+/// So many sightings are remembered.
+const MOST: usize = 12;
+/// At most every so many seconds one is remembered.
+const EVERY_S: f64 = 0.095;
+/// So many sightings that do not fit, one after the other, take it from its track.
+const MISSES: u32 = 6;
+
+/// To what a tracklet belongs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Belongs {
+    Nothing,
+    Track(u64),
+    Own(VehicleId),
+    /// An operator dropped its track.
+    Dropped,
+}
+
+#[derive(Debug)]
+pub(super) struct Tracklet {
+    pub(super) sensor: Sensor,
+    pub(super) name: u64,
+    pub(super) belongs: Belongs,
+    pub(super) sightings: VecDeque<(NodeTime, Observation)>,
+    pub(super) scores: ClassScores,
+    pub(super) guess: Option<RangeGuess>,
+    began: NodeTime,
+    seen: NodeTime,
+    misses: u32,
+}
+
+impl Tracklet {
+    pub(super) fn new(sensor: Sensor, name: u64) -> Self {
+        Self {
+            sensor,
+            name,
+            belongs: Belongs::Nothing,
+            sightings: VecDeque::new(),
+            scores: ClassScores::default(),
+            guess: None,
+            began: NodeTime(0),
+            seen: NodeTime(0),
+            misses: 0,
+        }
+    }
+
+    /// Remembers a sighting. False for one that is not newer than the last.
+    pub(super) fn remember(&mut self, sighting: &Sighting) -> bool {
+        if !self.sightings.is_empty() && sighting.time <= self.seen {
+            return false;
+        }
+        if self.sightings.is_empty() {
+            self.began = sighting.time;
+            self.scores = sighting.scores.clone();
+        }
+        self.seen = sighting.time;
+        self.scores.blend(&sighting.scores, 0.1);
+        self.guess = sighting.guess.or(self.guess);
+        let due = self
+            .sightings
+            .back()
+            .is_none_or(|(last, _)| sighting.time.seconds_since(*last) >= EVERY_S);
+        if due {
+            if self.sightings.len() == MOST {
+                self.sightings.pop_front();
+            }
+            self.sightings.push_back((sighting.time, sighting.observation.clone()));
+        }
+        true
+    }
+
+    pub(super) fn seen(&self) -> NodeTime {
+        self.seen
+    }
+
+    /// How long it has been seen, in seconds.
+    pub(super) fn age_s(&self) -> f64 {
+        self.seen.seconds_since(self.began)
+    }
+
+    pub(super) fn is_bearing(&self) -> bool {
+        matches!(self.sightings.back(), Some((_, Observation::Bearing { .. })))
+    }
+
+    /// Whether the last sighting fitted the track that it belongs to. After several that did not it belongs to nothing.
+    pub(super) fn note(&mut self, fitted: bool) {
+        self.misses = if fitted { 0 } else { self.misses + 1 };
+        if self.misses >= MISSES {
+            self.misses = 0;
+            self.belongs = Belongs::Nothing;
+            // What it saw before may have been another thing.
+            let newest = self.sightings.len().saturating_sub(2);
+            self.sightings.drain(..newest);
+        }
+    }
+}
