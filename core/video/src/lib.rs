@@ -15,7 +15,6 @@ mod intake;
 mod jpeg;
 mod meter;
 mod mp4;
-
 mod planes;
 mod relay;
 
@@ -25,7 +24,6 @@ pub use h264::{H264Error, StreamFormat};
 pub use intake::{FrameFault, Intake};
 pub use jpeg::{JpegError, jpeg};
 pub use meter::{Measured, Meter};
-pub use mp4::{Mp4Error, Mp4Writer};
-
+pub use mp4::{Mp4Error, Mp4ReadError, Mp4Reader, Mp4Writer};
 pub use planes::{Planes, PlanesError};
 pub use relay::{Cursor, Given, MOST_KEPT_BYTES, Relay};

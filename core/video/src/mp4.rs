@@ -1,5 +1,9 @@
 //! A recording as a fragmented MP4 file (ISO/IEC 14496-12): what is written is whole after every second, however it ends.
 
+mod reader;
+
+pub use reader::{Mp4ReadError, Mp4Reader};
+
 use crate::frame::EncodedFrame;
 use crate::h264::{self, H264Error, UnitKind};
 use muxide::fragmented::{FragmentConfig, FragmentedError, FragmentedMuxer};
@@ -81,7 +85,7 @@ impl Mp4Writer {
             None
         };
         let since_s = frame.taken.seconds_since(self.began).max(0.0);
-        let ticks = (since_s * f64::from(TIMESCALE)) as u64;
+        let ticks = (since_s * f64::from(TIMESCALE)).round() as u64;
         // A camera's clock may stand; a player's must not.
         let ticks = self.last_ticks.map_or(ticks, |last| ticks.max(last + 1));
         self.last_ticks = Some(ticks);

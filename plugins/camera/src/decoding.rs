@@ -5,9 +5,8 @@
 mod stills;
 mod video;
 
-pub(crate) use video::Video;
-
 use crate::feed::{Ended, Feed};
+use skein_video::Mp4ReadError;
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -31,8 +30,8 @@ pub(crate) enum DecodeError {
     Unreadable { path: PathBuf, reason: String },
     #[error("there is no picture in {}", path.display())]
     Empty { path: PathBuf },
-    #[error("{} is no H.264 video in an MP4 file", path.display())]
-    NoVideo { path: PathBuf },
+    #[error(transparent)]
+    Video(#[from] Mp4ReadError),
     #[error("{} is damaged: {reason}", path.display())]
     Damaged { path: PathBuf, reason: String },
     #[error(transparent)]
