@@ -25,7 +25,6 @@ const ORDER: [&str; 31] = [
     "skein-bus-dds",
     "skein-dds",
     "skein-bus",
-    "skein-recorder",
     "skein-plugin-host",
     "skein-plugin-sdk",
     "skein-plugin-abi",
@@ -34,13 +33,20 @@ const ORDER: [&str; 31] = [
     "skein-config",
     "skein-realtime",
     "skein-failover",
+    "skein-vision",
     "skein-flight",
     "skein-safety",
     "skein-domain",
 ];
-/// What of ours a plugin may know: how to be one, the words, and the pure arithmetic of flight; beside these, other plugins' logic, of
+/// What of ours a plugin may know: how to be one, the words, and what is pure: flight, sight and encoded pictures; beside these, other plugins' logic, of
 /// which it may be composed.
-const PLUGINS_MAY_USE: [&str; 3] = ["skein-plugin-sdk", "skein-domain", "skein-flight"];
+const PLUGINS_MAY_USE: [&str; 5] = [
+    "skein-plugin-sdk",
+    "skein-domain",
+    "skein-flight",
+    "skein-vision",
+    "skein-video",
+];
 
 /// Checks every dependency between members that ships.
 pub fn check(workspace: &Workspace) -> Vec<Finding> {
