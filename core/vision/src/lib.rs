@@ -1,8 +1,9 @@
-//! From what detectors find in pictures to where things are: tracks in one camera's picture, bearings in the swarm frame, and tracks of the
+//! From pictures and what detectors find in them to where things are: what moves, tracks in one camera's picture, bearings in the swarm frame, and tracks of the
 //! swarm that several cameras and other sensors feed.
 //!
 //! | stage | type |
 //! |---|---|
+//! | pictures to what moves in them, with the camera's own motion taken out | [`MotionDetector`] |
 //! | boxes of one picture to tracks of one camera | [`PictureTracker`] |
 //! | a pixel of a camera whose place is known to a bearing | [`Lens`] |
 //! | bearings and positions of all sensors to tracks of the swarm | [`SwarmTracker`] |
@@ -16,6 +17,8 @@ mod bearing;
 mod bounds;
 mod classes;
 mod fusion;
+mod gray;
+mod motion;
 mod picture;
 
 pub use bearing::Lens;
@@ -24,4 +27,6 @@ pub use classes::ClassScores;
 pub use fusion::{
     Observation, OwnVehicle, RangeGuess, Sensor, Sighting, SwarmSettings, SwarmTrack, SwarmTracker, Unsound,
 };
+pub use gray::Gray;
+pub use motion::{Motion, MotionDetector, Moving};
 pub use picture::{Found, PictureSettings, PictureTrack, PictureTracker};
