@@ -36,7 +36,7 @@ def build(data: Path, camera: str, directory: Path) -> None:
         for clip_id, clip in enumerate(read_split(camera)):
             if clip.labels != "good":
                 continue
-            labels = read_boxes(data, clip)
+            labels = read_boxes(data, clip, in_time=True)
             for number, picture in enumerate(read_pictures(data, clip)):
                 if number % PICTURE_STEP[camera] or number not in labels:
                     continue

@@ -12,6 +12,9 @@ CLASSES = ("drone", "bird", "airplane", "helicopter")
 SIZES_PX = {"infrared": (320, 256), "visible": (640, 512)}
 SPLIT_FILE = Path(__file__).with_name("split.csv")
 TEST_FOLD = 0
+# In these the label of a picture stands in the row of the next one: rows begin at picture 1, and the
+# middle of what is seen fits the row after.
+LATE_LABELS = {("infrared", "bird"), ("visible", "bird"), ("visible", "drone")}
 
 
 @dataclass(frozen=True)
@@ -41,12 +44,16 @@ def read_split(camera: str | None = None) -> list[Clip]:
     return [clip for clip in clips if camera in (None, clip.camera)]
 
 
-def read_boxes(data: Path, clip: Clip) -> dict[int, np.ndarray]:
-    """Frame number to (x, y, width, height) of the labelled object in pixels."""
+def read_boxes(data: Path, clip: Clip, in_time: bool) -> dict[int, np.ndarray]:
+    """Frame number to (x, y, width, height) of the labelled object in pixels.
+
+    In time: late labels are moved to the picture that they belong to. Otherwise as they are.
+    """
+    late = int(in_time and (clip.camera, clip.label) in LATE_LABELS)
     path = (data / clip.camera / clip.name).with_suffix(".csv")
     with path.open(newline="") as file:
         return {
-            int(r["frame"]): np.array([float(r[k]) for k in ("x", "y", "width", "height")])
+            int(r["frame"]) - late: np.array([float(r[k]) for k in ("x", "y", "width", "height")])
             for r in csv.DictReader(file)
         }
 

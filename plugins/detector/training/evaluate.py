@@ -4,6 +4,7 @@ import argparse
 import json
 import time
 from collections import Counter
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -45,25 +46,41 @@ def pictures_per_s(path: Path, pictures: int = 100) -> float:
     return pictures / (time.perf_counter() - start_s)
 
 
-def collect(run: Network, data: Path, clips: list[Clip], step: int) -> dict[str, list]:
-    """Per clip its pictures: (labelled box or None, detections, tracks)."""
+@dataclass(frozen=True)
+class Picture:
+    """Labelled box as given and in time (or none), detections and tracks of one picture."""
+
+    given: np.ndarray | None
+    in_time: np.ndarray | None
+    detections: np.ndarray
+    tracks: np.ndarray
+
+
+def collect(run: Network, data: Path, clips: list[Clip], step: int) -> dict[str, list[Picture]]:
+    """Per clip its pictures."""
     pictures = {}
     for clip in clips:
-        boxes = read_boxes(data, clip)
+        given, in_time = (read_boxes(data, clip, in_time=late) for late in (False, True))
         tracker = Tracker()
         pictures[clip.name] = [
-            (boxes.get(number), rows, tracker.step(rows))
+            Picture(given.get(number), in_time.get(number), rows, tracker.step(rows))
             for number, rows in of_clip(run, data, clip, step)
         ]
     return pictures
 
 
-def figures(clips: list[Clip], pictures: dict[str, list], which: int, threshold: float | None) -> dict:
-    """What the documents say; `which` is 1 for detections, 2 for tracks."""
+def figures(
+    clips: list[Clip],
+    pictures: dict[str, list[Picture]],
+    rows_of: str,
+    labels: str,
+    threshold: float | None,
+) -> dict:
+    """What the documents say of "detections" or "tracks", by labels as "given" or "in_time"."""
     tally = Tally()
     for clip in clips:
         for picture in pictures[clip.name]:
-            tally.add(picture[which], picture[0], clip.class_id)
+            tally.add(getattr(picture, rows_of), getattr(picture, labels), clip.class_id)
     if threshold is None:
         threshold = tally.best_threshold(DRONE)
     out: dict = {"threshold": round(threshold, 3)}
@@ -82,8 +99,9 @@ def figures(clips: list[Clip], pictures: dict[str, list], which: int, threshold:
     for clip in clips:
         vote, alone = Vote(), Tally()
         for picture in pictures[clip.name]:
-            vote.add(picture[which], threshold)
-            alone.add(picture[which], picture[0], clip.class_id)
+            rows = getattr(picture, rows_of)
+            vote.add(rows, threshold)
+            alone.add(rows, getattr(picture, labels), clip.class_id)
         votes[clip.label][vote.winner()] += 1
         drones = np.array(alone.scores[DRONE]) >= threshold
         by_clip[clip.name] = {
@@ -117,9 +135,15 @@ def main() -> None:
         "fold": arguments.fold,
         "clips": len(clips),
         "pictures_per_s_one_core": round(pictures_per_s(arguments.model), 1),
-        "by_picture": figures(clips, pictures, 1, arguments.threshold),
-        "by_track": figures(clips, pictures, 2, arguments.track_threshold),
     }
+    for rows_of, threshold in (
+        ("detections", arguments.threshold),
+        ("tracks", arguments.track_threshold),
+    ):
+        for labels in ("given", "in_time"):
+            result[f"{rows_of}, labels {labels}"] = figures(
+                clips, pictures, rows_of, labels, threshold
+            )
     text = json.dumps(result, indent=1)
     print(text)
     if arguments.out:

@@ -98,7 +98,7 @@ def measure(detector: Detector, data: Path, clips: list[Clip]) -> Tally:
 
     tally = Tally()
     for clip in clips:
-        boxes = read_boxes(data, clip)
+        boxes = read_boxes(data, clip, in_time=True)
         for number, rows in of_clip(run, data, clip, MEASURE_PICTURE_STEP):
             tally.add(rows, boxes.get(number), clip.class_id)
     return tally
