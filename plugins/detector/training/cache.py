@@ -1,0 +1,61 @@
+"""Decoded pictures in one memory-mapped file per camera, so that training need not decode.
+
+Holds only pictures that have a label which is good: the others may show an object that nobody
+labelled, so they are no background either.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from clips import SIZES_PX, Clip, read_boxes, read_pictures, read_split
+
+# Neighbouring pictures are nearly the same: each second one, and each fifth, are plenty.
+PICTURE_STEP = {"infrared": 2, "visible": 5}
+CHANNELS = {"infrared": 1, "visible": 3}
+
+
+@dataclass(frozen=True)
+class Cache:
+    """Pictures, and for each its clip (an index into `clips`) and its box."""
+
+    pictures: np.ndarray  # [n, height, width, channels], uint8
+    boxes: np.ndarray  # [n, 4]: x, y, width, height in pixels
+    clip_ids: np.ndarray  # [n]
+    clips: list[Clip]
+
+
+def build(data: Path, camera: str, directory: Path) -> None:
+    """Decodes all clips of a camera into `directory`."""
+    directory.mkdir(parents=True, exist_ok=True)
+    width, height = SIZES_PX[camera]
+    boxes, clip_ids = [], []
+    partial = directory / f"{camera}.u8.partial"
+    with partial.open("wb") as file:
+        for clip_id, clip in enumerate(read_split(camera)):
+            if clip.labels != "good":
+                continue
+            labels = read_boxes(data, clip, in_time=True)
+            for number, picture in enumerate(read_pictures(data, clip)):
+                if number % PICTURE_STEP[camera] or number not in labels:
+                    continue
+                if picture.shape != (height, width, 3):
+                    raise ValueError(f"{clip.name}: {picture.shape}")
+                file.write(np.ascontiguousarray(picture[:, :, : CHANNELS[camera]]).tobytes())
+                boxes.append(labels[number])
+                clip_ids.append(clip_id)
+    np.savez(directory / f"{camera}.npz", boxes=np.array(boxes, np.float32), clip_ids=clip_ids)
+    partial.rename(directory / f"{camera}.u8")
+
+
+def load(data: Path, camera: str, directory: Path) -> Cache:
+    """Opens the cache of a camera, and builds it before where there is none."""
+    path = directory / f"{camera}.u8"
+    if not path.exists():
+        build(data, camera, directory)
+    width, height = SIZES_PX[camera]
+    index = np.load(directory / f"{camera}.npz")
+    shape = (len(index["boxes"]), height, width, CHANNELS[camera])
+    pictures = np.memmap(path, np.uint8, "r", shape=shape)
+    return Cache(pictures, index["boxes"], index["clip_ids"], read_split(camera))
