@@ -42,19 +42,7 @@ pub fn array(header: &Header, state: &DetectorState) -> Detection2DArray {
 fn detection(header: &Header, finding: &Finding) -> Detection2D {
     Detection2D {
         header: header.clone(),
-        results: vec![ObjectHypothesisWithPose {
-            hypothesis: ObjectHypothesis {
-                class_id: finding.class.clone(),
-                score: finding.score,
-            },
-            pose: PoseWithCovariance {
-                pose: Pose {
-                    orientation: frames::unrotated(),
-                    ..Pose::default()
-                },
-                ..PoseWithCovariance::default()
-            },
-        }],
+        results: hypotheses(finding).map(hypothesis).collect(),
         bbox: BoundingBox2D {
             center: Pose2D {
                 position: Point2D {
@@ -67,6 +55,27 @@ fn detection(header: &Header, finding: &Finding) -> Detection2D {
             size_y: finding.height_px,
         },
         id: finding.id.clone(),
+    }
+}
+
+/// What a thing may be with which score, the likeliest first.
+fn hypotheses(finding: &Finding) -> impl Iterator<Item = (String, f64)> {
+    let others = finding.classes.iter().filter(|(class, _)| **class != finding.class);
+    let mut all: Vec<(String, f64)> = others.map(|(class, score)| (class.clone(), *score)).collect();
+    all.sort_by(|a, b| b.1.total_cmp(&a.1));
+    std::iter::once((finding.class.clone(), finding.score)).chain(all)
+}
+
+fn hypothesis((class_id, score): (String, f64)) -> ObjectHypothesisWithPose {
+    ObjectHypothesisWithPose {
+        hypothesis: ObjectHypothesis { class_id, score },
+        pose: PoseWithCovariance {
+            pose: Pose {
+                orientation: frames::unrotated(),
+                ..Pose::default()
+            },
+            ..PoseWithCovariance::default()
+        },
     }
 }
 

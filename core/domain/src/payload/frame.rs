@@ -56,6 +56,11 @@ pub struct FrameHeader {
     /// Where the camera was and looked, if known.
     #[n(8)]
     pub pose: Option<CameraPose>,
+    /// The camera that took it, by its name on the vehicle: the host fills it in for who is shown the frame.
+    #[n(9)]
+    #[cbor(default)]
+    #[serde(default)]
+    pub camera: String,
 }
 
 /// Where a camera was and looked when it took a frame.

@@ -41,12 +41,23 @@ fn a_finding_is_a_box_with_its_class_and_its_name() {
 }
 
 #[test]
+fn what_else_it_may_be_follows_by_score() {
+    let classes = json!({ "bird": 0.2, "uav": 0.6, "aeroplane": 0.3 });
+    let finding = json!({ "class": "uav", "score": 0.6, "classes": classes });
+    let all = said(&json!({ "time": 5, "findings": [finding] })).expect("a state");
+    let results = all.detections[0].results.iter();
+    let told: Vec<&str> = results.map(|one| one.hypothesis.class_id.as_str()).collect();
+    assert_eq!(told, ["uav", "aeroplane", "bird"]);
+}
+
+#[test]
 fn what_can_not_be_is_left_out() {
     let sound = json!({ "class": "uav", "score": 0.5 });
     let odd = [
         json!({ "score": 1.5 }),
         json!({ "score": -0.1 }),
         json!({ "score": 0.5, "width_px": -1.0 }),
+        json!({ "score": 0.5, "classes": { "uav": 2.0 } }),
     ];
     let findings: Vec<Value> = odd.into_iter().chain([sound]).collect();
     let all = said(&json!({ "time": 5, "findings": findings })).expect("a state");

@@ -5,7 +5,7 @@ use super::tap::Tap;
 use skein_coordination::steering::{others, own_state};
 use skein_domain::exchange::{Event, PayloadReport};
 use skein_domain::link::MessageTap;
-use skein_domain::payload::PayloadKind;
+use skein_domain::payload::{FrameHeader, PayloadKind};
 use skein_plugin_host::Frame;
 use std::sync::{Arc, Weak};
 
@@ -77,7 +77,10 @@ impl PayloadState {
                 continue;
             };
             if self.seen_frames.insert(camera.name.clone(), frame.header.id) != Some(frame.header.id) {
-                events.push(Event::Frame(frame.header.clone()));
+                events.push(Event::Frame(FrameHeader {
+                    camera: camera.name.clone(),
+                    ..frame.header.clone()
+                }));
                 frames.push(frame);
             }
         }
