@@ -1439,7 +1439,11 @@ len: number,
 /**
  * Where the camera was and looked, if known.
  */
-pose: CameraPose | null, };
+pose: CameraPose | null, 
+/**
+ * The camera that took it, by its name on the vehicle: the host fills it in for who is shown the frame.
+ */
+camera: string, };
 
 /**
  * A place on Earth: WGS 84 degrees and metres above mean sea level.
