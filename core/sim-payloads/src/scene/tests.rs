@@ -100,6 +100,42 @@ fn a_short_buffer_gets_the_rows_that_fit() {
     assert_eq!(&short[half..], &[7; 10]);
 }
 
+/// FNV-1a of a picture's bytes.
+fn hash(picture: &[u8]) -> u64 {
+    let mix = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
+    picture.iter().fold(0xcbf2_9ce4_8422_2325, mix)
+}
+
+#[test]
+fn a_scene_with_nothing_switched_on_is_drawn_as_it_always_was() {
+    let eye = PositionNed::new(3.0, -4.0, -20.0);
+    let target = |north_m, east_m, down_m, size_m, kind| SceneTarget {
+        position: PositionNed::new(north_m, east_m, down_m),
+        size_m,
+        kind,
+    };
+    let targets = [
+        target(9.0, 0.0, -19.0, 0.7, TargetKind::Multirotor),
+        target(20.0, 2.0, -21.0, 1.5, TargetKind::Marker),
+        target(60.0, 30.0, -25.0, 0.6, TargetKind::Multirotor),
+    ];
+    let hashes = [(0.0, 0.0, 10.0), (12.0, -20.0, 25.0), (-7.0, 20.0, 5.0), (0.0, -90.0, 0.0)].map(
+        |(roll_deg, pitch_deg, yaw_deg)| {
+            let mut rgb = vec![0; 3 * (WIDTH * HEIGHT) as usize];
+            let pose = looking(eye, roll_deg, pitch_deg, yaw_deg);
+            Scene::with_ground(7, 1.5).render(&pose, &targets, WIDTH, HEIGHT, &mut rgb);
+            hash(&rgb)
+        },
+    );
+    let before = [
+        0x29ff_973c_634a_a904,
+        0x185f_b53b_a542_75a0,
+        0xf5f5_783c_ed31_caec,
+        0x2682_7737_576c_5d23,
+    ];
+    assert_eq!(hashes, before, "{hashes:#018x?}");
+}
+
 fn direction() -> impl Strategy<Value = (f64, f64, f64)> {
     (-30.0..30.0, -60.0..40.0, -180.0..180.0)
 }
