@@ -23,6 +23,7 @@ fn main() -> std::io::Result<()> {
         position: PositionNed::new(north_m, east_m, -height_m),
         size_m: 0.7,
         kind,
+        ..SceneTarget::default()
     };
     let targets = [
         target(6.0, 3.0, 18.5, TargetKind::Multirotor),

@@ -1,16 +1,32 @@
-//! What a camera would see: a pinhole picture of a flat world with other vehicles in it, and where in the picture a place lies.
+//! What a camera would see: a pinhole picture of a flat world with vehicles and other things in it, and where in the picture a place lies.
 //! The same seed, pose and targets give the same picture.
+//!
+//! * [`Scene`]: draws it. [`truth()`]: what is in it, and where.
+//! * [`SceneObject`]: something that moves by itself, and where it is at a time.
+//! * [`Flaws`]: what is wrong with a camera: light, noise, wind, where it thinks that it looks.
 //!
 //! Must never do: allocate per picture, read a clock, or draw what is behind the camera.
 
+mod bodies;
 mod canvas;
+mod clouds;
+pub mod flaws;
+pub mod objects;
+mod shapes;
 mod solids;
+mod truth;
 mod world;
+
+pub use flaws::Flaws;
+pub use objects::{ObjectPath, SceneObject};
+pub use truth::{Seen, truth};
 
 use canvas::Canvas;
 use nalgebra::Vector3;
-use skein_domain::PositionNed;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use skein_domain::payload::CameraPose;
+use skein_domain::{PositionNed, VelocityNed};
 
 /// Nothing nearer than this is seen, in metres.
 const NEAREST_M: f64 = 0.2;
@@ -18,8 +34,8 @@ const NEAREST_M: f64 = 0.2;
 const NARROWEST_RAD: f64 = 1e-3;
 const WIDEST_RAD: f64 = 3.0;
 
-/// Something in the world beside the ground.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Something in the world beside the ground, at one moment.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SceneTarget {
     /// Its middle.
     pub position: PositionNed,
@@ -27,16 +43,37 @@ pub struct SceneTarget {
     pub size_m: f64,
     /// What it looks like.
     pub kind: TargetKind,
+    /// Where it goes. It is not drawn; who asks for the truth is told.
+    pub velocity: VelocityNed,
+    /// Its roll, to the right; as the other angles, of no effect on a multirotor or a marker.
+    pub roll_rad: f64,
+    /// Its pitch, upwards.
+    pub pitch_rad: f64,
+    /// Where its nose points, clockwise from north.
+    pub yaw_rad: f64,
+    /// How far its wings or rotor are within a beat or a turn.
+    pub beat_rad: f64,
 }
 
 /// What something in the world looks like.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum TargetKind {
-    /// A dark multirotor: a body, four arms, four rotors.
+    /// A dark multirotor, as vehicles of the swarm are drawn: a body, four arms, four rotors.
     #[default]
     Multirotor,
     /// A red ball.
     Marker,
+    /// A light quadrotor with a camera and skids, somebody else's.
+    Quadrotor,
+    /// A small aeroplane without a crew: long wings, a tail in the shape of a V.
+    FixedWing,
+    /// A bird that beats its wings.
+    Bird,
+    /// A light aeroplane with high wings.
+    Aeroplane,
+    /// A helicopter with a turning rotor and a tail.
+    Helicopter,
 }
 
 /// A world to take pictures of.
@@ -44,6 +81,19 @@ pub enum TargetKind {
 pub struct Scene {
     seed: u32,
     ground_down_m: f64,
+    look: Look,
+    clouds: f64,
+}
+
+/// What a camera is sensitive to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Look {
+    /// Light, in colour.
+    #[default]
+    Visible,
+    /// Warmth, in grey: warm bodies are bright, the sky is dark, the ground in between.
+    Infrared,
 }
 
 impl Scene {
@@ -59,18 +109,35 @@ impl Scene {
         Self {
             seed: (seed ^ (seed >> 32)) as u32,
             ground_down_m,
+            look: Look::Visible,
+            clouds: 0.0,
         }
+    }
+
+    /// The same world to another camera.
+    #[must_use]
+    pub fn with_look(self, look: Look) -> Self {
+        Self { look, ..self }
+    }
+
+    /// The same world under clouds that cover about this share of its sky, 0..=1.
+    #[must_use]
+    pub fn with_clouds(self, clouds: f64) -> Self {
+        Self { clouds, ..self }
     }
 
     /// Draws a picture, three bytes per pixel: red, green, blue, row by row from the top. Draws the rows that fit into `out`.
     pub fn render(&self, pose: &CameraPose, targets: &[SceneTarget], width_px: u32, height_px: u32, out: &mut [u8]) {
         let lens = Lens::new(pose, (width_px, height_px));
         let mut canvas = Canvas::new(out);
-        world::draw(self.seed, self.ground_down_m, &lens, &mut canvas);
+        world::draw(self, &lens, &mut canvas);
         // From the farthest to the nearest; a list in order would have to be allocated.
         let mut drawn = (f64::INFINITY, usize::MAX);
         while let Some((order, target)) = farthest_after(&lens, targets, drawn) {
-            solids::draw(target, &lens, &mut canvas);
+            match target.kind {
+                TargetKind::Multirotor | TargetKind::Marker => solids::draw(target, &lens, self.look, &mut canvas),
+                _ => bodies::draw(target, &lens, self.look, &mut canvas),
+            }
             drawn = order;
         }
     }

@@ -37,6 +37,8 @@ impl Synthetic {
             position: peer.kinematics.position,
             size_m: settings.vehicle_size_m,
             kind: TargetKind::Multirotor,
+            velocity: peer.kinematics.velocity,
+            ..SceneTarget::default()
         }));
     }
 

@@ -113,20 +113,25 @@ fn a_scene_with_nothing_switched_on_is_drawn_as_it_always_was() {
         position: PositionNed::new(north_m, east_m, down_m),
         size_m,
         kind,
+        ..SceneTarget::default()
     };
     let targets = [
         target(9.0, 0.0, -19.0, 0.7, TargetKind::Multirotor),
         target(20.0, 2.0, -21.0, 1.5, TargetKind::Marker),
         target(60.0, 30.0, -25.0, 0.6, TargetKind::Multirotor),
     ];
-    let hashes = [(0.0, 0.0, 10.0), (12.0, -20.0, 25.0), (-7.0, 20.0, 5.0), (0.0, -90.0, 0.0)].map(
-        |(roll_deg, pitch_deg, yaw_deg)| {
-            let mut rgb = vec![0; 3 * (WIDTH * HEIGHT) as usize];
-            let pose = looking(eye, roll_deg, pitch_deg, yaw_deg);
-            Scene::with_ground(7, 1.5).render(&pose, &targets, WIDTH, HEIGHT, &mut rgb);
-            hash(&rgb)
-        },
-    );
+    let hashes = [
+        (0.0, 0.0, 10.0),
+        (12.0, -20.0, 25.0),
+        (-7.0, 20.0, 5.0),
+        (0.0, -90.0, 0.0),
+    ]
+    .map(|(roll_deg, pitch_deg, yaw_deg)| {
+        let mut rgb = vec![0; 3 * (WIDTH * HEIGHT) as usize];
+        let pose = looking(eye, roll_deg, pitch_deg, yaw_deg);
+        Scene::with_ground(7, 1.5).render(&pose, &targets, WIDTH, HEIGHT, &mut rgb);
+        hash(&rgb)
+    });
     let before = [
         0x29ff_973c_634a_a904,
         0x185f_b53b_a542_75a0,
@@ -156,7 +161,7 @@ proptest! {
         let kind = if marker { TargetKind::Marker } else { TargetKind::Multirotor };
         let (u, v) = project(&pose, &position, WIDTH, HEIGHT).unwrap();
         let without = picture(&pose, &[]);
-        let with = picture(&pose, &[SceneTarget { position, size_m, kind }]);
+        let with = picture(&pose, &[SceneTarget { position, size_m, kind, ..SceneTarget::default() }]);
         let (seen_u, seen_v, count) = blob(&with, &without, 12).expect("it is seen");
         let off = (seen_u - u).hypot(seen_v - v);
         prop_assert!(off < 1.5 + 0.12 * size_px, "{off} px off, at {u},{v}, {count} pixels");
@@ -176,7 +181,7 @@ proptest! {
     fn the_nearer_of_two_is_in_front(order in any::<bool>(), yaw_deg in -180.0..180.0_f64) {
         let pose = looking(PositionNed::new(0.0, 0.0, -50.0), 0.0, 0.0, yaw_deg);
         let lens = Lens::new(&pose, (WIDTH, HEIGHT));
-        let at = |depth_m: f64, kind| SceneTarget { position: pose.position.moved(lens.forward * depth_m), size_m: 2.0, kind };
+        let at = |depth_m: f64, kind| SceneTarget { position: pose.position.moved(lens.forward * depth_m), size_m: 2.0, kind, ..SceneTarget::default() };
         let mut targets = [at(10.0, TargetKind::Marker), at(20.0, TargetKind::Multirotor)];
         if order {
             targets.reverse();
@@ -197,7 +202,7 @@ proptest! {
             roll_rad: values[2], pitch_rad: values[3], yaw_rad: values[4], field_of_view_rad: values[1],
         };
         let position = PositionNed::new(place[0], place[1], place[2]);
-        let target = SceneTarget { position, size_m, kind: TargetKind::Multirotor };
+        let target = SceneTarget { position, size_m, kind: TargetKind::Multirotor, ..SceneTarget::default() };
         let mut out = vec![0; 3 * 16 * 12];
         Scene::new(1).render(&pose, &[target], 16, 12, &mut out);
     }
