@@ -21,7 +21,7 @@ pub use observation::{Observation, OwnVehicle, RangeGuess, Sensor, Sighting, Uns
 
 use crate::ClassScores;
 use estimate::Estimate;
-use nalgebra::{Matrix3, Matrix6, Vector3};
+use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use skein_domain::NodeTime;
 use tracklet::{Belongs, Tracklet};
 
@@ -102,6 +102,8 @@ struct Track {
     scores: ClassScores,
     began: NodeTime,
     seen: NodeTime,
+    /// Who saw it when another tracker made it: where its range is only guessed, it goes on with what these see.
+    taken_over_from: Vec<Sensor>,
     /// Of sightings without a name: one of a scan at most, and so many until it is believed.
     last_scan: Option<(Sensor, NodeTime)>,
     sightings: u32,
@@ -124,6 +126,10 @@ const FARTHEST: [f64; 4] = [0.0, 10.8, 13.8, 16.3];
 const CLEARLY: f64 = 6.0;
 /// Sightings without a name that make a track believed.
 const BELIEVED_AFTER: u32 = 3;
+/// After so many its class follows slowly.
+const SETTLED_AFTER: u32 = 40;
+/// Nothing is older that another tracker made, in seconds: a day.
+const LONGEST_AGE_S: f64 = 86_400.0;
 
 impl SwarmTracker {
     /// One that knows of nothing yet.
@@ -183,6 +189,36 @@ impl SwarmTracker {
                 sensors: self.sensors_of(track.id, now),
             }
         })
+    }
+
+    /// Goes on with tracks that another tracker made, with their numbers, names and places: what sensors see from now on joins them. One whose number is known
+    /// here already, or of which nothing is known any more, is left out.
+    pub fn take_over(&mut self, tracks: impl IntoIterator<Item = SwarmTrack>) {
+        for track in tracks {
+            let estimate = Estimate {
+                time: track.time,
+                state: stacked(&track.position, &track.velocity),
+                covariance: track.covariance,
+            };
+            let known = self.tracks.iter().any(|known| known.id == track.id);
+            if known || self.tracks.len() >= self.settings.most_tracks || !estimate.is_sound() {
+                continue;
+            }
+            self.last_id = self.last_id.max(track.id);
+            self.tracks.push(Track {
+                id: track.id,
+                name: track.name,
+                pinned: track.pinned,
+                estimate,
+                guessed_range: track.guessed_range,
+                scores: track.scores,
+                began: track.time.plus_seconds(-track.age_s.clamp(0.0, LONGEST_AGE_S)),
+                seen: track.seen,
+                taken_over_from: track.sensors,
+                last_scan: None,
+                sightings: SETTLED_AFTER,
+            });
+        }
     }
 
     /// Calls a track by a name; an empty one takes the name away. False if there is no such track.
@@ -295,6 +331,7 @@ impl SwarmTracker {
             began: estimate.time,
             seen: estimate.time,
             estimate,
+            taken_over_from: Vec::new(),
             last_scan: None,
             sightings,
         });
@@ -322,6 +359,14 @@ impl SwarmTracker {
             }
         }
     }
+}
+
+/// Position and velocity as one.
+fn stacked(position: &Vector3<f64>, velocity: &Vector3<f64>) -> Vector6<f64> {
+    let mut state = Vector6::zeros();
+    state.fixed_rows_mut::<3>(0).copy_from(position);
+    state.fixed_rows_mut::<3>(3).copy_from(velocity);
+    state
 }
 
 impl Track {

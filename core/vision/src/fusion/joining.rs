@@ -32,7 +32,8 @@ impl SwarmTracker {
             let known = self
                 .tracks
                 .iter()
-                .filter(|track| !track.guessed_range && track.sightings >= BELIEVED_AFTER);
+                .filter(|track| track.sightings >= BELIEVED_AFTER)
+                .filter(|track| !track.guessed_range || self.goes_on_with(track, tracklet));
             let free = known.filter(|track| !self.sees(tracklet, track));
             let mut costs: Vec<(f64, u64)> = free
                 .filter_map(|track| Some((self.cost(tracklet, &track.estimate)?, track.id)))
@@ -57,6 +58,11 @@ impl SwarmTracker {
                 self.learn(index, id);
             }
         }
+    }
+
+    /// Whether a track whose range is guessed was taken over from another tracker, this tracklet's sensor saw it there, and nobody has seen it here yet.
+    fn goes_on_with(&self, track: &Track, tracklet: &Tracklet) -> bool {
+        track.taken_over_from.contains(&tracklet.sensor) && self.sensors_of(track.id, tracklet.seen()).is_empty()
     }
 
     /// Whether this tracklet's sensor sees the track under another name.

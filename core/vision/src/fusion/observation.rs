@@ -107,7 +107,12 @@ impl std::error::Error for Unsound {}
 const FARTHEST_M: f64 = 1e5;
 
 impl Sighting {
-    pub(super) fn check(&self) -> Result<(), Unsound> {
+    /// Whether it can be true.
+    ///
+    /// # Errors
+    ///
+    /// What cannot be.
+    pub fn check(&self) -> Result<(), Unsound> {
         if self.guess.is_some_and(|guess| {
             !(0.1..FARTHEST_M).contains(&guess.range_m) || !(1.0..100.0).contains(&guess.range_factor)
         }) {

@@ -137,6 +137,62 @@ fn a_track_keeps_its_number_when_one_camera_after_the_other_loses_sight() {
 }
 
 #[test]
+fn another_tracker_goes_on_with_the_same_numbers_names_and_places() {
+    let mut first = SwarmTracker::new(SwarmSettings::default());
+    let alone = [-20.0, -90.0, -40.0];
+    let guess = |t: f64| {
+        let mut sighting = seen("east", Some(5), t, EAST, alone);
+        let range_m = (Vector3::from(alone) - Vector3::from(EAST)).norm();
+        sighting.guess = Some(RangeGuess {
+            range_m,
+            range_factor: 1.5,
+        });
+        sighting
+    };
+    let tracks = run(&mut first, 1.0, 6.0, |t| {
+        vec![
+            seen("west", Some(1), t, WEST, target(t)),
+            seen("south", Some(7), t, SOUTH, target(t)),
+            guess(t),
+        ]
+    });
+    let (guessed, known): (Vec<_>, Vec<_>) = tracks.iter().partition(|track| track.guessed_range);
+    assert_eq!((guessed.len(), known.len()), (1, 1), "{tracks:?}");
+    assert!(first.pin(known[0].id, true) && first.rename(known[0].id, "visitor"));
+    let handed: Vec<SwarmTrack> = first.tracks(NodeTime::from_seconds(6.0)).collect();
+
+    let mut second = SwarmTracker::new(SwarmSettings::default());
+    second.take_over(handed.clone());
+    second.take_over(handed);
+    // Half a second later it sees, under names of its own.
+    let tracks = run(&mut second, 6.5, 9.5, |t| {
+        vec![
+            seen("west", Some(31), t, WEST, target(t)),
+            seen("south", Some(32), t, SOUTH, target(t)),
+            guess(t),
+        ]
+    });
+    assert_eq!(tracks.len(), 2, "{tracks:?}");
+    let same = tracks
+        .iter()
+        .find(|track| track.id == known[0].id)
+        .expect("is still there");
+    assert_eq!((same.name.as_str(), same.pinned), ("visitor", true));
+    assert_eq!(same.sensors.len(), 2);
+    assert!((same.position - Vector3::from(target(9.5))).norm() < 1.5, "{same:?}");
+    assert!((same.age_s - (9.5 - 1.0)).abs() < 1.5, "{}", same.age_s);
+    assert!(
+        tracks
+            .iter()
+            .any(|track| track.id == guessed[0].id && track.guessed_range)
+    );
+    // What comes new gets a new number.
+    let tracks = run(&mut second, 9.5, 12.0, |t| vec![radar(Some(5), t, [80.0, 80.0, -60.0])]);
+    let newest = tracks.iter().map(|track| track.id).max().expect("is there");
+    assert!(newest > known[0].id.max(guessed[0].id));
+}
+
+#[test]
 fn what_an_operator_drops_does_not_come_back_under_the_same_names() {
     let mut tracker = SwarmTracker::new(SwarmSettings::default());
     let see = |t: f64| {
