@@ -69,6 +69,10 @@ pub enum VehicleCommand {
         #[n(2)]
         #[schemars(range(min = -10_000.0, max = 10_000.0))]
         height_m: Option<f64>,
+        /// From which side: the bearing from the target to the vehicle, in radians clockwise from north; the nearest side if left out.
+        #[n(3)]
+        #[schemars(range(min = -1000.0, max = 1000.0))]
+        bearing_rad: Option<f64>,
     },
     /// Point the gimbal at a target (region of interest) without moving the vehicle for it.
     #[n(9)]

@@ -74,7 +74,15 @@ pub struct Gate {
     min_height_m: f64,
 }
 
-fn observation(target: &Target, stand_off_m: Option<f64>, height_m: Option<f64>) -> Result<(), Refusal> {
+fn observation(
+    target: &Target,
+    stand_off_m: Option<f64>,
+    height_m: Option<f64>,
+    bearing_rad: Option<f64>,
+) -> Result<(), Refusal> {
+    if !bearing_rad.is_none_or(f64::is_finite) {
+        return Err(Refusal::invalid("the bearing is not finite"));
+    }
     let stand_off = stand_off_m.is_none_or(|v| v.is_finite() && (0.0..=MAX_STAND_OFF_M).contains(&v));
     let height = height_m.is_none_or(|v| v.is_finite() && v.abs() <= MAX_STAND_OFF_M);
     if !(stand_off && height) {
@@ -213,7 +221,8 @@ impl Gate {
                 target,
                 stand_off_m,
                 height_m,
-            } => observation(target, *stand_off_m, *height_m),
+                bearing_rad,
+            } => observation(target, *stand_off_m, *height_m, *bearing_rad),
             VehicleCommand::LookAt { target } => finite_target(target),
             VehicleCommand::Arm
             | VehicleCommand::StopObserving

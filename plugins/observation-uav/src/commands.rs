@@ -13,6 +13,14 @@ use skein_plugin_sdk::domain::{CommandId, NodeTime, Refusal, VehicleCommand};
 /// No observation is farther off than this, in metres: a distance beyond it is a slip of the hand.
 const MAX_DISTANCE_M: f64 = 2_000.0;
 
+/// How something is to be observed, as far as the command says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Asked {
+    pub stand_off_m: Option<f64>,
+    pub height_m: Option<f64>,
+    pub bearing_rad: Option<f64>,
+}
+
 impl ObservationUav {
     pub(crate) fn take_command(
         &mut self,
@@ -55,12 +63,18 @@ impl ObservationUav {
 
     fn check_values(&self, command: &VehicleCommand) -> Result<(), Refusal> {
         let VehicleCommand::Observe {
-            stand_off_m, height_m, ..
+            stand_off_m,
+            height_m,
+            bearing_rad,
+            ..
         } = command
         else {
             return Ok(());
         };
         let invalid = |detail: String| Err(Refusal::InvalidValue { detail });
+        if !bearing_rad.is_none_or(f64::is_finite) {
+            return invalid("the bearing is none".to_owned());
+        }
         let least_m = self.settings.stand_off_min_m;
         if let Some(distance_m) = stand_off_m
             && !(least_m..=MAX_DISTANCE_M).contains(distance_m)
@@ -81,8 +95,7 @@ impl ObservationUav {
         &mut self,
         id: CommandId,
         target: Target,
-        stand_off_m: Option<f64>,
-        height_m: Option<f64>,
+        asked: Asked,
         out: &mut Effects,
     ) {
         self.end_region(out);
@@ -90,11 +103,12 @@ impl ObservationUav {
         self.watch.observation = Some(Observation {
             id,
             aimed: Aimed::new(target, self.now),
-            stand_off_m: stand_off_m.unwrap_or(self.settings.stand_off_m),
-            height_m,
+            stand_off_m: asked.stand_off_m.unwrap_or(self.settings.stand_off_m),
+            height_m: asked.height_m,
             bearing_rad: None,
             on_station: false,
             since: self.now,
+            asked_bearing_rad: asked.bearing_rad,
         });
     }
 

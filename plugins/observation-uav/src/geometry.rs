@@ -41,6 +41,16 @@ pub(crate) fn on_circle(centre: &PositionNed, bearing_rad: f64, stand_off_m: f64
     centre.moved(Vector3::new(cos * stand_off_m, sin * stand_off_m, -height_m))
 }
 
+/// On the way around a circle one goes at most so far ahead at once, in radians: the straight way there stays well off its middle.
+const AHEAD_RAD: f64 = 1.0;
+
+/// The next bearing on the shorter way around from one to another.
+pub(crate) fn on_the_way(from_rad: f64, to_rad: f64) -> f64 {
+    use std::f64::consts::{PI, TAU};
+    let left_rad = (to_rad - from_rad + PI).rem_euclid(TAU) - PI;
+    from_rad + left_rad.clamp(-AHEAD_RAD, AHEAD_RAD)
+}
+
 /// The bearing from `centre` to `place`, in radians; `None` if they are so near to each other that it means nothing.
 pub(crate) fn bearing_rad(centre: &PositionNed, place: &PositionNed) -> Option<f64> {
     let off = place.vector() - centre.vector();

@@ -1,5 +1,6 @@
 //! The model: hands every event through to the flight, and says before each tick where to be and where to look.
 
+use crate::commands::Asked;
 use crate::payloads::Payloads;
 use crate::report::{Activity, ObservationState, tenth};
 use crate::settings::{OnRadioWarning, Settings};
@@ -158,10 +159,16 @@ impl ObservationUav {
                     target,
                     stand_off_m,
                     height_m,
+                    bearing_rad,
                 },
             )) = flown
             {
-                self.begin_observation(id, target, stand_off_m, height_m, out);
+                let asked = Asked {
+                    stand_off_m,
+                    height_m,
+                    bearing_rad,
+                };
+                self.begin_observation(id, target, asked, out);
             }
         }
         if self.watch.region.is_some() && self.uav.state() == FlightState::Idle {
@@ -191,9 +198,18 @@ impl ObservationUav {
         }
         // Over the target itself: back off, the way the nose does not point.
         let behind_rad = || own.map_or(0.0, |own| own.yaw_rad) + std::f64::consts::PI;
-        let bearing_rad = *observation.bearing_rad.get_or_insert_with(behind_rad);
+        let present_rad = *observation.bearing_rad.get_or_insert_with(behind_rad);
+        // Around the target, not over it.
+        let bearing_rad = match observation.asked_bearing_rad {
+            Some(asked_rad) => geometry::on_the_way(present_rad, asked_rad),
+            None => present_rad,
+        };
         let position = geometry::on_circle(&at, bearing_rad, observation.stand_off_m, height_m);
-        let near = here.is_some_and(|here| here.distance_m(&position) <= ON_STATION_M);
+        let station = match observation.asked_bearing_rad {
+            Some(asked_rad) => geometry::on_circle(&at, asked_rad, observation.stand_off_m, height_m),
+            None => position,
+        };
+        let near = here.is_some_and(|here| here.distance_m(&station) <= ON_STATION_M);
         let arrived = near && !observation.on_station;
         observation.on_station |= near;
         let late = !observation.on_station && now.seconds_since(observation.since) > settings.approach_timeout_s;

@@ -61,6 +61,9 @@ pub(crate) struct Observation {
     pub on_station: bool,
     #[n(6)]
     pub since: NodeTime,
+    /// The side that the command named.
+    #[n(7)]
+    pub asked_bearing_rad: Option<f64>,
 }
 
 /// Something is looked at.

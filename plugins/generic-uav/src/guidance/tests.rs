@@ -17,6 +17,7 @@ fn observe() -> VehicleCommand {
         },
         stand_off_m: None,
         height_m: None,
+        bearing_rad: None,
     }
 }
 

@@ -57,6 +57,7 @@ fn command() -> impl Strategy<Value = VehicleCommand> {
             target: Target::Place { position },
             stand_off_m: None,
             height_m: None,
+            bearing_rad: None,
         }),
     ]
 }

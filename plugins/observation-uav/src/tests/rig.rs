@@ -134,6 +134,7 @@ impl Rig {
             target,
             stand_off_m,
             height_m,
+            bearing_rad: None,
         })
     }
 
