@@ -20,6 +20,7 @@ use serde::de::{DeserializeOwned, IgnoredAny};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use skein_domain::payload::Track;
+use skein_runtime::Detection;
 use std::any::TypeId;
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -149,6 +150,31 @@ pub struct PayloadCommandBody(pub Map<String, Value>);
 pub struct TracksBody {
     /// The tracks.
     pub tracks: Vec<Track>,
+}
+
+/// What a radar, a radio direction finder or another sensor has seen.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema, ts_rs::TS)]
+#[serde(deny_unknown_fields)]
+pub struct DetectionsBody {
+    /// Names the sensor: what it names stays the same as long as the source is the same.
+    #[schemars(length(min = 1, max = 64), pattern(r"^[^/]+$"))]
+    pub source: String,
+    /// What it saw.
+    #[schemars(length(max = 1000))]
+    pub detections: Vec<Detection>,
+}
+
+/// What is to change of a track; what is left out stays as it is.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema, ts_rs::TS)]
+#[serde(deny_unknown_fields)]
+pub struct TrackChangeBody {
+    /// What it is called; an empty name takes the name away.
+    #[serde(default)]
+    #[schemars(length(max = 32))]
+    pub name: Option<String>,
+    /// Whether it is kept longer when nobody sees it.
+    #[serde(default)]
+    pub pinned: Option<bool>,
 }
 
 #[cfg(test)]

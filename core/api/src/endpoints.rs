@@ -8,6 +8,7 @@ mod parameters;
 mod resume;
 mod safety;
 mod swarm;
+mod tracks;
 mod trajectories;
 mod video;
 
@@ -23,7 +24,7 @@ use crate::stream::{self, StreamQuery};
 use axum::extract::DefaultBodyLimit;
 use axum::handler::Handler;
 use axum::http::StatusCode;
-use axum::routing::{MethodRouter, delete, get, post, put};
+use axum::routing::{MethodRouter, delete, get, patch, post, put};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::Value;
 use skein_domain::VehicleId;
@@ -102,6 +103,10 @@ impl Endpoint {
 
     fn put<H: Handler<T, App>, T: 'static>(path: &'static str, id: &'static str, handler: H) -> Self {
         Self::new(HttpMethod::Put, path, id, put(handler))
+    }
+
+    fn patch<H: Handler<T, App>, T: 'static>(path: &'static str, id: &'static str, handler: H) -> Self {
+        Self::new(HttpMethod::Patch, path, id, patch(handler))
     }
 
     fn delete<H: Handler<T, App>, T: 'static>(path: &'static str, id: &'static str, handler: H) -> Self {
@@ -184,6 +189,7 @@ pub(crate) fn all() -> Vec<Endpoint> {
     all.extend(carried::plugins());
     all.extend(carried::payloads());
     all.extend(carried::instances());
+    all.extend(tracks::tracks());
     all.extend(video::videos());
     all.extend(video::recordings());
     all

@@ -10,7 +10,7 @@ use axum::http::{Method, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 use serde_json::{Value, json};
 use skein_domain::{ParameterError, Refusal, TrajectoryObjection};
-use skein_runtime::PluginRefusal;
+use skein_runtime::{Detected, PluginRefusal};
 use thiserror::Error;
 
 /// Everything that can go wrong with a request.
@@ -133,6 +133,9 @@ pub enum ApiError {
         /// Why.
         reason: String,
     },
+    /// More was seen than is worked on.
+    #[error("{} of {} detections were taken: too many wait already", .0.taken, .0.taken + .0.refused)]
+    TooManyDetections(Detected),
     /// As many streams as are served at once are open.
     #[error("{limit} streams are open already")]
     TooManyStreams {
@@ -178,6 +181,7 @@ impl ApiError {
             Self::ForeignHost { .. } | Self::ForeignOrigin { .. } => StatusCode::FORBIDDEN,
             Self::NoOperator => StatusCode::UNAUTHORIZED,
             Self::NotAnUpgrade { .. } => StatusCode::UPGRADE_REQUIRED,
+            Self::TooManyDetections(_) => StatusCode::TOO_MANY_REQUESTS,
             Self::TooManyStreams { .. } | Self::NoSocket { .. } => StatusCode::SERVICE_UNAVAILABLE,
         }
     }
@@ -211,6 +215,7 @@ impl ApiError {
             Self::ForeignOrigin { .. } => "foreign_origin",
             Self::NoOperator => "no_operator",
             Self::NotAnUpgrade { .. } => "not_a_websocket",
+            Self::TooManyDetections(_) => "too_many_detections",
             Self::TooManyStreams { .. } => "too_many_streams",
         }
     }
@@ -225,6 +230,7 @@ impl ApiError {
             Self::UnknownField { field } => json!({ "field": field }),
             Self::Unfit { problem, .. } => problem.facts(),
             Self::OutOfRange { field, problem } => json!({ "field": field, "problem": problem }),
+            Self::TooManyDetections(detected) => json!(detected),
             Self::TooManyStreams { limit } => json!({ "limit": limit }),
             Self::UnknownRecording { file } => json!({ "file": file }),
             Self::UnknownSession { session } => json!({ "session": session }),

@@ -3,7 +3,7 @@
 //!
 //! Must never do: stand for a value that was left out.
 
-use crate::body::{PayloadCommandBody, TracksBody};
+use crate::body::{DetectionsBody, PayloadCommandBody, TrackChangeBody, TracksBody};
 use crate::example::Example;
 use crate::protocol::{
     AcknowledgeBody, CommandBody, ControlBody, CoordinatorBody, EmergencyStopBody, FenceFileBody, FencePlanBody,
@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use skein_config::PayloadRule;
 use skein_coordination::ReferenceReport;
 use skein_domain::{FormationRequest, TrajectoryRequest};
-use skein_runtime::Fault;
+use skein_runtime::{Fault, ObserveRequest};
 
 macro_rules! examples {
     ($($body:ty => $example:tt,)*) => {
@@ -87,6 +87,29 @@ examples! {
             "velocity": { "north_m_s": 3.0, "east_m_s": 0.0, "down_m_s": 0.0 },
             "time": 0.0,
         }],
+    },
+    TrackChangeBody => { "name": "visitor", "pinned": true },
+    ObserveRequest => { "count": 2, "stand_off_m": 30.0 },
+    DetectionsBody => {
+        "source": "radar-north",
+        "detections": [
+            {
+                "id": 12,
+                "age_s": 0.1,
+                "class": "drone",
+                "score": 0.7,
+                "position": { "north_m": 120.0, "east_m": -30.0, "down_m": -25.0 },
+                "covariance_m2": [9.0, 0.0, 0.0, 9.0, 0.0, 25.0],
+            },
+            {
+                "bearing": {
+                    "origin": { "north_m": 0.0, "east_m": 0.0, "down_m": -2.0 },
+                    "azimuth_rad": 0.8,
+                    "elevation_rad": 0.1,
+                    "error_rad": 0.02,
+                },
+            },
+        ],
     },
     Fault => { "fault": "coordinator" },
 }

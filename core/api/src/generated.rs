@@ -5,13 +5,14 @@
 
 pub(crate) mod golden;
 
+use crate::body::{DetectionsBody, TrackChangeBody};
 use crate::protocol::{
-    Accepted, AcknowledgeBody, Acknowledged, CameraViewList, ClientMessage, CommandBody, CommandReceipts, ControlBody,
-    ControlReceipts, ControlState, CoordinatorBody, EmergencyStopBody, ErrorBody, EventList, FenceFileBody,
-    FencePlanBody, FormationAnswer, FormationPreview, Health, ImportedFencePlan, LinkReport, OverrideBody,
-    ParameterBody, PayloadList, PluginList, ReadingBody, ReferenceList, RestartList, ResumeBody, RouteBody,
-    ServerMessage, SupervisionTree, TrackList, TrajectoriesEnded, TrajectoryList, VehicleList, VersionInfo,
-    VideoMessage, VideoRecordingAnswer, VideoRecordingList, VideoRequest, VideoStreamList,
+    Accepted, AcknowledgeBody, Acknowledged, AskedObserverList, CameraViewList, ClientMessage, CommandBody,
+    CommandReceipts, ControlBody, ControlReceipts, ControlState, CoordinatorBody, EmergencyStopBody, ErrorBody,
+    EventList, FenceFileBody, FencePlanBody, FormationAnswer, FormationPreview, Health, ImportedFencePlan, LinkReport,
+    ObserverList, OverrideBody, ParameterBody, PayloadList, PluginList, ReadingBody, ReferenceList, RestartList,
+    ResumeBody, RouteBody, ServerMessage, SupervisionTree, TrackList, TrajectoriesEnded, TrajectoryList, VehicleList,
+    VersionInfo, VideoMessage, VideoRecordingAnswer, VideoRecordingList, VideoRequest, VideoStreamList,
 };
 use crate::wire::{self, Field, Header, Record, flag};
 use skein_config::PayloadRule;
@@ -21,7 +22,9 @@ use skein_domain::{
     FlightMode, FlightState, FormationRequest, GnssFix, LandedState, ParameterList, TrajectoryObjection,
     TrajectoryPlan, TrajectoryRequest,
 };
-use skein_runtime::{EmergencyKey, Fault, FenceAnswer, ParameterReceipt, PreflightAnswer, UpgradeReceipt};
+use skein_runtime::{
+    Detected, EmergencyKey, Fault, FenceAnswer, ObserveRequest, ParameterReceipt, PreflightAnswer, UpgradeReceipt,
+};
 use skein_view::FleetSnapshot;
 use skein_view::FormationReceipt;
 use std::collections::BTreeMap;
@@ -134,6 +137,12 @@ fn what_is_carried(found: &mut Declarations<'_>) {
     found.visit::<LinkReport>();
     found.visit::<CameraViewList>();
     found.visit::<TrackList>();
+    found.visit::<TrackChangeBody>();
+    found.visit::<DetectionsBody>();
+    found.visit::<Detected>();
+    found.visit::<ObserverList>();
+    found.visit::<ObserveRequest>();
+    found.visit::<AskedObserverList>();
     found.visit::<VideoStreamList>();
     found.visit::<VideoMessage>();
     found.visit::<VideoRequest>();

@@ -7,8 +7,9 @@
 use metrics::{counter, gauge};
 use metrics_exporter_prometheus::{PrometheusBuilder, PrometheusHandle};
 use skein_domain::FlightState;
-use skein_runtime::{CameraVideo, NodeHandle};
-use skein_view::{ActorHealth, ActorStatus, FleetSnapshot, PluginHealth, VehicleSnapshot};
+use skein_domain::payload::{PayloadKind, TrackSource};
+use skein_runtime::{CameraVideo, NodeHandle, SeenCounts};
+use skein_view::{ActorHealth, ActorStatus, FleetSnapshot, PayloadSnapshot, PluginHealth, VehicleSnapshot};
 use std::sync::OnceLock;
 use std::time::Duration;
 
@@ -60,6 +61,7 @@ fn render_node(node: &NodeHandle) -> String {
         gauge!("skein_snapshot_age_seconds").set(now.seconds_since(snapshot.time).max(0.0));
         describe();
         fleet(&snapshot);
+        tracks(&snapshot, &node.seen_counts());
         node.videos().iter().for_each(video);
         for (endpoint, counters) in node.endpoint_metrics() {
             for (name, count) in counters.read().named() {
@@ -103,6 +105,19 @@ fn describe() {
         "skein_plugin_call_p99_seconds",
         "99th percentile of the time of a call into it."
     );
+    describe_gauge!("skein_tracks", "What is tracked, by who says so.");
+    describe_gauge!(
+        "skein_detector_pictures_dropped",
+        "Pictures that a detector did not look at, as it says itself."
+    );
+    metrics::describe_counter!(
+        "skein_sightings_total",
+        "What sensors saw: cameras of this node's vehicles, others as told over the API, those of other nodes."
+    );
+    metrics::describe_counter!(
+        "skein_sightings_dropped_total",
+        "What sensors saw and nobody worked on, because it was too much."
+    );
     metrics::describe_counter!("skein_actor_restarts_total", "How often it was started again.");
     describe_gauge!("skein_video_rate_hertz", "Pictures per second of a camera.");
     describe_gauge!(
@@ -119,6 +134,21 @@ fn describe() {
         "skein_video_glass_to_glass_p99_seconds",
         "99th percentile of the time from a camera's picture to the eyes, as a viewer told it."
     );
+}
+
+fn tracks(snapshot: &FleetSnapshot, seen: &SeenCounts) {
+    for (source, word) in [(TrackSource::Told, "told"), (TrackSource::Fused, "fused")] {
+        let count = snapshot.tracks.iter().filter(|track| track.source == source).count();
+        gauge!("skein_tracks", "source" => word).set(count as f64);
+    }
+    for (sensor, count) in [
+        ("camera", seen.by_cameras),
+        ("told", seen.told),
+        ("other_node", seen.heard),
+    ] {
+        counter!("skein_sightings_total", "sensor" => sensor).absolute(count);
+    }
+    counter!("skein_sightings_dropped_total").absolute(seen.dropped);
 }
 
 /// The gauges of a snapshot, in the recorder of the moment.
@@ -147,6 +177,7 @@ fn fleet(snapshot: &FleetSnapshot) {
         plugin(&one.model);
         for payload in &one.payloads {
             plugin(&payload.plugin);
+            detector(one, payload);
         }
     }
 }
@@ -157,6 +188,16 @@ fn plugin(health: &PluginHealth) {
     gauge!("skein_plugin_restarts", &labels).set(health.restarts as f64);
     gauge!("skein_plugin_call_p50_seconds", &labels).set(health.call_p50_us * 1e-6);
     gauge!("skein_plugin_call_p99_seconds", &labels).set(health.call_p99_us * 1e-6);
+}
+
+/// What a detector says of itself beside what every one does.
+fn detector(vehicle: &VehicleSnapshot, payload: &PayloadSnapshot) {
+    let state = payload.state.as_ref().filter(|_| payload.kind == PayloadKind::Detector);
+    let dropped = state.and_then(|state| state.get("dropped")?.as_f64());
+    if let Some(dropped) = dropped {
+        let labels = [("vehicle", vehicle.id.to_string()), ("payload", payload.name.clone())];
+        gauge!("skein_detector_pictures_dropped", &labels).set(dropped);
+    }
 }
 
 fn video(video: &CameraVideo) {

@@ -1,18 +1,25 @@
-//! Where the cameras of all vehicles look, as one answer, from the newest snapshot of the fleet.
+//! Routes about what the swarm sees: tracks and what is asked of them, what other sensors tell, and where the cameras of all vehicles look, from the newest
+//! snapshot of the fleet.
 //!
 //! A camera's last frame says it best. A camera that gives this node no frames, because it is another node's or streams past us, looks
 //! where its vehicle's gimbal points; one without a gimbal is left out then: how it is mounted nobody says.
 //!
-//! Must never do: ask a vehicle or a payload anything.
+//! Must never do: ask a vehicle anything but to keep a track in view.
 
 use crate::app::App;
-use crate::protocol::{CameraView, CameraViewList, TrackList, ViewSource};
+use crate::body::{Body, DetectionsBody, TrackChangeBody};
+use crate::control::FromConsole;
+use crate::error::ApiError;
+use crate::protocol::{AskedObserverList, CameraView, CameraViewList, ObserverList, TrackList, ViewSource};
 use axum::Json;
-use axum::extract::State;
+use axum::extract::rejection::PathRejection;
+use axum::extract::{Path, State};
+use axum::http::StatusCode;
 use serde::de::DeserializeOwned;
 use skein_domain::payload::{CameraPose, CameraState, GimbalState, PayloadKind};
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{NodeTime, VehicleId};
+use skein_runtime::{Detected, ObserveRequest};
 use skein_view::{PayloadSnapshot, VehicleSnapshot};
 
 /// A frame older than this says nothing of where the camera looks now, in seconds.
@@ -36,6 +43,60 @@ pub(crate) async fn tracks(State(app): State<App>) -> Json<TrackList> {
         time: app.node.now(),
         tracks: app.node.snapshot().tracks.clone(),
     })
+}
+
+/// Takes what another sensor saw: all of it, or none if one of it cannot be true.
+pub(crate) async fn detections(
+    State(app): State<App>,
+    Body(body): Body<DetectionsBody>,
+) -> Result<(StatusCode, Json<Detected>), ApiError> {
+    let told = app.node.tell_detections(&body.source, body.detections);
+    let detected = told.map_err(|(index, problem)| ApiError::OutOfRange {
+        field: format!("detections[{index}]"),
+        problem,
+    })?;
+    if detected.refused > 0 {
+        return Err(ApiError::TooManyDetections(detected));
+    }
+    Ok((StatusCode::ACCEPTED, Json(detected)))
+}
+
+/// A track's number.
+type Of = Result<Path<u64>, PathRejection>;
+
+pub(crate) async fn change(
+    State(app): State<App>,
+    track: Of,
+    Body(body): Body<TrackChangeBody>,
+) -> Result<StatusCode, ApiError> {
+    let Path(track) = track?;
+    app.node.change_track(track, body.name, body.pinned).await?;
+    app.node.next_snapshot().await;
+    Ok(StatusCode::NO_CONTENT)
+}
+
+pub(crate) async fn drop_track(State(app): State<App>, track: Of) -> Result<StatusCode, ApiError> {
+    let Path(track) = track?;
+    app.node.drop_track(track).await?;
+    app.node.next_snapshot().await;
+    Ok(StatusCode::NO_CONTENT)
+}
+
+pub(crate) async fn observers(State(app): State<App>, track: Of) -> Result<Json<ObserverList>, ApiError> {
+    let Path(track) = track?;
+    let observers = app.node.observers_of(track)?;
+    Ok(Json(ObserverList { track, observers }))
+}
+
+pub(crate) async fn observe(
+    State(app): State<App>,
+    console: FromConsole,
+    track: Of,
+    Body(request): Body<ObserveRequest>,
+) -> Result<Json<AskedObserverList>, ApiError> {
+    let Path(track) = track?;
+    let asked = app.node.observe_track(console.id(), track, &request).await?;
+    Ok(Json(AskedObserverList { track, asked }))
 }
 
 fn of_vehicle(vehicle: &VehicleSnapshot, now: NodeTime) -> Vec<CameraView> {

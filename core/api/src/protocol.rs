@@ -9,7 +9,7 @@ mod supervision;
 mod video;
 
 pub use links::{EndpointReport, LinkReport, VehicleLinkReport};
-pub use observed::{CameraView, CameraViewList, TrackList, ViewSource};
+pub use observed::{AskedObserverList, CameraView, CameraViewList, ObserverList, TrackList, ViewSource};
 pub use parameters::{ParameterBody, ParameterName, ReadingBody};
 pub use supervision::{SupervisedPayload, SupervisedVehicle, SupervisionTree};
 pub use video::{

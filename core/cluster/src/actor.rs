@@ -8,6 +8,7 @@ mod inbound;
 mod leadership;
 mod messages;
 mod outbound;
+mod tracking;
 mod videos;
 
 use crate::asks::Asks;
@@ -34,6 +35,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use tokio::sync::broadcast;
 use tokio::task::JoinHandle;
+use tracking::TrackingTold;
 use videos::Videos;
 
 /// A transport that has begun.
@@ -101,6 +103,7 @@ pub struct SwarmState {
     nodes: BTreeMap<NodeId, Known>,
     asks: Asks,
     told: OutboundState,
+    tracking: TrackingTold,
     /// Orders that are obeyed, but whose moments cannot be reckoned yet.
     pending: Option<(NodeId, Orders)>,
     /// The holder whose leadership it took because that one was missed.
@@ -246,6 +249,7 @@ impl SwarmState {
             nodes: BTreeMap::new(),
             asks: Asks::default(),
             told: OutboundState::default(),
+            tracking: TrackingTold::default(),
             pending: None,
             lost_leader: None,
             noted: None,

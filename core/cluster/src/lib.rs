@@ -10,5 +10,6 @@ mod operator_state;
 mod orders;
 mod parts;
 mod store;
+mod tracks;
 
 pub use actor::{CarryOut, OpenTransport, OpenedTransport, Swarm, SwarmArguments, SwarmSetup};

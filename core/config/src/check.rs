@@ -31,6 +31,7 @@ impl NodeConfig {
         self.dds_problems(&mut problems);
         self.ros2.problems(&mut problems);
         self.video.problems(&mut problems);
+        self.tracking.problems(&mut problems);
         if !self.web.enabled && self.swarm.id.is_none() {
             problems.push(problem(
                 "web.enabled",

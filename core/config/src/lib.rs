@@ -17,6 +17,7 @@ mod resume;
 mod ros2;
 pub mod settings;
 mod swarm;
+mod tracking;
 mod video;
 
 pub use dds::{DdsPeer, DdsPeerError, DdsSettings, LinkKind};
@@ -32,6 +33,7 @@ pub use settings::{
     SafetySettings, WebSettings,
 };
 pub use swarm::{Apart, SwarmSettings, SwarmTransport, ZenohSettings};
+pub use tracking::TrackingSettings;
 pub use video::{RtpQuality, RtpSettings, VideoSettings};
 
 use std::path::{Path, PathBuf};

@@ -2,7 +2,7 @@
 //!
 //! Must never do: leave out one whose position is known. Who is in doubt is taken for one that does not give way.
 
-use skein_domain::payload::Track;
+use skein_domain::payload::{Track, TrackEstimate, TrackSource};
 use skein_domain::{FlightState, NodeTime, PositionNed, VelocityNed};
 use skein_safety::avoidance::{Cooperation, Neighbour, NeighbourId};
 use skein_view::PeerEntry;
@@ -12,6 +12,9 @@ use skein_view::PeerEntry;
 const VEHICLE_UNCERTAINTY_M: f64 = 0.3;
 /// The same for what is seen in a picture.
 const TRACK_UNCERTAINTY_M: f64 = 2.0;
+/// A track of the swarm's own making whose place is known worse than this, as a standard deviation in metres, is nowhere in particular: to keep away
+/// from wherever it may be would stop everybody.
+const TRACK_KNOWN_WITHIN_M: f64 = 10.0;
 /// So hard an autopilot brakes that has lost its setpoints, at most, in metres per second squared.
 const HARDEST_BRAKING_M_S2: f64 = 7.0;
 /// When one that has just fallen silent may have begun to brake: not yet, on the way, or at once, as a share of the time since.
@@ -44,6 +47,23 @@ pub fn track(track: &Track) -> Neighbour {
         uncertainty_m: TRACK_UNCERTAINTY_M,
         cooperation: Cooperation::DoesNot,
         airborne: true,
+    }
+}
+
+/// The same with what is known of how well it is known; nothing for what the swarm made itself and does not know well enough.
+#[must_use]
+pub fn estimated(estimate: &TrackEstimate) -> Option<Neighbour> {
+    let told = track(&estimate.track);
+    match estimate.source {
+        TrackSource::Told => Some(told),
+        TrackSource::Fused => {
+            let error_m = estimate.largest_error_m()?;
+            let known = !estimate.guessed_range && error_m <= TRACK_KNOWN_WITHIN_M;
+            known.then(|| Neighbour {
+                uncertainty_m: TRACK_UNCERTAINTY_M.max(2.0 * error_m),
+                ..told
+            })
+        }
     }
 }
 

@@ -52,6 +52,15 @@ impl OwnTracks {
         }
         strangers
     }
+
+    /// Those that are ours, as they were when it was last asked, and whose each is.
+    pub fn ours(&self) -> impl Iterator<Item = (u64, VehicleId)> {
+        let owned = self.known.iter().filter_map(|(track, owner)| match owner {
+            Owner::Ours(vehicle) => Some((*track, *vehicle)),
+            Owner::Stranger(_) => None,
+        });
+        owned
+    }
 }
 
 fn first_seen(track: &Track, entries: &[PeerEntry]) -> Owner {

@@ -8,14 +8,16 @@ mod detector;
 mod frame;
 mod gimbal;
 mod radio;
+mod tracks;
 
 pub use camera::{CameraCommand, CameraMode, CameraState, CameraStream};
 pub use detector::{DetectorState, Finding};
 pub use frame::{CameraPose, FrameHeader, PixelFormat};
 pub use gimbal::{GimbalCommand, GimbalMode, GimbalOwner, GimbalState, GimbalYawFrame};
 pub use radio::{RadioCommand, RadioState};
+pub use tracks::{FIRST_FUSED_TRACK, Track, TrackEstimate, TrackSource, symmetric, upper_triangle};
 
-use crate::{NodeTime, PositionNed, VehicleId, VelocityNed};
+use crate::{PositionNed, VehicleId};
 use minicbor::{Decode, Encode};
 use serde::{Deserialize, Serialize};
 
@@ -84,26 +86,6 @@ pub enum Target {
         #[schemars(range(max = 9_007_199_254_740_991_u64))]
         track: u64,
     },
-}
-
-/// Something tracked: where it is and where it goes, in the swarm frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[derive(Serialize, Deserialize, Encode, Decode, ts_rs::TS, schemars::JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Track {
-    /// Its number.
-    #[n(0)]
-    #[schemars(range(max = 9_007_199_254_740_991_u64))]
-    pub track: u64,
-    /// Where it was at `time`.
-    #[n(1)]
-    pub position: PositionNed,
-    /// Its velocity at `time`.
-    #[n(2)]
-    pub velocity: VelocityNed,
-    /// When that was, on the node's clock.
-    #[n(3)]
-    pub time: NodeTime,
 }
 
 /// Whether a vehicle can host the coordinator, and how gladly.

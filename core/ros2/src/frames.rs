@@ -8,8 +8,9 @@
 //!
 //! Must never do: read a clock, or know where a value came from.
 
+use crate::interfaces::Fixed;
 use crate::interfaces::geometry::{Point, Quaternion, Vector3};
-use nalgebra::{UnitQuaternion, Vector3 as Vector};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3 as Vector};
 use skein_domain::frames::wrap_angle_rad;
 use skein_domain::{PositionNed, Stick, VelocityNed};
 use std::f64::consts::FRAC_PI_2;
@@ -33,6 +34,20 @@ pub fn point(position: &PositionNed) -> Point {
 #[must_use]
 pub fn position(point: &Point) -> PositionNed {
     swapped(Vector::new(point.x, point.y, point.z)).into()
+}
+
+/// A covariance of a position along north, east and down as one of a pose in `map`, in square metres. How it is turned is not known, and stands there as 0.
+#[must_use]
+pub fn covariance(ned: &Matrix3<f64>) -> Fixed<36> {
+    let swap = Matrix3::from_columns(&[Vector::x(), Vector::y(), Vector::z()].map(swapped));
+    let enu = swap * ned * swap.transpose();
+    let mut whole = Fixed::default();
+    for row in 0..3 {
+        for column in 0..3 {
+            whole.0[6 * row + column] = enu[(row, column)];
+        }
+    }
+    whole
 }
 
 /// A velocity along the axes of `map`, in metres per second.

@@ -16,7 +16,7 @@ use crate::interfaces::vision::{BoundingBox3D, Detection3D, ObjectHypothesis, Ob
 use crate::names;
 use crate::requests::word;
 use crate::stamp::Stamps;
-use skein_domain::payload::Track;
+use skein_domain::payload::TrackEstimate;
 use skein_domain::telemetry::{GnssFix, VehicleKinematics};
 use skein_domain::{PositionNed, SwarmFrame};
 use skein_view::{FleetSnapshot, PayloadSnapshot, VehicleSnapshot};
@@ -253,31 +253,46 @@ pub fn gimbal(payload: &PayloadSnapshot, stamps: &Stamps) -> Option<GimbalState>
     })
 }
 
-/// Something that is tracked. Its class and its size are not known.
+/// Something that is tracked: where it is, how well that is known, and what it may be, the likeliest first. Its size is not known.
 #[must_use]
-pub fn track(track: &Track, stamps: &Stamps) -> Detection3D {
-    let pose = Pose {
-        position: frames::point(&track.position),
-        orientation: frames::unrotated(),
+pub fn track(estimate: &TrackEstimate, stamps: &Stamps) -> Detection3D {
+    let pose = PoseWithCovariance {
+        pose: Pose {
+            position: frames::point(&estimate.track.position),
+            orientation: frames::unrotated(),
+        },
+        covariance: estimate
+            .position_covariance()
+            .map(|covariance| frames::covariance(&covariance))
+            .unwrap_or_default(),
+    };
+    let hypothesis = |(class_id, score): (String, f64)| ObjectHypothesisWithPose {
+        hypothesis: ObjectHypothesis { class_id, score },
+        pose: pose.clone(),
     };
     Detection3D {
-        header: stamps.header(track.time, frames::MAP),
-        results: vec![ObjectHypothesisWithPose {
-            hypothesis: ObjectHypothesis {
-                class_id: "unknown".to_owned(),
-                score: 1.0,
-            },
-            pose: PoseWithCovariance {
-                pose: pose.clone(),
-                covariance: Fixed::default(),
-            },
-        }],
+        header: stamps.header(estimate.track.time, frames::MAP),
+        results: classes(estimate).into_iter().map(hypothesis).collect(),
         bbox: BoundingBox3D {
-            center: pose,
+            center: pose.pose.clone(),
             size: Vector3::default(),
         },
-        id: track.track.to_string(),
+        id: estimate.track.track.to_string(),
     }
+}
+
+/// What a track may be with which score, the likeliest first; `unknown` if nobody says.
+fn classes(estimate: &TrackEstimate) -> Vec<(String, f64)> {
+    let mut all: Vec<(String, f64)> = estimate
+        .classes
+        .iter()
+        .map(|(class, score)| (class.clone(), *score))
+        .collect();
+    all.sort_by(|a, b| b.1.total_cmp(&a.1));
+    if all.is_empty() {
+        all.push(("unknown".to_owned(), 1.0));
+    }
+    all
 }
 
 /// How well a vehicle is, with these facts added.

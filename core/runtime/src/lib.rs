@@ -19,17 +19,21 @@ mod payload;
 mod plugin_life;
 mod resume;
 mod surroundings;
+mod tracking;
 mod vehicle;
 mod video;
 mod wiring;
 
 pub use clock::TokioClock;
 pub use handle::{
-    ControlAction, ControlReceipt, EmergencyKey, Fault, FenceAnswer, FormationSlots, InstanceUpgrade, NodeHandle,
-    ParameterReceipt, PluginInfo, PluginRefusal, PreflightAnswer, Targets, UpgradeReceipt,
+    AskedObserver, ControlAction, ControlReceipt, EmergencyKey, Fault, FenceAnswer, FormationSlots, InstanceUpgrade,
+    LONGEST_TRACK_NAME, NodeHandle, ObserveRequest, ParameterReceipt, PluginInfo, PluginRefusal, PreflightAnswer,
+    Targets, UpgradeReceipt,
 };
 pub use node::{Adapter, AdapterStart, Node, NodeError};
 pub use skein_plugin_host::Frame;
+pub use skein_state::SeenCounts;
 pub use skein_state::video::{Quality, Rendition, Viewer};
+pub use tracking::{Detected, DetectedBearing, Detection};
 pub use video::{CameraVideo, RecordedVideo};
 pub use wiring::{WiringError, catalog};

@@ -14,6 +14,7 @@ use crate::listening;
 use crate::observer::Observer;
 use crate::parts::Parts;
 use crate::resume::{Keeper, KeeperArguments};
+use crate::tracking::Tracking;
 use crate::video::RtpOut;
 use crate::wiring::{self, WiringError};
 use ractor::{Actor, ActorCell, ActorId, ActorProcessingErr, ActorRef, RpcReplyPort, SpawnErr, SupervisionEvent};
@@ -150,6 +151,7 @@ enum Part {
     Coordinator,
     Observer,
     Keeper,
+    Tracking,
     Swarm,
     DdsLinks,
     Endpoint(usize),
@@ -247,6 +249,7 @@ impl NodeState {
             Part::ControlLoop,
             Part::Observer,
             Part::Keeper,
+            Part::Tracking,
         ];
         let swarm = self.arguments.swarm.as_ref().map(|_| Part::Swarm);
         let dds = self.arguments.dds.as_ref().map(|_| Part::DdsLinks);
@@ -270,6 +273,7 @@ impl NodeState {
             Part::Coordinator => "coordinator".into(),
             Part::Observer => "observer".into(),
             Part::Keeper => "keeper".into(),
+            Part::Tracking => "tracking".into(),
             Part::Swarm => "swarm".into(),
             Part::DdsLinks => "dds-links".into(),
             Part::Rtp => "rtp".into(),
@@ -338,6 +342,13 @@ impl NodeState {
                 let arguments = KeeperArguments { handle };
                 Ok(spawned(Keeper::spawn_linked(None, Keeper, arguments, parent).await)?.get_id())
             }
+            Part::Tracking => {
+                let handle = self.arguments.handle.clone();
+                let tracking = spawned(Tracking::spawn_linked(None, Tracking, handle, parent).await)?;
+                let id = tracking.get_id();
+                parts.tracking.store(Some(Arc::new(tracking)));
+                Ok(id)
+            }
             Part::Swarm => {
                 let handle = self.arguments.handle.clone();
                 let arguments = swarm_arguments(handle, self.arguments.swarm.clone().ok_or("not configured")?);
@@ -383,6 +394,7 @@ impl NodeState {
         match part {
             Part::Fleet => self.arguments.handle.parts().fleet.store(None),
             Part::Coordinator => self.arguments.handle.parts().coordinator.store(None),
+            Part::Tracking => self.arguments.handle.parts().tracking.store(None),
             Part::Swarm => {
                 if let Some(swarm) = &self.arguments.handle.shared().swarm {
                     swarm.speak_through(None);

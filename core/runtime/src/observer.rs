@@ -83,7 +83,7 @@ fn fleet(shared: &SharedState, sequence: u64) -> FleetSnapshot {
         unadopted: shared.vehicles.unadopted(),
         formation: formation(&coordination, &peers, intent_version, now),
         actors,
-        tracks: shared.observed.tracks().as_ref().clone(),
+        tracks: shared.observed.estimates(),
         swarm: shared.swarm.as_ref().map(|swarm| swarm.picture().as_ref().clone()),
         resume: shared.resume.question(),
     }

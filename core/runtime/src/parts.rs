@@ -4,6 +4,7 @@
 
 use crate::coordinator::CoordinatorMessage;
 use crate::fleet::FleetMessage;
+use crate::tracking::TrackingMessage;
 use arc_swap::ArcSwapOption;
 use ractor::ActorRef;
 use skein_link_dds::DdsLinkTable;
@@ -19,6 +20,8 @@ pub struct Parts {
     pub coordinator: ArcSwapOption<ActorRef<CoordinatorMessage>>,
     /// The fleet.
     pub fleet: ArcSwapOption<ActorRef<FleetMessage>>,
+    /// What makes tracks.
+    pub tracking: ArcSwapOption<ActorRef<TrackingMessage>>,
     /// Links and counters of all endpoints.
     pub links: Arc<LinkTable>,
     /// Links to vehicles over DDS.

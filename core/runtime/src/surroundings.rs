@@ -2,7 +2,7 @@
 //!
 //! Must never do: leave out one whose position is known. Who is in doubt is taken for one that does not give way.
 
-use skein_coordination::neighbours::{track, vehicle};
+use skein_coordination::neighbours::{estimated, vehicle};
 use skein_domain::NodeTime;
 use skein_safety::avoidance::{Cooperation, Neighbour, NeighbourId, Surroundings};
 use skein_state::SharedState;
@@ -18,7 +18,13 @@ const SIGHTING_KEPT_S: f64 = 15.0;
 pub(crate) fn surroundings(shared: &SharedState, entries: &[PeerEntry], now: NodeTime) -> Surroundings {
     let settings = shared.gate().avoidance();
     let mut all: Vec<Neighbour> = entries.iter().flat_map(|entry| vehicle(entry, now)).collect();
-    all.extend(shared.observed.strange_tracks(entries, now).iter().map(track));
+    all.extend(
+        shared
+            .observed
+            .strange_tracks(entries, now)
+            .iter()
+            .filter_map(estimated),
+    );
     all.extend(sighted(shared, now));
     Surroundings::new(&all, &settings, now)
 }

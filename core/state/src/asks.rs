@@ -4,6 +4,7 @@
 //! Must never do: carry anything out.
 
 use serde::{Deserialize, Serialize};
+use skein_coordination::TrackObservation;
 use skein_domain::fence::FencePlan;
 use skein_domain::link::RoutePoint;
 use skein_domain::preflight::PreflightReport;
@@ -63,6 +64,27 @@ pub struct Order {
     pub by_operator: bool,
 }
 
+/// What is asked about one track that the swarm made.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum TrackOrder {
+    /// Another name, or that it is to be kept; what is absent stays as it is.
+    Change {
+        /// Its number.
+        track: u64,
+        /// Its name; an empty one takes the name away.
+        name: Option<String>,
+        /// Whether it is to be kept longer.
+        pinned: Option<bool>,
+    },
+    /// It is to end.
+    Drop {
+        /// Its number.
+        track: u64,
+    },
+    /// Vehicles were asked to keep it in view: others are to take over where one no longer can.
+    Observe(TrackObservation),
+}
+
 /// What is asked.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Ask {
@@ -110,6 +132,8 @@ pub enum Ask {
         /// At most 320x240 and 10/s.
         small: bool,
     },
+    /// Of the coordinator: something about a track.
+    Track(TrackOrder),
     /// How a vehicle of the asked node that is steered by hand is to move, and when that was told by the asker's clock.
     Stick {
         /// The vehicle.

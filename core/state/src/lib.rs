@@ -38,7 +38,7 @@ pub use mailbox::{
     ActorSlot, Asker, ExchangeReply, ParameterOrder, ParameterOutcome, PayloadMessage, SwarmMessage, VehicleMessage,
     asking,
 };
-pub use observed::Observed;
+pub use observed::{MOST_FOR_OTHERS, Observed, Seen, SeenCounts};
 pub use operators::Operators;
 pub use overrun::Overrun;
 pub use payload::{PayloadPublished, PayloadRecord, Report, TransportAddress};

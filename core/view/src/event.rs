@@ -100,6 +100,12 @@ pub enum EventKind {
     },
     /// The setpoint stream went over to holding, or was given up.
     Stream,
+    /// Something tracked has begun or ended, or an operator named, pinned or dropped it.
+    Track {
+        /// Its number.
+        #[ts(type = "number")]
+        track: u64,
+    },
     /// A status text of the autopilot.
     StatusText,
     /// A payload tells of something, as its event schema has it.

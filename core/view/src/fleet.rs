@@ -5,7 +5,7 @@
 use crate::health::{ActorHealth, PluginHealth};
 use crate::swarm::SwarmSnapshot;
 use serde::{Deserialize, Serialize};
-use skein_domain::payload::{CoordinatorCapability, FrameHeader, PayloadKind, Track};
+use skein_domain::payload::{CoordinatorCapability, FrameHeader, PayloadKind, TrackEstimate};
 use skein_domain::{
     Battery, EnergyState, FailsafeState, FlightLimits, FlightMode, FlightState, FormationRequest, Geodetic, Gnss,
     LandedState, LinkHealth, NodeId, NodeTime, PositionNed, Route, SwarmFrame, SystemId, VehicleId, VehicleWay,
@@ -29,8 +29,8 @@ pub struct FleetSnapshot {
     pub formation: Option<FormationSnapshot>,
     /// Actors of the node under supervision.
     pub actors: Vec<ActorHealth>,
-    /// What is tracked.
-    pub tracks: Vec<Track>,
+    /// What is tracked: what was told, and what the swarm made of what its sensors saw.
+    pub tracks: Vec<TrackEstimate>,
     /// The swarm this node is part of, if it is part of one.
     pub swarm: Option<SwarmSnapshot>,
     /// What an operator is asked after this node ended in flight and has started again.

@@ -1,10 +1,9 @@
-//! The routes about plugins, payloads and tracks, for the table.
+//! The routes about plugins and payloads, for the table.
 
 use super::{Endpoint, schema_of};
-use crate::body::{PayloadCommandBody, TracksBody};
-use crate::observed;
+use crate::body::PayloadCommandBody;
 use crate::payloads::{self, UploadQuery};
-use crate::protocol::{Accepted, CameraViewList, PayloadList, PluginList, RestartList, SupervisionTree, TrackList};
+use crate::protocol::{Accepted, PayloadList, PluginList, RestartList, SupervisionTree};
 use crate::supervision;
 use axum::http::StatusCode;
 use skein_config::PayloadRule;
@@ -104,7 +103,7 @@ pub(super) fn payloads() -> Vec<Endpoint> {
     ]
 }
 
-/// Single instances, their frames, and what is tracked.
+/// Single instances and their frames.
 pub(super) fn instances() -> Vec<Endpoint> {
     vec![
         Endpoint::post(
@@ -143,21 +142,5 @@ pub(super) fn instances() -> Vec<Endpoint> {
         .with::<VehicleId>("id")
         .json::<Accepted>(StatusCode::ACCEPTED, "It is being started.")
         .fails(&[400, 404, 409]),
-        Endpoint::get("/api/v1/tracks", "getTracks", observed::tracks)
-            .about("payloads", "What is tracked, as it was told last.")
-            .json::<TrackList>(StatusCode::OK, "The tracks."),
-        Endpoint::get("/api/v1/cameras/views", "getCameraViews", observed::views)
-            .about(
-                "payloads",
-                "Where the cameras of all vehicles are and look, as far as that is known: from their last frames, or from the gimbals.",
-            )
-            .json::<CameraViewList>(StatusCode::OK, "The views."),
-        Endpoint::put("/api/v1/tracks", "setTracks", payloads::tracks)
-            .about(
-                "payloads",
-                "Replaces what is tracked, for vehicles that are to observe it.",
-            )
-            .takes::<TracksBody>()
-            .json::<Accepted>(StatusCode::ACCEPTED, "It is known from now on."),
     ]
 }

@@ -32,5 +32,8 @@ fn each_example_is_what_it_is_an_example_of() {
     is_taken::<PayloadRule>();
     is_taken::<PayloadCommandBody>();
     is_taken::<TracksBody>();
+    is_taken::<TrackChangeBody>();
+    is_taken::<ObserveRequest>();
+    is_taken::<DetectionsBody>();
     is_taken::<Fault>();
 }

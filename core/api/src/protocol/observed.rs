@@ -4,8 +4,10 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use skein_domain::payload::{CameraPose, Track};
+use skein_coordination::observing::ObserverProposal;
+use skein_domain::payload::{CameraPose, TrackEstimate};
 use skein_domain::{NodeTime, VehicleId};
+use skein_runtime::AskedObserver;
 use ts_rs::TS;
 
 /// Where the cameras of all vehicles look, as far as that is known.
@@ -51,6 +53,26 @@ pub enum ViewSource {
 pub struct TrackList {
     /// Now, on the node's clock.
     pub time: NodeTime,
-    /// The tracks that were told last.
-    pub tracks: Vec<Track>,
+    /// The tracks: those that were told last, and those that the swarm made of what its sensors saw.
+    pub tracks: Vec<TrackEstimate>,
+}
+
+/// Who could keep a track in view.
+#[derive(Debug, Clone, PartialEq, Serialize, TS, JsonSchema)]
+pub struct ObserverList {
+    /// The track.
+    #[ts(type = "number")]
+    pub track: u64,
+    /// Vehicles whose model can observe, the best placed first; those that cannot be asked come last, with the reason.
+    pub observers: Vec<ObserverProposal>,
+}
+
+/// Who was asked to keep a track in view.
+#[derive(Debug, Clone, PartialEq, Serialize, TS, JsonSchema)]
+pub struct AskedObserverList {
+    /// The track.
+    #[ts(type = "number")]
+    pub track: u64,
+    /// Each with its answer; some or all may be refusals.
+    pub asked: Vec<AskedObserver>,
 }

@@ -138,7 +138,7 @@ impl SwarmState {
                     self.vehicles(from, batch, now);
                 }
             }
-            Kind::Sheet | Kind::Orders | Kind::OperatorState | Kind::Fences => {
+            Kind::Sheet | Kind::Orders | Kind::OperatorState | Kind::Fences | Kind::Sightings | Kind::Tracks => {
                 let Ok(part) = minicbor::decode::<Part>(value) else {
                     return;
                 };
@@ -172,6 +172,8 @@ impl SwarmState {
                     fences.take_up(&self.shared);
                 }
             }
+            Kind::Sightings => self.hear_sightings(from, bytes, now),
+            Kind::Tracks => self.hear_fused(from, bytes, now),
             Kind::Beacon | Kind::Card | Kind::Vehicles => {}
         }
     }

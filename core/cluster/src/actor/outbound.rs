@@ -69,6 +69,11 @@ impl OutboundState {
         self.next_beacon = NodeTime::default();
     }
 
+    /// A value of several parts is told no more: how many parts it had.
+    pub fn forget_parts(&mut self, kind: Kind) -> u8 {
+        self.parts.remove(&(kind, 0)).unwrap_or(0)
+    }
+
     /// Orders of this term were taken up; whether they are the first ones.
     pub fn taken_up(&mut self, term: Term) -> bool {
         self.taken_up.replace(term) != Some(term)
@@ -103,6 +108,7 @@ impl SwarmState {
             self.told.next_operator_state = now.plus_seconds(OPERATOR_STATE_S);
             self.tell_operator_state(now);
         }
+        self.tell_tracking(now);
         if now >= self.told.next_events {
             self.told.next_events = now.plus_seconds(EVENTS_S);
             self.tell_events(now);
@@ -117,7 +123,7 @@ impl SwarmState {
     }
 
     /// Tells a value in as many parts as it needs. Whether it fits.
-    fn tell_parts(&mut self, now: NodeTime, kind: Kind, item: u16, packed: &[u8]) -> bool {
+    pub(super) fn tell_parts(&mut self, now: NodeTime, kind: Kind, item: u16, packed: &[u8]) -> bool {
         self.told.revision += 1;
         let bytes = self.bus.body_bytes().saturating_sub(PART_BYTES);
         let Ok(parts) = split(packed, self.told.revision, bytes) else {

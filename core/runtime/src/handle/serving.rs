@@ -21,6 +21,7 @@ pub async fn carry_out(handle: NodeHandle, ask: Ask, ahead_us: Option<i64>) -> A
         Ask::EndTrajectories => Answer::Ended(handle.end_trajectories_here().await),
         Ask::Fences(plan) => Answer::Done(handle.set_fences_here(*plan)),
         Ask::Preflight => Answer::Preflight(handle.preflight().vehicles),
+        Ask::Track(order) => Answer::Done(handle.order_track_here(order).await),
         Ask::TakeLeadership => Answer::Done(take_leadership(&handle).await),
         Ask::Video {
             to,

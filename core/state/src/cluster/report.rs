@@ -28,9 +28,13 @@ pub enum Kind {
     OperatorState = 6,
     /// Fences that were set while the swarm runs.
     Fences = 7,
+    /// What the sensors of a node saw.
+    Sightings = 8,
+    /// The tracks of the node that coordinates.
+    Tracks = 9,
 }
 
-const KINDS: [Kind; 7] = [
+const KINDS: [Kind; 9] = [
     Kind::Beacon,
     Kind::Card,
     Kind::Vehicles,
@@ -38,6 +42,8 @@ const KINDS: [Kind; 7] = [
     Kind::Orders,
     Kind::OperatorState,
     Kind::Fences,
+    Kind::Sightings,
+    Kind::Tracks,
 ];
 
 /// The key of a part of an item.

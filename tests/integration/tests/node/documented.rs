@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 /// Paths in the order in which a flight has a use for them, and how each is answered.
-const IN_ORDER: [(&str, u16); 21] = [
+const IN_ORDER: [(&str, u16); 24] = [
     ("POST /api/v1/vehicles/{id}/parameters/reading", 202),
     ("PUT /api/v1/vehicles/{id}/parameters/{name}", 200),
     ("POST /api/v1/vehicles/{id}/payloads", 202),
@@ -26,6 +26,10 @@ const IN_ORDER: [(&str, u16); 21] = [
     ("PUT /api/v1/fences", 200),
     ("PUT /api/v1/references/{name}", 204),
     ("PUT /api/v1/tracks", 202),
+    // There is no track 1.
+    ("PATCH /api/v1/tracks/{id}", 404),
+    ("POST /api/v1/tracks/{id}/observe", 404),
+    ("POST /api/v1/detections", 202),
     ("POST /api/v1/events/acknowledge", 200),
     // Nothing was broken off, and the node is in no swarm.
     ("POST /api/v1/resume", 403),

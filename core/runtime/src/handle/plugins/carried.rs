@@ -5,7 +5,7 @@ use super::not_running;
 use crate::fleet::FleetMessage;
 use ractor::rpc::CallResult;
 use skein_config::PayloadRule;
-use skein_domain::payload::Track;
+use skein_domain::payload::{FIRST_FUSED_TRACK, Track};
 use skein_domain::{CommandId, Refusal, VehicleId};
 use skein_plugin_host::Frame;
 use skein_state::{Asker, PayloadMessage};
@@ -100,12 +100,18 @@ impl NodeHandle {
     /// Replaces what is tracked. Models and payloads are told with their next batch.
     ///
     /// # Errors
-    /// When a number is not finite, or one track is there twice.
+    /// When a number is not finite, one track is there twice, or has the number of one that the swarm makes itself.
     pub fn set_tracks(&self, tracks: Vec<Track>) -> Result<(), Refusal> {
         let mut seen = std::collections::BTreeSet::new();
         for track in &tracks {
             if !track.position.is_finite() || !track.velocity.is_finite() {
                 return Err(Refusal::invalid(format!("track {} is not finite", track.track)));
+            }
+            if track.track >= FIRST_FUSED_TRACK {
+                return Err(Refusal::invalid(format!(
+                    "track {}: numbers from {FIRST_FUSED_TRACK} up are those of tracks that the swarm makes itself",
+                    track.track
+                )));
             }
             if !seen.insert(track.track) {
                 return Err(Refusal::invalid(format!("track {} is there twice", track.track)));

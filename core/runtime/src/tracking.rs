@@ -1,0 +1,197 @@
+//! The tracking actor: makes tracks of the swarm of what this node's detectors find, of what other sensors tell over the API, and of what other nodes' sensors
+//! saw. Where another node coordinates, it hands on what was seen here and waits for that node's tracks; when this node coordinates, it goes on with them.
+//!
+//! Bound: one step at a time, the next is asked for when the last is done; of each kind of sightings a step takes the newest 512. Must never do: command a
+//! vehicle by itself, but for who takes over an observation that an operator asked for; hold up anything that flies.
+
+mod carrying;
+mod geolocation;
+mod orders;
+mod shown;
+mod telling;
+mod told;
+
+pub(crate) use told::sightings as told_sightings;
+pub use told::{Detected, DetectedBearing, Detection};
+
+use crate::handle::NodeHandle;
+use carrying::Carrying;
+use geolocation::DetectorsSeen;
+use ractor::{Actor, ActorProcessingErr, ActorRef, RpcReplyPort};
+use skein_domain::payload::TrackEstimate;
+use skein_domain::{NodeTime, Refusal};
+use skein_state::SharedState;
+use skein_state::asks::TrackOrder;
+use skein_view::PeerSnapshot;
+use skein_vision::{OwnVehicle, Sighting, SwarmSettings, SwarmTracker};
+use std::sync::Arc;
+use std::time::Duration;
+use telling::Telling;
+use tokio::time::Instant;
+
+/// Time between two steps.
+const STEP: Duration = Duration::from_millis(50);
+/// Of each kind of sightings a step takes no more than this: the newest.
+const MOST_PER_STEP: usize = 512;
+/// Time between two pictures of the tracks, in seconds: plugins and other nodes are told no more often.
+const SHOWN_EVERY_S: f64 = 0.1;
+/// How far a vehicle of ours may be from where its telemetry says it is, with half of its size, in metres: one standard deviation.
+const OWN_ERROR_M: f64 = 1.5;
+
+/// The actor.
+pub struct Tracking;
+
+/// What it is told. Private to the runtime.
+pub enum TrackingMessage {
+    /// Take in what was seen.
+    Step,
+    /// An operator wants something of a track.
+    Order(TrackOrder, RpcReplyPort<Result<(), Refusal>>),
+}
+
+/// State. The tracks themselves are in the shared state too, from where the next incarnation, or another node, goes on with them.
+pub struct TrackingState {
+    handle: NodeHandle,
+    shared: Arc<SharedState>,
+    detectors: DetectorsSeen,
+    /// There while this node coordinates.
+    tracker: Option<SwarmTracker>,
+    telling: Telling,
+    carrying: Carrying,
+    shown: NodeTime,
+}
+
+impl Actor for Tracking {
+    type Msg = TrackingMessage;
+    type State = TrackingState;
+    type Arguments = NodeHandle;
+
+    async fn pre_start(
+        &self,
+        myself: ActorRef<TrackingMessage>,
+        handle: NodeHandle,
+    ) -> Result<TrackingState, ActorProcessingErr> {
+        myself.cast(TrackingMessage::Step)?;
+        Ok(TrackingState {
+            shared: handle.shared().clone(),
+            handle,
+            detectors: DetectorsSeen::default(),
+            tracker: None,
+            telling: Telling::default(),
+            carrying: Carrying::default(),
+            shown: NodeTime::default(),
+        })
+    }
+
+    async fn handle(
+        &self,
+        myself: ActorRef<TrackingMessage>,
+        message: TrackingMessage,
+        state: &mut TrackingState,
+    ) -> Result<(), ActorProcessingErr> {
+        match message {
+            TrackingMessage::Step => {
+                let began = Instant::now();
+                state.step().await;
+                // After one that took long it rests as long: no more than half of a processor goes into it, whatever comes.
+                myself.send_after(STEP.max(began.elapsed()), || TrackingMessage::Step);
+            }
+            // Who has gone does not wait for the answer.
+            TrackingMessage::Order(order, reply) => drop(reply.send(state.order(order))),
+        }
+        Ok(())
+    }
+}
+
+impl TrackingState {
+    async fn step(&mut self) {
+        let now = self.shared.now();
+        let seen = &self.shared.observed.seen;
+        let mut sightings = self.detectors.look(&self.shared, now);
+        seen.count_by_cameras(sightings.len());
+        sightings.extend(seen.take_told(MOST_PER_STEP));
+        if !self.shared.coordinates() {
+            self.follow(sightings, now);
+            return;
+        }
+        sightings.extend(seen.take_heard(MOST_PER_STEP));
+        let own = own_vehicles(&self.shared.peers());
+        let mut tracker = self.take_tracker();
+        // Beside the actors: what is seen is worked on for as long as it takes, and nobody waits for it.
+        let worked = tokio::task::spawn_blocking(move || {
+            work(&mut tracker, sightings, &own, now);
+            tracker
+        });
+        match worked.await {
+            Ok(tracker) => self.tracker = Some(tracker),
+            // The next step goes on from what was shown last.
+            Err(error) => tracing::error!("tracks were lost and are taken up again as last shown: {error}"),
+        }
+        if now.seconds_since(self.shown) >= SHOWN_EVERY_S {
+            self.show(now);
+        }
+    }
+
+    /// Another node coordinates: it is told what was seen here, and its tracks are shown for as long as they mean anything.
+    fn follow(&mut self, sightings: Vec<Sighting>, now: NodeTime) {
+        let observed = &self.shared.observed;
+        observed.seen.tell_others(sightings);
+        // What others told while this node coordinated is theirs again.
+        observed.seen.take_heard(0);
+        observed.retain_fused(|track| shown::is_kept(track, now));
+        self.tracker = None;
+        self.telling = Telling::default();
+        self.carrying = Carrying::default();
+    }
+
+    /// The tracker, or one that goes on with the tracks that were shown last.
+    fn take_tracker(&mut self) -> SwarmTracker {
+        self.tracker.take().unwrap_or_else(|| {
+            let before = self.shared.observed.fused();
+            let mut tracker = SwarmTracker::new(SwarmSettings::default());
+            tracker.take_over(before.iter().filter_map(shown::taken_over));
+            self.telling.know(before.iter().map(|track| track.track.track));
+            tracker
+        })
+    }
+
+    /// Shows the tracks to everybody, and does what follows from them.
+    fn show(&mut self, now: NodeTime) {
+        self.shown = now;
+        let tracks = self.tracks(now);
+        self.telling.tell(&self.shared, &tracks, now);
+        self.shared.observed.publish_fused(tracks);
+        self.carrying.look(&self.handle, now);
+    }
+
+    fn tracks(&self, now: NodeTime) -> Vec<TrackEstimate> {
+        let tracks = self.tracker.iter().flat_map(|tracker| tracker.tracks(now));
+        tracks.map(shown::estimate).collect()
+    }
+}
+
+/// Takes in what was seen, and puts together what belongs together.
+fn work(tracker: &mut SwarmTracker, sightings: Vec<Sighting>, own: &[OwnVehicle], now: NodeTime) {
+    for sighting in sightings {
+        // What cannot be true was refused where it came in; what another node tells in spite of that is left out.
+        if let Err(unsound) = tracker.take(sighting) {
+            tracing::debug!("a sighting is left out: {unsound}");
+        }
+    }
+    tracker.step(now, own);
+}
+
+/// The swarm's own vehicles, which are no tracks.
+fn own_vehicles(peers: &PeerSnapshot) -> Vec<OwnVehicle> {
+    let of = |entry: &skein_view::PeerEntry| {
+        let at = entry.kinematics?;
+        Some(OwnVehicle {
+            id: entry.id,
+            time: at.measured,
+            position: at.position.vector(),
+            velocity: at.velocity.vector(),
+            error_m: OWN_ERROR_M,
+        })
+    };
+    peers.entries.iter().filter_map(of).collect()
+}
