@@ -96,6 +96,32 @@ report_only: ReportOnly | null, };
 export type AltitudeReference = "origin" | "amsl";
 
 /**
+ * A vehicle that was asked to keep a track in view, and what it answered.
+ */
+export type AskedObserver = { 
+/**
+ * From which side it is to look: the bearing from the track to the vehicle, in radians clockwise from north.
+ */
+bearing_rad: number, 
+/**
+ * Its answer.
+ */
+receipt: CommandReceipt, };
+
+/**
+ * Who was asked to keep a track in view.
+ */
+export type AskedObserverList = { 
+/**
+ * The track.
+ */
+track: number, 
+/**
+ * Each with its answer; some or all may be refusals.
+ */
+asked: Array<AskedObserver>, };
+
+/**
  * What is changed of a vehicle's setpoints at a moment, to keep it off others or inside of a fence.
  */
 export type Avoidance = { 
@@ -576,6 +602,91 @@ warns_after_s: number | null, };
 export type DeadManState = "off" | "unheard" | "heard" | "silent";
 
 /**
+ * What became of detections that were told.
+ */
+export type Detected = { 
+/**
+ * So many were taken.
+ */
+taken: number, 
+/**
+ * So many were not, because too much waits already.
+ */
+refused: number, };
+
+/**
+ * A direction from a place.
+ */
+export type DetectedBearing = { 
+/**
+ * Where the sensor is, in the swarm frame.
+ */
+origin: PositionNed, 
+/**
+ * How well that is known: one standard deviation along each axis, in metres; half a metre if left out.
+ */
+origin_error_m: number | null, 
+/**
+ * Clockwise from north, in radians.
+ */
+azimuth_rad: number, 
+/**
+ * Above the horizon, in radians.
+ */
+elevation_rad: number, 
+/**
+ * One standard deviation of the direction, in radians.
+ */
+error_rad: number, };
+
+/**
+ * Something that a radar, a radio direction finder or another sensor has seen once. It says a position or a bearing, and not both.
+ */
+export type Detection = { 
+/**
+ * What the sensor calls the thing, if it follows it; what it names once it must not use for another thing soon.
+ */
+id: number | null, 
+/**
+ * How long ago that was, in seconds.
+ */
+age_s: number, 
+/**
+ * What it is taken for, for example `drone`.
+ */
+class: string | null, 
+/**
+ * How sure that is, 0..=1; 1 if left out.
+ */
+score: number | null, 
+/**
+ * Where it is, in the swarm frame.
+ */
+position: PositionNed | null, 
+/**
+ * Covariance of the position along north, east and down, in square metres: north-north, north-east, north-down, east-east, east-down, down-down. Five
+ * metres along each axis if left out.
+ */
+covariance_m2: [number, number, number, number, number, number] | null, 
+/**
+ * In which direction it is.
+ */
+bearing: DetectedBearing | null, };
+
+/**
+ * What a radar, a radio direction finder or another sensor has seen.
+ */
+export type DetectionsBody = { 
+/**
+ * Names the sensor: what it names stays the same as long as the source is the same.
+ */
+source: string, 
+/**
+ * What it saw.
+ */
+detections: Array<Detection>, };
+
+/**
  * The key of the second step.
  */
 export type EmergencyKey = { 
@@ -780,7 +891,11 @@ actor: string,
 /**
  * What it is doing now.
  */
-status: ActorStatus, } | { "kind": "stream" } | { "kind": "status_text" } | { "kind": "occurrence", 
+status: ActorStatus, } | { "kind": "stream" } | { "kind": "track", 
+/**
+ * Its number.
+ */
+track: number, } | { "kind": "status_text" } | { "kind": "occurrence", 
 /**
  * The payload's name on the vehicle; absent for the UAV model.
  */
@@ -1103,9 +1218,9 @@ formation: FormationSnapshot | null,
  */
 actors: Array<ActorHealth>, 
 /**
- * What is tracked.
+ * What is tracked: what was told, and what the swarm made of what its sensors saw.
  */
-tracks: Array<Track>, 
+tracks: Array<TrackEstimate>, 
 /**
  * The swarm this node is part of, if it is part of one.
  */
@@ -1897,6 +2012,73 @@ loss: number | null, };
  * tell of what others did before it was there.
  */
 export type NodeTime = number;
+
+/**
+ * How a track is to be kept in view.
+ */
+export type ObserveRequest = { 
+/**
+ * By these vehicles; by the best placed ones if left out.
+ */
+vehicles: Array<VehicleId> | null, 
+/**
+ * By so many, where no vehicles are named; two if left out.
+ */
+count: number | null, 
+/**
+ * Horizontal distance to keep, in metres; each model's own if left out.
+ */
+stand_off_m: number | null, };
+
+/**
+ * Who could keep a track in view.
+ */
+export type ObserverList = { 
+/**
+ * The track.
+ */
+track: number, 
+/**
+ * Vehicles whose model can observe, the best placed first; those that cannot be asked come last, with the reason.
+ */
+observers: Array<ObserverProposal>, };
+
+/**
+ * How well a vehicle is placed to keep something in view.
+ */
+export type ObserverProposal = { 
+/**
+ * Which.
+ */
+vehicle: VehicleId, 
+/**
+ * How well: 0..=1, the greatest is the best. Of nearness, charge, a camera on a gimbal, and being free.
+ */
+score: number, 
+/**
+ * How far it is from the track, in metres; null if its place is not known.
+ */
+distance_m: number | null, 
+/**
+ * Charge that is left, 0..=1; null if not known.
+ */
+battery: number | null, 
+/**
+ * It is in the air.
+ */
+flies: boolean, 
+/**
+ * It has a camera on a gimbal.
+ */
+gimbal_camera: boolean, 
+/**
+ * What it is doing already, in words; null if nothing.
+ */
+busy: string | null, 
+/**
+ * Why it cannot be asked, in words; null if it can.
+ */
+unfit: string | null, };
 
 /**
  * A place relative to a formation's anchor: metres forward, right and down of it.
@@ -3074,9 +3256,63 @@ number: number,
 coordinator: NodeId, };
 
 /**
- * Something tracked: where it is and where it goes, in the swarm frame.
+ * What is to change of a track; what is left out stays as it is.
  */
-export type Track = { 
+export type TrackChangeBody = { 
+/**
+ * What it is called; an empty name takes the name away.
+ */
+name: string | null, 
+/**
+ * Whether it is kept longer when nobody sees it.
+ */
+pinned: boolean | null, };
+
+/**
+ * Something tracked, with all that is known of it.
+ */
+export type TrackEstimate = { 
+/**
+ * What an operator calls it; empty if nobody named it.
+ */
+name: string, 
+/**
+ * What it is most likely; empty if nobody says.
+ */
+class: string, 
+/**
+ * What it may be: the score of each class, 0..=1.
+ */
+classes: { [key in string]: number }, 
+/**
+ * Covariance of its position along north, east and down, in square metres: north-north, north-east, north-down, east-east, east-down,
+ * down-down. Null if nobody says.
+ */
+covariance_m2: [number, number, number, number, number, number] | null, 
+/**
+ * An operator wants it kept.
+ */
+pinned: boolean, 
+/**
+ * Its range is only guessed from how large it looks: one camera alone has seen it so far.
+ */
+guessed_range: boolean, 
+/**
+ * Since it began, in seconds.
+ */
+age_s: number, 
+/**
+ * When it was last seen, on the node's clock.
+ */
+seen: NodeTime, 
+/**
+ * Who sees it now: `VEHICLE/CAMERA`, or the source that tells of it over the API.
+ */
+sensors: Array<string>, 
+/**
+ * Who says that it is there.
+ */
+source: TrackSource, 
 /**
  * Its number.
  */
@@ -3103,9 +3339,14 @@ export type TrackList = {
  */
 time: NodeTime, 
 /**
- * The tracks that were told last.
+ * The tracks: those that were told last, and those that the swarm made of what its sensors saw.
  */
-tracks: Array<Track>, };
+tracks: Array<TrackEstimate>, };
+
+/**
+ * Who says that something is there.
+ */
+export type TrackSource = "told" | "fused";
 
 /**
  * Trajectories that have ended.
@@ -3343,7 +3584,11 @@ stand_off_m: number | null,
 /**
  * Height above the target to keep in metres; the present one if left out.
  */
-height_m: number | null, } | { "command": "look_at", 
+height_m: number | null, 
+/**
+ * From which side: the bearing from the target to the vehicle, in radians clockwise from north; the nearest side if left out.
+ */
+bearing_rad: number | null, } | { "command": "look_at", 
 /**
  * What is to be looked at.
  */
