@@ -76,6 +76,22 @@ pub enum TargetKind {
     Helicopter,
 }
 
+impl TargetKind {
+    /// Its name, as configurations have it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Multirotor => "multirotor",
+            Self::Marker => "marker",
+            Self::Quadrotor => "quadrotor",
+            Self::FixedWing => "fixed_wing",
+            Self::Bird => "bird",
+            Self::Aeroplane => "aeroplane",
+            Self::Helicopter => "helicopter",
+        }
+    }
+}
+
 /// A world to take pictures of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scene {

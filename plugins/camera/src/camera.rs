@@ -7,13 +7,14 @@ use crate::capture::Capture;
 use crate::occurrence::CameraEvent;
 use crate::remote::{self, Remote};
 use crate::settings::{Settings, Source};
+use crate::truth::CameraReport;
 use frames::Frames;
 use minicbor::{Decode, Encode};
 use payload_mavlink::Outcome;
 use report::Reporter;
 use skein_domain::exchange::{Create, Event, OwnState};
 use skein_domain::manifest::EffectKind;
-use skein_domain::payload::{CameraCommand, CameraState};
+use skein_domain::payload::CameraCommand;
 use skein_domain::{CommandId, NodeTime, Refusal};
 use skein_plugin_sdk::{CreateError, Effects, Payload, PayloadManifest, PluginKind, saved};
 
@@ -50,7 +51,7 @@ struct Core {
 impl Payload for Camera {
     type Config = Settings;
     type Command = CameraCommand;
-    type State = CameraState;
+    type State = CameraReport;
     type Occurrence = CameraEvent;
 
     const MANIFEST: PayloadManifest = PayloadManifest {
@@ -79,7 +80,7 @@ impl Payload for Camera {
             taken: 0,
             coded: 0,
         });
-        let frames = Frames::new(&settings, core.taken);
+        let frames = Frames::new(&settings, create.vehicle, core.taken);
         Ok(Self {
             settings,
             core,

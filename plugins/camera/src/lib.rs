@@ -13,10 +13,12 @@ mod remote;
 mod settings;
 mod stream;
 mod synthetic;
+mod truth;
 
 pub use camera::Camera;
 pub use occurrence::CameraEvent;
 pub use settings::{Settings, Source};
+pub use truth::{CameraReport, NamedSeen, PictureTruth};
 
 #[cfg(test)]
 mod tests;

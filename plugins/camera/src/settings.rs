@@ -4,11 +4,18 @@ use crate::stream;
 use payload_mavlink::Patience;
 use schemars::JsonSchema;
 use serde::Deserialize;
+use skein_domain::PositionNed;
+use skein_sim_payloads::scene::{Look, ObjectPath, SceneObject};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
 const NO_GSTREAMER: &str = "this camera plugin was built without GStreamer: install libgstreamer1.0-dev and \
     libgstreamer-plugins-base1.0-dev (Debian's names), and build the plugins again with `cargo xtask build-plugins`";
+
+/// More objects than this in a simulated world are refused: each is drawn and judged in every picture.
+const MOST_OBJECTS: usize = 64;
+/// Places are within this of the swarm frame's origin along each axis, in metres.
+const FARTHEST_M: f64 = 1e5;
 
 /// Where frames come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
@@ -85,6 +92,29 @@ pub struct Settings {
     /// How wide other vehicles are in the simulated world, in metres.
     #[schemars(range(min = 0.01))]
     pub vehicle_size_m: f64,
+    /// What moves in the simulated world beside the swarm: other UAVs, birds, aeroplanes, helicopters. Where each is follows from the node's clock, so cameras of
+    /// several nodes agree as well as their clocks do.
+    #[schemars(length(max = 64))]
+    pub objects: Vec<SceneObject>,
+    /// Whether simulated pictures show light or warmth.
+    pub look: Look,
+    /// How much of the simulated sky is under clouds, as a share.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub clouds: f64,
+    /// By which share of itself the brightness of simulated pictures slowly rises and falls.
+    #[schemars(range(min = 0.0, max = 0.9))]
+    pub exposure_change: f64,
+    /// Standard deviation of the noise in simulated pictures, in levels of 255.
+    #[schemars(range(min = 0.0, max = 64.0))]
+    pub noise_levels: f64,
+    /// How far simulated pictures roll to either side, as on a vehicle in wind, in radians. The header of a frame knows of it.
+    #[schemars(range(min = 0.0, max = 0.8))]
+    pub sway_rad: f64,
+    /// How far roll, pitch and yaw in the header of a simulated frame are off at most, each, in radians. Nobody is told how far they are.
+    #[schemars(range(min = 0.0, max = 0.5))]
+    pub pose_error_rad: f64,
+    /// Report in the state, as `truth`, what is in the last simulated picture: name, kind, position, velocity and box of each thing.
+    pub truth: bool,
     /// Draw the node's clock into simulated frames, for whoever measures how old a picture is when it is seen.
     pub clock: bool,
     /// How long an acknowledgement is waited for, in seconds, before a command is sent again.
@@ -122,6 +152,14 @@ impl Default for Settings {
             scene_seed: 1,
             ground_down_m: 0.0,
             vehicle_size_m: 0.6,
+            objects: Vec::new(),
+            look: Look::Visible,
+            clouds: 0.0,
+            exposure_change: 0.0,
+            noise_levels: 0.0,
+            sway_rad: 0.0,
+            pose_error_rad: 0.0,
+            truth: false,
             clock: true,
             ack_timeout_s: 0.7,
             attempts: 4,
@@ -143,15 +181,36 @@ impl Settings {
             ("mount_pitch_rad", self.mount_pitch_rad, -1.6, 1.6),
             ("ground_down_m", self.ground_down_m, -1e5, 1e5),
             ("vehicle_size_m", self.vehicle_size_m, 0.01, 1000.0),
+            ("clouds", self.clouds, 0.0, 1.0),
+            ("exposure_change", self.exposure_change, 0.0, 0.9),
+            ("noise_levels", self.noise_levels, 0.0, 64.0),
+            ("sway_rad", self.sway_rad, 0.0, 0.8),
+            ("pose_error_rad", self.pose_error_rad, 0.0, 0.5),
             ("ack_timeout_s", self.ack_timeout_s, 0.05, 60.0),
             ("attempts", f64::from(self.attempts), 1.0, 1000.0),
             ("lost_after_s", self.lost_after_s, 0.1, 1000.0),
         ] {
-            if !(low..=high).contains(&value) {
-                return Err(format!("{key} = {value}: it must be within {low} and {high}"));
-            }
+            within(key, value, low, high)?;
         }
+        self.check_scene()?;
         self.check_source()
+    }
+
+    fn check_scene(&self) -> Result<(), String> {
+        if self.source != Source::Synthetic && (self.truth || !self.objects.is_empty()) {
+            return Err("truth and objects are of a simulated scene: they need source = \"synthetic\"".to_owned());
+        }
+        if self.objects.len() > MOST_OBJECTS {
+            return Err(format!(
+                "objects: {} of them, at most {MOST_OBJECTS} are drawn",
+                self.objects.len()
+            ));
+        }
+        let mut numbered = self.objects.iter().zip(1..);
+        numbered.try_for_each(|(object, number)| {
+            check_object(object)
+                .map_err(|reason| format!("objects, number {number} ({}): {reason}", object.kind.name()))
+        })
     }
 
     fn check_source(&self) -> Result<(), String> {
@@ -204,5 +263,40 @@ impl Settings {
     /// Horizontal field of view at a zoom factor, in radians.
     pub(crate) fn field_of_view_at(&self, widest_rad: f64, zoom: f64) -> f64 {
         2.0 * ((0.5 * widest_rad).tan() / zoom.max(1.0)).atan()
+    }
+}
+
+fn within(key: &str, value: f64, low: f64, high: f64) -> Result<(), String> {
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    Err(format!("{key} = {value}: it must be within {low} and {high}"))
+}
+
+fn check_object(object: &SceneObject) -> Result<(), String> {
+    within("size_m", object.size_m(), 0.01, 1000.0)?;
+    within("speed_m_s", object.speed_m_s(), 0.1, 1000.0)?;
+    within("phase", object.phase, 0.0, 1.0)?;
+    let place = |key: &str, place: &PositionNed| {
+        within(&format!("{key}.north_m"), place.north_m, -FARTHEST_M, FARTHEST_M)?;
+        within(&format!("{key}.east_m"), place.east_m, -FARTHEST_M, FARTHEST_M)?;
+        within(&format!("{key}.down_m"), place.down_m, -FARTHEST_M, FARTHEST_M)
+    };
+    match &object.path {
+        ObjectPath::Line { from, to } => {
+            place("from", from)?;
+            place("to", to)?;
+            within(
+                "the way over the ground from `from` to `to`, in metres,",
+                from.horizontal_distance_m(to),
+                1.0,
+                2.0 * FARTHEST_M,
+            )
+        }
+        ObjectPath::Circle { centre, radius_m } => {
+            place("centre", centre)?;
+            within("radius_m", *radius_m, 0.1, FARTHEST_M)
+        }
+        ObjectPath::Hover(at) => place("hover", at),
     }
 }

@@ -12,7 +12,8 @@ use skein_domain::{PositionNed, VelocityNed};
 /// One thing in a picture, as it truly is. Pixels count from the picture's left upper corner.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Seen {
-    /// Which of the targets it is, from 0.
+    /// Which of the targets it is, from 0. It is not written: whoever reads has another list.
+    #[serde(skip)]
     pub target: usize,
     /// What it is.
     pub kind: TargetKind,

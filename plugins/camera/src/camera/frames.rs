@@ -6,9 +6,10 @@ use crate::decoding::{self, DecodeError, Files, Picture, Reader};
 use crate::settings::{Settings, Source};
 use crate::stream::{self, Coded, StreamFault, StreamReader};
 use crate::synthetic::Synthetic;
-use skein_domain::NodeTime;
+use crate::truth::PictureTruth;
 use skein_domain::exchange::{PayloadReport, PeerState};
 use skein_domain::payload::{CameraPose, FrameHeader, PixelFormat};
+use skein_domain::{NodeTime, VehicleId};
 use skein_plugin_sdk::frames::{FrameMut, acquire};
 use skein_plugin_sdk::{Effects, log};
 
@@ -26,6 +27,8 @@ pub(super) struct Frames {
     pub(super) delivers: bool,
     /// Size of the last frame in pixels.
     pub(super) size_px: Option<(u32, u32)>,
+    /// What truly is in the last one, where that is asked for.
+    pub(super) truth: Option<PictureTruth>,
     /// What is wrong with the source.
     pub(super) fault: String,
     /// When files are tried again.
@@ -70,12 +73,12 @@ fn origin_of(settings: &Settings) -> Option<stream::Origin> {
 #[derive(Debug)]
 enum Origin {
     Nothing,
-    Scene(Synthetic),
+    Scene(Box<Synthetic>),
     Files(Files, Option<Reader>),
 }
 
 impl Frames {
-    pub(super) fn new(settings: &Settings, taken: u64) -> Self {
+    pub(super) fn new(settings: &Settings, vehicle: VehicleId, taken: u64) -> Self {
         let path = settings.path.clone();
         let files = match settings.source {
             Source::Mavlink | Source::Synthetic | Source::Rtsp | Source::Rtp | Source::Gstreamer => None,
@@ -90,6 +93,7 @@ impl Frames {
             origin: Origin::Nothing,
             delivers: false,
             size_px: None,
+            truth: None,
             fault: String::new(),
             retry: None,
             stream: origin_of(settings).map(|origin| Stream {
@@ -103,7 +107,7 @@ impl Frames {
             let reader = frames.start(&files, taken);
             frames.origin = Origin::Files(files, reader);
         } else if settings.source == Source::Synthetic {
-            frames.origin = Origin::Scene(Synthetic::new(settings));
+            frames.origin = Origin::Scene(Box::new(Synthetic::new(settings, vehicle)));
         }
         frames
     }
@@ -261,7 +265,7 @@ impl Camera {
         let Origin::Scene(scene) = &self.frames.origin else {
             return;
         };
-        let pose = scene.pose(&own, settings, field_of_view_rad);
+        let pose = scene.pose(now, &own, settings, field_of_view_rad);
         self.frames.delivers = pose.is_some();
         let Some(pose) = pose else {
             self.frames.fault = "the vehicle does not know where it is".to_owned();
@@ -269,18 +273,21 @@ impl Camera {
         };
         self.frames.fault.clear();
         let size_px = (settings.width_px, settings.height_px);
-        let clock = settings.clock;
         let Some(mut frame) = self.room_for(size_px) else {
             return;
         };
-        let Origin::Scene(scene) = &self.frames.origin else {
+        let Origin::Scene(scene) = &mut self.frames.origin else {
             return;
         };
-        scene.draw(&pose, size_px.0, size_px.1, &mut frame);
-        if clock {
+        scene.draw(now, &pose, size_px, &mut frame);
+        if self.settings.clock {
             clock_strip::draw(now, size_px.0, &mut frame);
         }
-        self.pass_on(now, frame, size_px, Some(pose), effects);
+        let believed = scene.believed(now, &pose);
+        // The frame is the next one that is counted.
+        let number = self.core.capture.frames + 1;
+        self.frames.truth = self.settings.truth.then(|| scene.truth(number, now, &pose, size_px));
+        self.pass_on(now, frame, size_px, Some(believed), effects);
     }
 
     fn give(

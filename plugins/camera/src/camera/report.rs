@@ -1,6 +1,7 @@
 //! The state as others see it, told when it changes.
 
 use super::Camera;
+use crate::truth::CameraReport;
 use skein_domain::NodeTime;
 use skein_domain::payload::CameraState;
 use skein_plugin_sdk::Effects;
@@ -12,17 +13,18 @@ const BUILT_IN: &str = "Skein";
 /// Tells the state when it changed.
 #[derive(Debug, Default)]
 pub(super) struct Reporter {
-    last: Option<(NodeTime, CameraState)>,
+    last: Option<(NodeTime, CameraReport)>,
 }
 
 impl Reporter {
-    fn tell(&mut self, now: NodeTime, state: CameraState, effects: &mut Effects) {
+    fn tell(&mut self, now: NodeTime, state: CameraReport, effects: &mut Effects) {
         if let Some((when, last)) = &self.last {
-            let only_counts = CameraState {
-                frames: state.frames,
-                recording_s: state.recording_s,
-                ..last.clone()
-            } == state;
+            let counted = CameraState {
+                frames: state.camera.frames,
+                recording_s: state.camera.recording_s,
+                ..last.camera.clone()
+            };
+            let only_counts = counted == state.camera && last.truth == state.truth;
             if *last == state || only_counts && now.seconds_since(*when) < COUNT_PAUSE_S {
                 return;
             }
@@ -34,7 +36,10 @@ impl Reporter {
 
 impl Camera {
     pub(super) fn report(&mut self, now: NodeTime, effects: &mut Effects) {
-        let state = self.state(now);
+        let state = CameraReport {
+            camera: self.state(now),
+            truth: self.frames.truth.clone(),
+        };
         self.reporter.tell(now, state, effects);
     }
 

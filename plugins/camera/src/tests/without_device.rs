@@ -44,8 +44,8 @@ fn it_looks_where_its_gimbal_does() {
         mount_pitch_rad: -0.3,
         ..Settings::default()
     };
-    let mut scene = Synthetic::new(&settings);
-    let fixed = scene.pose(&own(), &settings, 1.0).unwrap();
+    let mut scene = Synthetic::new(&settings, VehicleId(1));
+    let fixed = scene.pose(at(1.0), &own(), &settings, 1.0).unwrap();
     assert!((fixed.pitch_rad + 0.5).abs() < 1e-9 && (fixed.roll_rad - 0.1).abs() < 1e-9 && fixed.yaw_rad == 0.7);
     let state = GimbalState {
         connected: true,
@@ -54,25 +54,26 @@ fn it_looks_where_its_gimbal_does() {
         ..GimbalState::default()
     };
     scene.hear(&gimbal("front", &state), &settings);
-    let held = scene.pose(&own(), &settings, 1.0).unwrap();
+    let held = scene.pose(at(1.0), &own(), &settings, 1.0).unwrap();
     assert!((held.pitch_rad + 1.0).abs() < 1e-9 && held.roll_rad == 0.0 && (held.yaw_rad - 1.2).abs() < 1e-9);
     // Another gimbal than the one that carries it.
     let named = Settings {
         gimbal: "rear".to_owned(),
         ..settings
     };
-    let mut scene = Synthetic::new(&named);
+    let mut scene = Synthetic::new(&named, VehicleId(1));
     scene.hear(&gimbal("front", &state), &named);
-    assert_eq!(scene.pose(&own(), &named, 1.0).unwrap(), fixed);
-    assert_eq!(scene.pose(&OwnState::default(), &named, 1.0), None);
+    assert_eq!(scene.pose(at(1.0), &own(), &named, 1.0).unwrap(), fixed);
+    assert_eq!(scene.pose(at(1.0), &OwnState::default(), &named, 1.0), None);
 }
 
 #[test]
 fn peers_are_in_the_picture() {
     let settings = Settings::default();
-    let mut scene = Synthetic::new(&settings);
+    let mut scene = Synthetic::new(&settings, VehicleId(1));
     let pose = scene
         .pose(
+            at(1.0),
             &OwnState {
                 roll_rad: None,
                 pitch_rad: None,
@@ -83,12 +84,12 @@ fn peers_are_in_the_picture() {
         )
         .unwrap();
     let (width, height) = (160, 120);
-    let draw = |scene: &Synthetic| {
+    let draw = |scene: &mut Synthetic| {
         let mut out = vec![0; 160 * 120 * 3];
-        scene.draw(&pose, width, height, &mut out);
+        scene.draw(at(1.0), &pose, (width, height), &mut out);
         out
     };
-    let empty = draw(&scene);
+    let empty = draw(&mut scene);
     let ahead = PositionNed::new(5.0 * 0.7_f64.cos(), 5.0 * 0.7_f64.sin(), -20.0);
     let peer = PeerState {
         id: VehicleId(2),
@@ -101,9 +102,9 @@ fn peers_are_in_the_picture() {
     scene.see(&[peer], &settings);
     let (column, row) = scene::project(&pose, &ahead, width, height).unwrap();
     let middle = (row as usize * 160 + column as usize) * 3;
-    assert_ne!(draw(&scene)[middle..middle + 3], empty[middle..middle + 3]);
+    assert_ne!(draw(&mut scene)[middle..middle + 3], empty[middle..middle + 3]);
     scene.see(&[], &settings);
-    assert_eq!(draw(&scene), empty);
+    assert_eq!(draw(&mut scene), empty);
 }
 
 #[test]
