@@ -102,6 +102,12 @@ impl Extent {
         (inside.width_px() > 0.0 && inside.height_px() > 0.0).then_some(inside)
     }
 
+    /// Whether any of a pixel is in it.
+    fn touches(&self, column: u32, row: u32) -> bool {
+        let (left_px, top_px) = (f64::from(column), f64::from(row));
+        self.left_px < left_px + 1.0 && self.right_px > left_px && self.top_px < top_px + 1.0 && self.bottom_px > top_px
+    }
+
     pub(super) fn width_px(&self) -> f64 {
         self.right_px - self.left_px
     }
@@ -139,6 +145,7 @@ impl Silhouette {
 
 /// One part made ready for rays from the eye.
 struct Facing {
+    extent: Extent,
     /// From the world to where the part is the unit ball.
     to_ball: Matrix3<f64>,
     from: Vector3<f64>,
@@ -149,6 +156,7 @@ impl Facing {
     fn new(solid: &Solid, part: &Part, lens: &Lens, look: Look) -> Option<Self> {
         let to_ball = solid.axes.try_inverse()?;
         Some(Self {
+            extent: Extent::of_solid(solid, lens)?,
             to_ball,
             from: to_ball * (lens.eye - solid.middle),
             colour: match look {
@@ -185,8 +193,20 @@ pub(super) fn draw(target: &SceneTarget, lens: &Lens, look: Look, canvas: &mut C
     for ((place, solid), part) in facing.iter_mut().zip(solids(target)).zip(parts) {
         *place = Facing::new(&solid, part, lens, look);
     }
-    let hit = |ray: &Vector3<f64>| {
-        let hits = facing.iter().flatten().filter_map(|part| Some((part.hit(ray)?, part)));
+    // Most pixels of a box are empty, and most others meet one part or two.
+    let near = |column: u32, row: u32| {
+        let numbered = facing.iter().flatten().zip(0_u32..);
+        numbered
+            .filter(|(part, _)| part.extent.touches(column, row))
+            .fold(0, |near, (_, number)| near | 1 << number)
+    };
+    let hit = |near: u32, ray: &Vector3<f64>| {
+        let parts = facing
+            .iter()
+            .flatten()
+            .zip(0_u32..)
+            .filter(|(_, number)| near >> number & 1 == 1);
+        let hits = parts.filter_map(|(part, _)| Some((part.hit(ray)?, part)));
         let ((_, normal), part) = hits.min_by(|((a, _), _), ((b, _), _)| a.total_cmp(b))?;
         let lit = look.lit(&normal.normalize());
         Some(part.colour.map(|value| f64::from(value) * lit))
@@ -196,7 +216,11 @@ pub(super) fn draw(target: &SceneTarget, lens: &Lens, look: Look, canvas: &mut C
     let sampling = Sampling::new(lens, samples.map_or(1, |(_, samples)| *samples));
     for row in inside.top_px as u32..inside.bottom_px.ceil() as u32 {
         for column in inside.left_px as u32..inside.right_px.ceil() as u32 {
-            let (share, colour) = sampling.pixel(column, row, hit);
+            let near = near(column, row);
+            if near == 0 {
+                continue;
+            }
+            let (share, colour) = sampling.pixel(column, row, |ray| hit(near, ray));
             if share > 0.0 {
                 let pixel = row as usize * lens.width_px as usize + column as usize;
                 canvas.cover(pixel, colour, share);

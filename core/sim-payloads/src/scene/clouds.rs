@@ -57,15 +57,22 @@ impl Clouds {
 
 /// Chance between the points of a grid, -1..1 and without edges.
 fn between(seed: u32, row: f32, column: f32) -> f32 {
-    let (first_row, first_column) = (row.floor(), column.floor());
-    let (down, along) = (smooth(row - first_row), smooth(column - first_column));
-    let (row, column) = (first_row as i32, first_column as i32);
+    let ((row, down), (column, along)) = (whole(row), whole(column));
+    let (down, along) = (smooth(down), smooth(along));
     let side = |row: i32| {
         let left = tone(seed, row, column);
         left + (tone(seed, row, column.wrapping_add(1)) - left) * along
     };
     let upper = side(row);
     upper + (side(row.wrapping_add(1)) - upper) * down
+}
+
+/// A number rounded down, and what is left of it.
+fn whole(number: f32) -> (i32, f32) {
+    // By way of a whole number: the library's own rounding is a call per pixel.
+    let toward_zero = number as i32;
+    let down = toward_zero.wrapping_sub(i32::from(number < toward_zero as f32));
+    (down, number - down as f32)
 }
 
 fn smooth(share: f32) -> f32 {
