@@ -150,6 +150,8 @@ pub struct ObserverState {
     pub heard: bool,
     /// How urgent its way home is, if known.
     pub energy: Option<EnergyLevel>,
+    /// It was asked to take over, and refused.
+    pub refused: bool,
     /// It has been told to do something else, or has done so by itself.
     pub left: bool,
 }
@@ -161,6 +163,8 @@ pub enum Unable {
     LowCharge,
     /// It is not heard any more.
     Lost,
+    /// It was asked to take over, and refused.
+    Refused,
 }
 
 /// What changes in an observation.
@@ -203,6 +207,7 @@ pub fn changes(
             Some(state) if state.energy.is_some_and(|level| level >= EnergyLevel::ReplanSoon) => {
                 Some(Unable::LowCharge)
             }
+            Some(state) if state.refused => Some(Unable::Refused),
             Some(_) => None,
         };
         match why {

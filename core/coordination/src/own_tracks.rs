@@ -55,11 +55,10 @@ impl OwnTracks {
 
     /// Those that are ours, as they were when it was last asked, and whose each is.
     pub fn ours(&self) -> impl Iterator<Item = (u64, VehicleId)> {
-        let owned = self.known.iter().filter_map(|(track, owner)| match owner {
+        self.known.iter().filter_map(|(track, owner)| match owner {
             Owner::Ours(vehicle) => Some((*track, *vehicle)),
             Owner::Stranger(_) => None,
-        });
-        owned
+        })
     }
 }
 

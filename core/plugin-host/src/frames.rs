@@ -3,6 +3,8 @@
 //!
 //! Must never do: lend a slot to two at once, or take it back while someone reads it.
 
+mod source;
+
 use crate::PluginError;
 use parking_lot::Mutex;
 use rustix::fs::{MemfdFlags, SealFlags};
@@ -13,6 +15,8 @@ use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::ptr::NonNull;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+pub use source::FrameSource;
 
 /// Slots of an instance. A camera that finds all of them in use drops the frame.
 pub(crate) const SLOTS: usize = 4;

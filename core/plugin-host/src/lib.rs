@@ -37,7 +37,7 @@ pub use answer::PluginAnswer;
 pub use catalog::{Catalog, PluginProblem};
 pub use direct::DirectInstance;
 pub use error::{LoadError, PluginError, SchemaError};
-pub use frames::Frame;
+pub use frames::{Frame, FrameSource};
 pub use instance::Instance;
 pub use isolation::{ChildLimits, Isolation};
 pub use library::Plugin;

@@ -53,6 +53,8 @@ pub enum Command {
     Swarm(SwarmArguments),
     /// Write, check and list plugins.
     Plugin(crate::plugin::PluginArguments),
+    /// How well a detector sees, on clips whose truth is known.
+    Vision(crate::vision::VisionArguments),
     /// Measure what the program costs.
     Bench(BenchArguments),
     /// Fly a drawn flight of the tests again and tell what happens in it: a swarm in simulated time, judged by the truth.

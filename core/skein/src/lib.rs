@@ -13,3 +13,4 @@ pub mod replay;
 pub mod run;
 pub mod simulate;
 pub mod swarm;
+pub mod vision;

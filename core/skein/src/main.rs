@@ -3,7 +3,7 @@
 
 use clap::Parser;
 use skein::args::{Arguments, Bench, BenchArguments, Command};
-use skein::{doctor, exit, logging, plugin, replay, run, simulate, swarm};
+use skein::{doctor, exit, logging, plugin, replay, run, simulate, swarm, vision};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -52,6 +52,7 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
             Command::Doctor(arguments) => doctor::doctor(&arguments),
             Command::Swarm(arguments) => swarm::swarm(&arguments).map(done),
             Command::Plugin(arguments) => plugin::plugin(arguments).await,
+            Command::Vision(arguments) => vision::vision(arguments).await,
             Command::Bench(_) | Command::ReplaySeed { .. } | Command::PluginHost => Ok(ExitCode::SUCCESS),
         }
     })

@@ -1,6 +1,7 @@
 //! H.264 encoded and decoded by the library OpenH264, which is built from the source that its crate carries.
 
 use crate::planes::{Planes, PlanesError};
+use openh264::formats::YUVSource;
 use openh264::decoder::{Decoder, DecoderConfig};
 use openh264::encoder::{
     BitRate, Complexity, Encoder, EncoderConfig, FrameRate, FrameType, IntraFramePeriod, UsageType,
@@ -104,6 +105,17 @@ impl H264Encoder {
     }
 }
 
+/// A picture in red, green and blue, one byte each, without gaps between rows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Rgb {
+    /// Width in pixels.
+    pub width_px: u32,
+    /// Height in pixels.
+    pub height_px: u32,
+    /// The pixels, row by row from the top.
+    pub rgb: Vec<u8>,
+}
+
 /// Decodes the pictures of one stream.
 pub struct H264Decoder {
     decoder: Decoder,
@@ -118,6 +130,24 @@ impl H264Decoder {
     pub fn new() -> Result<Self, CodecError> {
         let decoder = Decoder::with_api_config(OpenH264API::from_source(), DecoderConfig::new())?;
         Ok(Self { decoder })
+    }
+
+    /// Decodes an access unit to red, green and blue. None if no picture is ready yet.
+    ///
+    /// # Errors
+    ///
+    /// It cannot be decoded; the next key picture can be.
+    pub fn decode_rgb(&mut self, bytes: &[u8]) -> Result<Option<Rgb>, CodecError> {
+        Ok(self.decoder.decode(bytes)?.map(|picture| {
+            let (width, height) = picture.dimensions();
+            let mut rgb = vec![0; picture.rgb8_len()];
+            picture.write_rgb8(&mut rgb);
+            Rgb {
+                width_px: u32::try_from(width).unwrap_or(0),
+                height_px: u32::try_from(height).unwrap_or(0),
+                rgb,
+            }
+        }))
     }
 
     /// Decodes an access unit. None if no picture is ready yet.

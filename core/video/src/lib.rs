@@ -18,7 +18,7 @@ mod mp4;
 mod planes;
 mod relay;
 
-pub use codec::{CodecError, Encoded, H264Decoder, H264Encoder};
+pub use codec::{CodecError, Encoded, H264Decoder, H264Encoder, Rgb};
 pub use frame::{Coding, EncodedFrame};
 pub use h264::{H264Error, StreamFormat};
 pub use intake::{FrameFault, Intake};

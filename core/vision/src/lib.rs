@@ -7,6 +7,7 @@
 //! | boxes of one picture to tracks of one camera | [`PictureTracker`] |
 //! | a pixel of a camera whose place is known to a bearing | [`Lens`] |
 //! | bearings and positions of all sensors to tracks of the swarm | [`SwarmTracker`] |
+//! | what was found and what is there to figures | [`Scorer`] |
 //!
 //! Must never do: I/O, read a clock, spawn, draw random numbers. Time comes in as an argument, so that the same input gives the same output.
 //! Numbers that are not finite, and covariances that are none, are refused where they come in; nothing panics on them.
@@ -20,6 +21,7 @@ mod fusion;
 mod gray;
 mod motion;
 mod picture;
+mod scoring;
 
 pub use bearing::Lens;
 pub use bounds::Bounds;
@@ -30,3 +32,4 @@ pub use fusion::{
 pub use gray::Gray;
 pub use motion::{Motion, MotionDetector, Moving};
 pub use picture::{Found, PictureSettings, PictureTrack, PictureTracker};
+pub use scoring::{Scorer, Scores, ToldBox, TrueBox};

@@ -109,12 +109,24 @@ impl PictureTracker {
     /// One that follows nothing yet.
     #[must_use]
     pub fn new(settings: PictureSettings) -> Self {
+        Self::after(settings, 0)
+    }
+
+    /// One that numbers its tracks from behind `last_id`, as if it had followed those before.
+    #[must_use]
+    pub fn after(settings: PictureSettings, last_id: u64) -> Self {
         Self {
             settings,
             tracks: Vec::new(),
-            last_id: 0,
+            last_id,
             time: None,
         }
+    }
+
+    /// The number of the newest track.
+    #[must_use]
+    pub fn last_id(&self) -> u64 {
+        self.last_id
     }
 
     /// Takes what was found in the next picture. `moved_px` is how far what stands still has moved in the picture since the last one, to the right

@@ -55,6 +55,36 @@ fn a_fleet_becomes_gauges_and_what_is_not_known_is_left_out() {
 }
 
 #[test]
+fn tracks_are_counted_by_who_says_so() {
+    let told = skein_domain::payload::TrackEstimate::told(skein_domain::payload::Track {
+        track: 4,
+        position: skein_domain::PositionNed::default(),
+        velocity: skein_domain::VelocityNed::default(),
+        time: skein_domain::NodeTime::default(),
+    });
+    let snapshot = FleetSnapshot {
+        tracks: vec![told],
+        ..FleetSnapshot::default()
+    };
+    let seen = SeenCounts {
+        by_cameras: 7,
+        dropped: 3,
+        ..SeenCounts::default()
+    };
+    let recorder = PrometheusBuilder::new().build_recorder();
+    metrics::with_local_recorder(&recorder, || tracks(&snapshot, &seen));
+    let text = recorder.handle().render();
+    for line in [
+        "skein_tracks{source=\"told\"} 1",
+        "skein_tracks{source=\"fused\"} 0",
+        "skein_sightings_total{sensor=\"camera\"} 7",
+        "skein_sightings_dropped_total 3",
+    ] {
+        assert!(text.lines().any(|is| is == line), "{line:?} is not in\n{text}");
+    }
+}
+
+#[test]
 fn a_name_cannot_break_out_of_its_label() {
     let vehicle = VehicleSnapshot {
         name: "a\"b\\c\nd".into(),

@@ -115,3 +115,33 @@ proptest! {
         prop_assert!(near, "{there:?}");
     }
 }
+
+#[test]
+fn a_track_of_our_own_making_is_kept_away_from_as_far_as_it_is_known() {
+    let told = TrackEstimate::told(Track {
+        track: 4,
+        position: PositionNed::new(1.0, 2.0, -3.0),
+        velocity: VelocityNed::default(),
+        time: at_s(HEARD_S),
+    });
+    assert_eq!(estimated(&told), Some(track(&told.track)), "as it always was");
+    let fused = |error_m: f64| TrackEstimate {
+        source: TrackSource::Fused,
+        covariance_m2: Some([error_m * error_m, 0.0, 0.0, 0.01, 0.0, 0.01]),
+        ..told.clone()
+    };
+    let uncertainty_m = |estimate: &TrackEstimate| estimated(estimate).map(|neighbour| neighbour.uncertainty_m);
+    assert_eq!(uncertainty_m(&fused(0.5)), Some(2.0));
+    assert!((uncertainty_m(&fused(4.0)).expect("is known") - 8.0).abs() < 1e-9);
+    assert_eq!(uncertainty_m(&fused(10.5)), None);
+    let guessed = TrackEstimate {
+        guessed_range: true,
+        ..fused(0.5)
+    };
+    assert_eq!(uncertainty_m(&guessed), None);
+    let unsaid = TrackEstimate {
+        covariance_m2: None,
+        ..fused(0.5)
+    };
+    assert_eq!(uncertainty_m(&unsaid), None);
+}

@@ -59,6 +59,7 @@ fn observation(by: &[u16]) -> TrackObservation {
 const WELL: ObserverState = ObserverState {
     heard: true,
     energy: Some(EnergyLevel::Ok),
+    refused: false,
     left: false,
 };
 
@@ -105,6 +106,15 @@ fn who_is_low_or_lost_is_relieved_by_the_next_best_from_the_same_side() {
         &refused,
     );
     assert_eq!(nobody, [hand_over(1, Unable::LowCharge, None)]);
+    // Who refuses to take over is passed over for the next.
+    let unwilling = ObserverState { refused: true, ..WELL };
+    let next = changes(
+        &observation(&[3]),
+        &states(&[(3, unwilling)]),
+        &proposals,
+        &[VehicleId(3)],
+    );
+    assert_eq!(next, [hand_over(3, Unable::Refused, Some(1))]);
     let left = ObserverState { left: true, ..WELL };
     let gone = changes(&observation(&[1]), &states(&[(1, left)]), &proposals, &[]);
     assert_eq!(gone, [Change::Left(VehicleId(1))]);

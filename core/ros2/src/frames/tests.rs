@@ -113,3 +113,20 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_covariance_turns_with_the_axes() {
+    let ned = Matrix3::new(4.0, 1.0, 0.5, 1.0, 9.0, 0.25, 0.5, 0.25, 16.0);
+    let whole = covariance(&ned).0;
+    let expected = ned_to_enu() * ned * ned_to_enu().transpose();
+    for (row, column) in (0..6).flat_map(|row| (0..6).map(move |column| (row, column))) {
+        let wanted = if row < 3 && column < 3 {
+            expected[(row, column)]
+        } else {
+            0.0
+        };
+        assert_eq!(whole[6 * row + column], wanted, "{row} {column}");
+    }
+    // East is better known than north here, and stands first in `map`.
+    assert_eq!((whole[0], whole[7], whole[14]), (9.0, 4.0, 16.0));
+}

@@ -134,3 +134,27 @@ fn no_formation_is_told_too() {
         ("holding", "offboard", false)
     );
 }
+
+#[test]
+fn a_track_says_what_it_may_be_and_how_well_it_is_known() {
+    let told = TrackEstimate::told(skein_domain::payload::Track {
+        track: 4,
+        position: PositionNed::new(1.0, 2.0, -3.0),
+        velocity: VelocityNed::default(),
+        time: NodeTime::from_seconds(99.0),
+    });
+    let plain = track(&told, &stamps());
+    assert_eq!((plain.id.as_str(), plain.results.len()), ("4", 1));
+    assert_eq!(plain.results[0].hypothesis.class_id, "unknown");
+    assert_eq!(plain.results[0].pose.covariance, Fixed::default());
+    let known = TrackEstimate {
+        classes: [("bird".to_owned(), 0.2), ("drone".to_owned(), 0.7)].into(),
+        covariance_m2: Some([4.0, 0.0, 0.0, 9.0, 0.0, 16.0]),
+        ..told
+    };
+    let known = track(&known, &stamps());
+    let classes: Vec<_> = known.results.iter().map(|r| r.hypothesis.class_id.as_str()).collect();
+    assert_eq!(classes, ["drone", "bird"]);
+    assert_eq!(known.results[0].pose.covariance.0[0], 9.0);
+    assert_eq!(known.bbox.center.position, Point { x: 2.0, y: 1.0, z: 3.0 });
+}

@@ -2,6 +2,7 @@
 //!
 //! Must never do: wait for a vehicle's answer, or ask anybody that an operator did not let the swarm ask.
 
+use crate::handle::observers::{activity, candidates, looks_at};
 use crate::handle::{NodeHandle, Targets};
 use parking_lot::Mutex;
 use skein_coordination::TrackObservation;
@@ -12,8 +13,6 @@ use skein_domain::{NodeTime, VehicleCommand, VehicleId};
 use skein_view::{EventKind, FleetSnapshot};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-
-use crate::handle::observers::{activity, candidates, looks_at};
 
 /// Time between two looks, in seconds.
 const LOOK_S: f64 = 0.5;
@@ -112,7 +111,8 @@ impl Carrying {
             let state = ObserverState {
                 heard: vehicle.link.connected,
                 energy: vehicle.energy.map(|energy| energy.level),
-                left: refused.contains_key(&id) || begun && !looks,
+                refused: refused.contains_key(&id),
+                left: begun && !looks,
             };
             Some((id, state))
         })
@@ -134,12 +134,13 @@ impl Carrying {
         let why = match why {
             Unable::LowCharge => "must return soon",
             Unable::Lost => "is not heard any more",
+            Unable::Refused => "has refused to take over",
         };
         let (severity, then) = match to {
             Some(to) => (Severity::Advisory, format!("vehicle {to} takes over")),
             None => (Severity::Warning, "nobody can take over".to_owned()),
         };
-        let text = format!("vehicle {from}, which keeps track {track} in view, {why}: {then}");
+        let text = format!("vehicle {from}, which is to keep track {track} in view, {why}: {then}");
         let kind = EventKind::Track { track };
         handle.shared().events.record(now, Some(from), severity, kind, text);
     }

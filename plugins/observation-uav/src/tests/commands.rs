@@ -29,6 +29,38 @@ fn a_place_is_observed_from_the_nearest_point_of_the_circle_at_the_present_heigh
 }
 
 #[test]
+fn a_side_that_is_asked_for_is_flown_to_around_the_target() {
+    let mut rig = Rig::new(crate::Settings::default());
+    let id = rig.command(VehicleCommand::Observe {
+        target: place(60.0, 0.0),
+        stand_off_m: Some(20.0),
+        height_m: None,
+        // From the north, the far side.
+        bearing_rad: Some(0.0),
+    });
+    let mut nearest_m = f64::INFINITY;
+    rig.run_until("on station", 90.0, |rig| {
+        nearest_m = nearest_m.min((rig.position.x - 60.0).hypot(rig.position.y));
+        rig.is_done(id)
+    });
+    assert!(nearest_m > 14.0, "{nearest_m:.1} m from the target on the way");
+    rig.run(5.0);
+    assert!(
+        (rig.position.x - 80.0).abs() < 1.0 && rig.position.y.abs() < 1.0,
+        "{:?}",
+        rig.position
+    );
+    let nowhere = rig.command(VehicleCommand::Observe {
+        target: place(60.0, 0.0),
+        stand_off_m: None,
+        height_m: None,
+        bearing_rad: Some(f64::NAN),
+    });
+    rig.tick();
+    assert!(matches!(rig.refusal(nowhere), Some(Refusal::InvalidValue { .. })));
+}
+
+#[test]
 fn what_is_not_there_is_refused_with_its_reason() {
     let mut rig = Rig::new(crate::Settings::default());
     let track = rig.observe(THE_TRACK, None, None);
