@@ -65,7 +65,11 @@ pub async fn vision(arguments: VisionArguments) -> anyhow::Result<ExitCode> {
 async fn evaluate(arguments: EvaluateArguments) -> anyhow::Result<ExitCode> {
     let mut clips = clips::list(&arguments.clips)?;
     clips.retain(|clip| arguments.camera.as_ref().is_none_or(|camera| *camera == clip.camera));
-    ensure!(!clips.is_empty(), "{} lists no clip of that camera", arguments.clips.display());
+    ensure!(
+        !clips.is_empty(),
+        "{} lists no clip of that camera",
+        arguments.clips.display()
+    );
     let plugin = match arguments.plugin {
         Some(plugin) => plugin,
         None => {

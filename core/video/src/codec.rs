@@ -1,11 +1,11 @@
 //! H.264 encoded and decoded by the library OpenH264, which is built from the source that its crate carries.
 
 use crate::planes::{Planes, PlanesError};
-use openh264::formats::YUVSource;
-use openh264::decoder::{Decoder, DecoderConfig};
+use openh264::decoder::{DecodedYUV, Decoder, DecoderConfig, Flush};
 use openh264::encoder::{
     BitRate, Complexity, Encoder, EncoderConfig, FrameRate, FrameType, IntraFramePeriod, UsageType,
 };
+use openh264::formats::YUVSource;
 use openh264::{OpenH264API, Timestamp};
 use skein_domain::NodeTime;
 use thiserror::Error;
@@ -116,6 +116,19 @@ pub struct Rgb {
     pub rgb: Vec<u8>,
 }
 
+impl Rgb {
+    fn of(picture: &DecodedYUV<'_>) -> Self {
+        let (width, height) = picture.dimensions();
+        let mut rgb = vec![0; picture.rgb8_len()];
+        picture.write_rgb8(&mut rgb);
+        Self {
+            width_px: u32::try_from(width).unwrap_or(0),
+            height_px: u32::try_from(height).unwrap_or(0),
+            rgb,
+        }
+    }
+}
+
 /// Decodes the pictures of one stream.
 pub struct H264Decoder {
     decoder: Decoder,
@@ -132,22 +145,31 @@ impl H264Decoder {
         Ok(Self { decoder })
     }
 
+    /// A decoder for files, whose pictures may be coded in another order than they are shown in: it keeps some back, and
+    /// [`H264Decoder::remaining_rgb`] gives the last.
+    ///
+    /// # Errors
+    ///
+    /// The library cannot be made ready.
+    pub fn for_files() -> Result<Self, CodecError> {
+        let config = DecoderConfig::new().flush_after_decode(Flush::NoFlush);
+        let decoder = Decoder::with_api_config(OpenH264API::from_source(), config)?;
+        Ok(Self { decoder })
+    }
+
     /// Decodes an access unit to red, green and blue. None if no picture is ready yet.
     ///
     /// # Errors
     ///
     /// It cannot be decoded; the next key picture can be.
     pub fn decode_rgb(&mut self, bytes: &[u8]) -> Result<Option<Rgb>, CodecError> {
-        Ok(self.decoder.decode(bytes)?.map(|picture| {
-            let (width, height) = picture.dimensions();
-            let mut rgb = vec![0; picture.rgb8_len()];
-            picture.write_rgb8(&mut rgb);
-            Rgb {
-                width_px: u32::try_from(width).unwrap_or(0),
-                height_px: u32::try_from(height).unwrap_or(0),
-                rgb,
-            }
-        }))
+        Ok(self.decoder.decode(bytes)?.as_ref().map(Rgb::of))
+    }
+
+    /// The pictures that were kept back.
+    pub fn remaining_rgb(&mut self) -> Vec<Rgb> {
+        let remaining = self.decoder.flush_remaining().unwrap_or_default();
+        remaining.iter().map(Rgb::of).collect()
     }
 
     /// Decodes an access unit. None if no picture is ready yet.

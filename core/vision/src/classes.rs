@@ -46,7 +46,12 @@ impl ClassScores {
     /// The same ones, each nearer to certainty by `share`, 0..=1, of what it lacks.
     #[must_use]
     pub fn raised(&self, share: f64) -> Self {
-        Self(self.0.iter().map(|(class, score)| (class.clone(), score + share * (1.0 - score) * score)).collect())
+        Self(
+            self.0
+                .iter()
+                .map(|(class, score)| (class.clone(), score + share * (1.0 - score) * score))
+                .collect(),
+        )
     }
 
     /// Moves all scores by `share`, 0..=1, towards those of another one.

@@ -106,7 +106,8 @@ impl Scorer {
             }
             self.truths += truths.len() as u64;
             self.right += is_right.iter().filter(|right| **right).count() as u64;
-            self.told.extend(told.iter().zip(is_right).map(|(told, right)| (told.score, right)));
+            self.told
+                .extend(told.iter().zip(is_right).map(|(told, right)| (told.score, right)));
         }
         self.identities_right += best_identities(&together);
     }
@@ -127,7 +128,11 @@ impl Scorer {
             recall: share(self.right, self.truths),
             f1: share(2 * self.right, self.truths + told),
             ap50: self.average_precision(),
-            mota: if self.truths == 0 { 0.0 } else { 1.0 - faults / self.truths as f64 },
+            mota: if self.truths == 0 {
+                0.0
+            } else {
+                1.0 - faults / self.truths as f64
+            },
             idf1: share(2 * self.identities_right, self.truths + told),
         }
     }

@@ -51,7 +51,11 @@ pub(super) fn list(folder: &Path) -> anyhow::Result<Vec<Clip>> {
     for listed in reader.deserialize() {
         let Listed { camera, label, clip } = listed.with_context(|| index.display().to_string())?;
         let inside = |name: &str| !name.is_empty() && Path::new(name).file_name().is_some_and(|file| file == name);
-        ensure!(inside(&camera) && inside(&clip), "{}: {camera}/{clip} is no place in the folder", index.display());
+        ensure!(
+            inside(&camera) && inside(&clip),
+            "{}: {camera}/{clip} is no place in the folder",
+            index.display()
+        );
         let path = folder.join(&camera).join(&clip);
         let truth = labels(&path.with_extension("csv"))?;
         clips.push(Clip {

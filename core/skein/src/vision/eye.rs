@@ -8,10 +8,8 @@ use anyhow::{Context, bail, ensure};
 use skein_domain::exchange::{Create, Effect, Event, EventBatch};
 use skein_domain::payload::{DetectorState, Finding, FrameHeader, PixelFormat};
 use skein_domain::{Incarnation, NodeTime, SystemId, VehicleId};
-use skein_plugin_host::{
-    Frame, FrameSource, Instance, Isolation, Plugin, PluginKind, RunnerSettings, Runners, Trust,
-};
-use skein_video::{H264Decoder, Mp4Reader};
+use skein_plugin_host::{Frame, FrameSource, Instance, Isolation, Plugin, PluginKind, RunnerSettings, Runners, Trust};
+use skein_video::{H264Decoder, Mp4Reader, Rgb};
 use skein_vision::{Bounds, ToldBox, TrueBox};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -39,7 +37,11 @@ impl Eye {
     pub(super) fn load(path: &Path, config: &str) -> anyhow::Result<Self> {
         let plugin = Plugin::load_trusted(path, &Trust::default())
             .with_context(|| format!("{}: build it with `cargo xtask build-plugins`", path.display()))?;
-        ensure!(plugin.manifest().kind == PluginKind::DETECTOR, "{} is no detector", path.display());
+        ensure!(
+            plugin.manifest().kind == PluginKind::DETECTOR,
+            "{} is no detector",
+            path.display()
+        );
         let config = serde_json::from_str(config).context("--config is no JSON object")?;
         let runners = Runners::with_settings(RunnerSettings {
             call_deadline: CALL_DEADLINE,
@@ -77,47 +79,74 @@ impl Eye {
             payload: Some("detector".to_owned()),
             system_id: Some(SystemId(1)),
         };
-        let instance = self.runners.create(self.plugin.clone(), Isolation::InProcess, create).await?;
+        let instance = self
+            .runners
+            .create(self.plugin.clone(), Isolation::InProcess, create)
+            .await?;
         let mut video = Mp4Reader::open(&clip.path)?;
         let renumbered = clip.number_from_zero(video.len());
-        let (mut decoder, source) = (H264Decoder::new()?, FrameSource::new()?);
-        let mut watched = Watched::new(&clip, renumbered);
-        let shown_s = video.shown_s().to_vec();
+        let (mut decoder, mut watched) = (H264Decoder::for_files()?, Watched::new(&clip, renumbered));
+        let mut showing = Showing {
+            instance,
+            source: FrameSource::new()?,
+            shown_s: video.shown_s().to_vec(),
+            clip,
+        };
         for index in 0..video.len() {
             let coded = video.coded(index)?;
             let begun = Instant::now();
-            let Some(picture) = decoder.decode_rgb(&coded)? else {
-                continue;
-            };
+            let decoded = decoder.decode_rgb(&coded);
             watched.decoding_s += begun.elapsed().as_secs_f64();
-            let number = watched.pictures.len();
-            let at_s = shown_s.get(number).copied().unwrap_or_default();
-            let header = FrameHeader {
-                sequence: number as u64 + 1,
-                // Not the beginning of time: a detector that was never shown anything says that.
-                time: NodeTime(0).plus_seconds(1.0 + at_s),
-                width_px: picture.width_px,
-                height_px: picture.height_px,
-                format: PixelFormat::Rgb8,
-                camera: clip.camera.clone(),
-                ..FrameHeader::default()
-            };
-            let frame = source.frame(header, &picture.rgb)?;
-            let begun = Instant::now();
-            let said = look(&instance, frame).await?;
-            watched.looking_s += begun.elapsed().as_secs_f64();
-            let truth = clip.truth.get(&number).map(|bounds| TrueBox {
-                thing: 0,
-                class: clip.label.clone(),
-                bounds: *bounds,
-            });
-            let told = watched.names.told(&said.findings);
-            watched.pictures.push((truth.into_iter().collect(), told));
+            // One that cannot be decoded is passed over, as a camera's is.
+            if let Ok(Some(picture)) = decoded {
+                showing.show(&picture, &mut watched).await?;
+            }
+        }
+        for picture in decoder.remaining_rgb() {
+            showing.show(&picture, &mut watched).await?;
         }
         if watched.pictures.is_empty() {
-            bail!("no picture of {} can be decoded", clip.path.display());
+            bail!("no picture of {} can be decoded", showing.clip.path.display());
         }
+        watched.undecoded = (video.len() - watched.pictures.len().min(video.len())) as u64;
         Ok(watched)
+    }
+}
+
+/// A clip that is being shown to an instance.
+struct Showing {
+    instance: Instance,
+    source: FrameSource,
+    shown_s: Vec<f64>,
+    clip: Clip,
+}
+
+impl Showing {
+    async fn show(&mut self, picture: &Rgb, watched: &mut Watched) -> anyhow::Result<()> {
+        let number = watched.pictures.len();
+        let at_s = self.shown_s.get(number).copied().unwrap_or_default();
+        let header = FrameHeader {
+            sequence: number as u64 + 1,
+            // Not the beginning of time: a detector that was never shown anything says that.
+            time: NodeTime(0).plus_seconds(1.0 + at_s),
+            width_px: picture.width_px,
+            height_px: picture.height_px,
+            format: PixelFormat::Rgb8,
+            camera: self.clip.camera.clone(),
+            ..FrameHeader::default()
+        };
+        let frame = self.source.frame(header, &picture.rgb)?;
+        let begun = Instant::now();
+        let said = look(&self.instance, frame).await?;
+        watched.looking_s += begun.elapsed().as_secs_f64();
+        let truth = self.clip.truth.get(&number).map(|bounds| TrueBox {
+            thing: 0,
+            class: self.clip.label.clone(),
+            bounds: *bounds,
+        });
+        let told = watched.names.told(&said.findings);
+        watched.pictures.push((truth.into_iter().collect(), told));
+        Ok(())
     }
 }
 
@@ -135,7 +164,9 @@ async fn look(instance: &Instance, frame: Arc<Frame>) -> anyhow::Result<Detector
         let answer = instance.call(batch, &frames).await?;
         frames.clear();
         for effect in answer.effects {
-            let Effect::Report { state_json } = effect else { continue };
+            let Effect::Report { state_json } = effect else {
+                continue;
+            };
             let said: serde_json::Value = serde_json::from_str(&state_json)?;
             let fault = said.get("fault").and_then(|fault| fault.as_str()).unwrap_or_default();
             ensure!(fault.is_empty(), "the detector says: {fault}");
@@ -146,7 +177,10 @@ async fn look(instance: &Instance, frame: Arc<Frame>) -> anyhow::Result<Detector
         }
         tokio::time::sleep(ASK_EVERY).await;
     }
-    bail!("the detector says nothing of a picture within {} s", LOOK_WITHIN.as_secs());
+    bail!(
+        "the detector says nothing of a picture within {} s",
+        LOOK_WITHIN.as_secs()
+    );
 }
 
 /// Numbers for the names that a detector gives.

@@ -18,6 +18,8 @@ pub(super) struct Watched {
     pub(super) names: Names,
     pub(super) decoding_s: f64,
     pub(super) looking_s: f64,
+    /// Pictures of the file that could not be decoded.
+    pub(super) undecoded: u64,
 }
 
 impl Watched {
@@ -31,6 +33,7 @@ impl Watched {
             names: Names::default(),
             decoding_s: 0.0,
             looking_s: 0.0,
+            undecoded: 0,
         }
     }
 
@@ -39,8 +42,14 @@ impl Watched {
         let mut scorer = Scorer::new(&self.label);
         scorer.clip(&self.pictures);
         let Scores { f1, .. } = scorer.scores();
-        let called = self.called().map_or_else(String::new, |class| format!(", called {class}"));
-        format!("{:<22} {:>4} pictures  F1 {f1:.3}{called}", self.name, self.pictures.len())
+        let called = self
+            .called()
+            .map_or_else(String::new, |class| format!(", called {class}"));
+        format!(
+            "{:<22} {:>4} pictures  F1 {f1:.3}{called}",
+            self.name,
+            self.pictures.len()
+        )
     }
 
     /// What the labelled thing was called most often, where it was found at all.
@@ -56,7 +65,10 @@ impl Watched {
                 *votes.entry(&best.class).or_default() += 1;
             }
         }
-        votes.into_iter().max_by_key(|(_, count)| *count).map(|(class, _)| class)
+        votes
+            .into_iter()
+            .max_by_key(|(_, count)| *count)
+            .map(|(class, _)| class)
     }
 }
 
@@ -65,6 +77,7 @@ struct OfCamera {
     clips: u64,
     renumbered: u64,
     pictures: u64,
+    undecoded: u64,
     decoding_s: f64,
     looking_s: f64,
     classes: BTreeMap<String, Scorer>,
@@ -86,12 +99,16 @@ impl Report {
         of.clips += 1;
         of.renumbered += u64::from(watched.renumbered);
         of.pictures += watched.pictures.len() as u64;
+        of.undecoded += watched.undecoded;
         of.decoding_s += watched.decoding_s;
         of.looking_s += watched.looking_s;
         let called = watched.called().unwrap_or("nothing").to_owned();
         let votes = of.called.entry(watched.label.clone()).or_default();
         *votes.entry(called).or_default() += 1;
-        self.kept.entry(watched.camera.clone()).or_default().push(watched.pictures.clone());
+        self.kept
+            .entry(watched.camera.clone())
+            .or_default()
+            .push(watched.pictures.clone());
     }
 
     pub(super) fn clips(&self) -> u64 {
@@ -101,8 +118,13 @@ impl Report {
     /// All figures.
     pub(super) fn figures(mut self) -> Figures {
         for (camera, clips) in &self.kept {
-            let Some(of) = self.cameras.get_mut(camera) else { continue };
-            let truths = clips.iter().flatten().flat_map(|(truths, _)| truths.iter().map(|truth| &truth.class));
+            let Some(of) = self.cameras.get_mut(camera) else {
+                continue;
+            };
+            let truths = clips
+                .iter()
+                .flatten()
+                .flat_map(|(truths, _)| truths.iter().map(|truth| &truth.class));
             let classes: BTreeSet<&String> = truths.collect();
             for class in classes {
                 let mut scorer = Scorer::new(class);
@@ -114,21 +136,36 @@ impl Report {
         }
         Figures {
             iou: 0.5,
-            cameras: self.cameras.iter().map(|(camera, of)| (camera.clone(), of.figures())).collect(),
+            cameras: self
+                .cameras
+                .iter()
+                .map(|(camera, of)| (camera.clone(), of.figures()))
+                .collect(),
         }
     }
 }
 
 impl OfCamera {
     fn figures(&self) -> CameraFigures {
-        let rate = |seconds: f64| if seconds > 0.0 { self.pictures as f64 / seconds } else { 0.0 };
+        let rate = |seconds: f64| {
+            if seconds > 0.0 {
+                self.pictures as f64 / seconds
+            } else {
+                0.0
+            }
+        };
         CameraFigures {
             clips: self.clips,
             clips_numbered_from_one: self.renumbered,
             pictures: self.pictures,
+            pictures_not_decoded: self.undecoded,
             frames_per_s: rate(self.looking_s),
             decoded_per_s: rate(self.decoding_s),
-            classes: self.classes.iter().map(|(class, scorer)| (class.clone(), scorer.scores().into())).collect(),
+            classes: self
+                .classes
+                .iter()
+                .map(|(class, scorer)| (class.clone(), scorer.scores().into()))
+                .collect(),
             clips_called: self.called.clone(),
         }
     }
@@ -148,6 +185,8 @@ struct CameraFigures {
     /// Clips whose labels number pictures from 1; they are taken as that.
     clips_numbered_from_one: u64,
     pictures: u64,
+    /// Pictures that could not be decoded: they are left out.
+    pictures_not_decoded: u64,
     /// Pictures that one instance looks at in a second, one at a time.
     frames_per_s: f64,
     /// Pictures that are decoded in a second, one at a time.

@@ -1,10 +1,7 @@
 //! A video: H.264 in an MP4 file, again and again, at its own speed.
 
 use super::{DecodeError, Outlet, Picture};
-use openh264::OpenH264API;
-use openh264::decoder::{DecodedYUV, Decoder, DecoderConfig, Flush};
-use openh264::formats::YUVSource;
-use skein_video::Mp4Reader;
+use skein_video::{CodecError, H264Decoder, Mp4Reader, Rgb};
 use std::path::Path;
 
 pub(super) fn read(path: &Path, rate_hz: f64, taken: u64, outlet: &Outlet) -> Result<(), DecodeError> {
@@ -44,13 +41,11 @@ fn pick(shown_s: &[f64], rate_hz: f64) -> Vec<usize> {
 
 /// Decodes the file from its beginning and gives the wanted pictures. Returns how many.
 fn play(video: &mut Mp4Reader, path: &Path, wanted: &[usize], outlet: &Outlet) -> Result<usize, DecodeError> {
-    let failed = |error: openh264::Error| DecodeError::Damaged {
+    let failed = |error: CodecError| DecodeError::Damaged {
         path: path.to_owned(),
         reason: error.to_string(),
     };
-    // Pictures may be coded in another order than they are shown: the decoder must be free to keep some back.
-    let config = DecoderConfig::new().flush_after_decode(Flush::NoFlush);
-    let mut decoder = Decoder::with_api_config(OpenH264API::from_source(), config).map_err(failed)?;
+    let mut decoder = H264Decoder::for_files().map_err(failed)?;
     let mut choice = Choice {
         shown: 0,
         given: 0,
@@ -62,14 +57,14 @@ fn play(video: &mut Mp4Reader, path: &Path, wanted: &[usize], outlet: &Outlet) -
         }
         let raw = video.coded(index)?;
         // A picture that cannot be decoded is passed over: the next whole one sets things right.
-        if let Ok(Some(picture)) = decoder.decode(&raw)
-            && !choice.look(&picture, outlet)
+        if let Ok(Some(picture)) = decoder.decode_rgb(&raw)
+            && !choice.look(picture, outlet)
         {
             return Ok(choice.given);
         }
     }
-    for picture in decoder.flush_remaining().unwrap_or_default() {
-        if !choice.look(&picture, outlet) {
+    for picture in decoder.remaining_rgb() {
+        if !choice.look(picture, outlet) {
             break;
         }
     }
@@ -89,25 +84,18 @@ impl Choice<'_> {
     }
 
     /// Gives the next decoded picture if it is wanted. False when nobody wants more.
-    fn look(&mut self, picture: &DecodedYUV<'_>, outlet: &Outlet) -> bool {
+    fn look(&mut self, picture: Rgb, outlet: &Outlet) -> bool {
         let this = self.shown;
         self.shown += 1;
         if self.wanted.get(self.given) != Some(&this) {
             return outlet.is_wanted();
         }
         self.given += 1;
-        outlet.give(Ok(colours(picture)))
-    }
-}
-
-fn colours(picture: &DecodedYUV<'_>) -> Picture {
-    let (width, height) = picture.dimensions();
-    let mut rgb = vec![0; picture.rgb8_len()];
-    picture.write_rgb8(&mut rgb);
-    Picture {
-        width_px: u32::try_from(width).unwrap_or(0),
-        height_px: u32::try_from(height).unwrap_or(0),
-        rgb,
+        outlet.give(Ok(Picture {
+            width_px: picture.width_px,
+            height_px: picture.height_px,
+            rgb: picture.rgb,
+        }))
     }
 }
 
