@@ -1,0 +1,117 @@
+//! One picture after another to what is in it: model, motion, the rule that joins them, and tracks.
+
+use crate::joining;
+use crate::model::{ModelFault, OnnxModel};
+use crate::picture::Picture;
+use crate::report::PictureFault;
+use crate::settings::Settings;
+use skein_domain::NodeTime;
+use skein_domain::payload::{DetectorState, Finding, FrameHeader};
+use skein_vision::{MotionDetector, PictureTrack, PictureTracker};
+use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+/// A camera that gives the same picture for so long is frozen, in seconds. One that stands still has noise all the same.
+const FROZEN_AFTER_S: f64 = 2.0;
+/// A picture without a brighter pixel than this, of 255, is black.
+const BLACK_BELOW: u8 = 8;
+
+/// What was seen in one picture.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Look {
+    pub(crate) found: DetectorState,
+    pub(crate) picture_fault: Option<PictureFault>,
+    pub(crate) fault: Option<ModelFault>,
+    pub(crate) last_id: u64,
+    pub(crate) took_s: f64,
+}
+
+/// What looks.
+pub(crate) struct Eye {
+    model: OnnxModel,
+    motion: Option<MotionDetector>,
+    tracker: PictureTracker,
+    doubtful_score: f64,
+    /// What the last picture's bytes are like, and since when they are.
+    same: Option<(u64, NodeTime)>,
+}
+
+impl Eye {
+    /// Goes on with the numbers of tracks after `last_id`.
+    pub(crate) fn new(settings: &Settings, model: OnnxModel, last_id: u64) -> Self {
+        Self {
+            model,
+            motion: settings.motion.then(MotionDetector::default),
+            tracker: PictureTracker::after(settings.tracking(), last_id),
+            doubtful_score: settings.doubtful_score,
+            same: None,
+        }
+    }
+
+    /// Looks at a frame.
+    pub(crate) fn look(&mut self, header: &FrameHeader, bytes: &[u8]) -> Look {
+        let mut look = Look::default();
+        match Picture::read(header, bytes) {
+            None => look.picture_fault = Some(PictureFault::Unreadable),
+            Some(picture) => {
+                look.picture_fault = self.picture_fault(header.time, &picture);
+                look.fault = self.follow(header.time, &picture).err();
+                look.found.width_px = picture.width as u32;
+                look.found.height_px = picture.height as u32;
+            }
+        }
+        look.found.camera.clone_from(&header.camera);
+        look.found.time = header.time;
+        look.found.pose = header.pose;
+        look.found.findings = self.tracker.tracks().map(finding).collect();
+        look.last_id = self.tracker.last_id();
+        look
+    }
+
+    fn follow(&mut self, time: NodeTime, picture: &Picture) -> Result<(), ModelFault> {
+        let motion = self
+            .motion
+            .as_mut()
+            .map(|motion| motion.take(picture.gray()))
+            .unwrap_or_default();
+        let found = self.model.find(picture, self.doubtful_score)?;
+        let found = joining::join(found, &motion.moving);
+        self.tracker.take(time, motion.shift_px.unwrap_or_default(), found);
+        Ok(())
+    }
+
+    fn picture_fault(&mut self, time: NodeTime, picture: &Picture) -> Option<PictureFault> {
+        let mut hasher = DefaultHasher::new();
+        picture.rgb.hash(&mut hasher);
+        let hash = hasher.finish();
+        let since = match self.same {
+            Some((last, since)) if last == hash => since,
+            _ => time,
+        };
+        self.same = Some((hash, since));
+        if picture.rgb.iter().all(|value| *value < BLACK_BELOW) {
+            return Some(PictureFault::Black);
+        }
+        (time.seconds_since(since) >= FROZEN_AFTER_S).then_some(PictureFault::Frozen)
+    }
+}
+
+fn finding(track: PictureTrack) -> Finding {
+    let (class, score) = track.scores.best().map_or(("", 0.0), |best| best);
+    Finding {
+        class: class.to_owned(),
+        score,
+        center_x_px: track.bounds.center_x_px,
+        center_y_px: track.bounds.center_y_px,
+        width_px: track.bounds.width_px,
+        height_px: track.bounds.height_px,
+        id: track.id.to_string(),
+        error_px: track.error_px,
+        coasted_s: track.coasted_s,
+        classes: track
+            .scores
+            .iter()
+            .map(|(class, score)| (class.to_owned(), score))
+            .collect::<BTreeMap<_, _>>(),
+    }
+}

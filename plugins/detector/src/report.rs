@@ -1,0 +1,37 @@
+//! What the detector says of itself beside what it found.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use skein_domain::payload::DetectorState;
+
+/// The state of the detector.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+pub struct DetectorReport {
+    /// What was found in the last picture that was looked at.
+    #[serde(flatten)]
+    pub found: DetectorState,
+    /// Pictures that were looked at.
+    pub looked: u64,
+    /// Pictures that came while another one was looked at, and were not looked at.
+    pub dropped: u64,
+    /// How long looking at a picture takes, in seconds: the mean of the last ones.
+    pub takes_s: f64,
+    /// Why nothing can be found; empty if all is well.
+    pub fault: String,
+    /// What is wrong with the camera's pictures, if anything is.
+    pub picture_fault: Option<PictureFault>,
+}
+
+/// What can be wrong with the pictures of a camera.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PictureFault {
+    /// None has come for some time.
+    Missing,
+    /// The same one comes again and again.
+    Frozen,
+    /// There is nothing in them.
+    Black,
+    /// They cannot be read: encoded, or damaged.
+    Unreadable,
+}
