@@ -87,8 +87,9 @@ async fn evaluate(arguments: EvaluateArguments) -> anyhow::Result<ExitCode> {
         .buffer_unordered(jobs);
     while let Some(one) = watched.next().await {
         let one = one??;
-        report.take(&one);
-        eprintln!("{:>4} of {all}  {}", report.clips(), one.summary());
+        let summary = one.summary();
+        report.take(one);
+        eprintln!("{:>4} of {all}  {summary}", report.clips());
     }
     if arguments.json {
         println!("{}", serde_json::to_string_pretty(&report.figures())?);

@@ -3,8 +3,9 @@
 //! Must never do: keep whoever brings a picture waiting, let more than one wait, or outlive its detector for longer than one look.
 
 use crate::eye::{Eye, Look};
+use parking_lot::{Condvar, Mutex};
 use skein_domain::payload::FrameHeader;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// A frame with a copy of its bytes.
@@ -37,13 +38,6 @@ struct Shared {
     brought: Condvar,
 }
 
-impl Shared {
-    fn state(&self) -> MutexGuard<'_, State> {
-        // No code that holds it can panic halfway.
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
 /// Most looks that wait to be taken: who does not take them is not waited for.
 const MOST_LOOKS: usize = 8;
 
@@ -56,7 +50,7 @@ impl Worker {
             if let Err(panic) = std::panic::catch_unwind(looking) {
                 let text = panic.downcast_ref::<String>().cloned();
                 let text = text.or_else(|| panic.downcast_ref::<&str>().map(|text| (*text).to_owned()));
-                of_thread.state().broken = Some(text.unwrap_or_else(|| "it ended".to_owned()));
+                of_thread.state.lock().broken = Some(text.unwrap_or_else(|| "it ended".to_owned()));
             }
         })?;
         Ok(Self(shared))
@@ -64,7 +58,7 @@ impl Worker {
 
     /// Brings a picture; one that still waits is dropped for it.
     pub(crate) fn bring(&self, header: &FrameHeader, bytes: &[u8]) {
-        let mut state = self.0.state();
+        let mut state = self.0.state.lock();
         let mut job = match state.waiting.take() {
             Some(late) => {
                 state.dropped += 1;
@@ -85,42 +79,47 @@ impl Worker {
 
     /// What was seen since it was last asked, oldest first.
     pub(crate) fn take(&self) -> Vec<Look> {
-        std::mem::take(&mut self.0.state().looks)
+        std::mem::take(&mut self.0.state.lock().looks)
     }
 
     /// Pictures that were not looked at.
     pub(crate) fn dropped(&self) -> u64 {
-        self.0.state().dropped
+        self.0.state.lock().dropped
     }
 
     /// For how long one picture has been looked at by now.
     pub(crate) fn busy_for(&self) -> Duration {
-        self.0.state().begun.map(|begun| begun.elapsed()).unwrap_or_default()
+        self.0
+            .state
+            .lock()
+            .begun
+            .map(|begun| begun.elapsed())
+            .unwrap_or_default()
     }
 
     /// Why the thread has ended, if it has.
     pub(crate) fn broken(&self) -> Option<String> {
-        self.0.state().broken.clone()
+        self.0.state.lock().broken.clone()
     }
 }
 
 impl Drop for Worker {
     fn drop(&mut self) {
-        self.0.state().closed = true;
+        self.0.state.lock().closed = true;
         self.0.brought.notify_one();
     }
 }
 
 fn run(shared: &Shared, eye: &mut Eye) {
     loop {
-        let mut state = shared.state();
+        let mut state = shared.state.lock();
         let job = loop {
             if state.closed {
                 return;
             }
             match state.waiting.take() {
                 Some(job) => break job,
-                None => state = shared.brought.wait(state).unwrap_or_else(PoisonError::into_inner),
+                None => shared.brought.wait(&mut state),
             }
         };
         let begun = Instant::now();
@@ -128,7 +127,7 @@ fn run(shared: &Shared, eye: &mut Eye) {
         drop(state);
         let mut look = eye.look(&job.header, &job.bytes);
         look.took_s = begun.elapsed().as_secs_f64();
-        let mut state = shared.state();
+        let mut state = shared.state.lock();
         state.begun = None;
         state.spare = job.bytes;
         if state.looks.len() >= MOST_LOOKS {

@@ -7,14 +7,16 @@ use skein_vision::{Scorer, Scores, ToldBox, TrueBox};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
+/// Of each picture of a clip what is there, and what was told.
+pub(super) type Pictures = Vec<(Vec<TrueBox>, Vec<ToldBox>)>;
+
 /// A clip that was shown to a detector.
 pub(super) struct Watched {
     pub(super) camera: String,
     pub(super) label: String,
     name: String,
     renumbered: bool,
-    /// Of each picture what is there, and what was told.
-    pub(super) pictures: Vec<(Vec<TrueBox>, Vec<ToldBox>)>,
+    pub(super) pictures: Pictures,
     pub(super) names: Names,
     pub(super) decoding_s: f64,
     pub(super) looking_s: f64,
@@ -89,12 +91,12 @@ struct OfCamera {
 #[derive(Default)]
 pub(super) struct Report {
     cameras: BTreeMap<String, OfCamera>,
-    /// A class that was told of an earlier clip is false there.
-    kept: BTreeMap<String, Vec<Vec<(Vec<TrueBox>, Vec<ToldBox>)>>>,
+    /// By camera: which classes there are is known when all are seen, and what is told of one is false in the clips of another.
+    kept: BTreeMap<String, Vec<Pictures>>,
 }
 
 impl Report {
-    pub(super) fn take(&mut self, watched: &Watched) {
+    pub(super) fn take(&mut self, watched: Watched) {
         let of = self.cameras.entry(watched.camera.clone()).or_default();
         of.clips += 1;
         of.renumbered += u64::from(watched.renumbered);
