@@ -9,10 +9,14 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from cache import Cache
-from clips import CLASSES
+from cache import CHANNELS, Cache
+from clips import CLASSES, SIZES_PX
 
-CANVAS_PX = (320, 256)
+# What is computed at once in training. Whole objects must fit, much empty sky is not needed.
+CANVAS_PX = {"infrared": (224, 192), "visible": (320, 256)}
+# Boxes are drawn with a margin in pixels, which other scales would not have: most stay near 1.
+SCALES, WIDE_SCALES, WIDE_SHARE = (0.88, 1.14), (0.5, 2.0), 0.15
+OTHER_CAMERA_SHARE = 0.2
 CLASS_WEIGHTS = (0.36, 0.26, 0.2, 0.18)
 SMALLEST_BOX_PX = {"infrared": 5.0, "visible": 10.0}
 IGNORED = -1  # class of a box that is neither to be found nor background
@@ -41,41 +45,72 @@ def turned_size(size: np.ndarray, scale: float, angle_rad: float) -> np.ndarray:
     return scale * np.sqrt([width2 * cos + height2 * sin, width2 * sin + height2 * cos])
 
 
-class Augmenter:
-    """Draws samples from the pictures of some clips of a cache."""
+class Source:
+    """The pictures of some clips of one camera."""
 
-    def __init__(self, cache: Cache, clip_ids: set[int], camera: str, seed: int) -> None:
+    def __init__(self, cache: Cache, clip_ids: set[int], camera: str) -> None:
         self.cache = cache
         self.camera = camera
-        self.rng = np.random.default_rng(seed)
-        self.noise = self.rng.standard_normal(NOISE_BANK, np.float32)
         self.pictures_of = {i: np.flatnonzero(cache.clip_ids == i) for i in sorted(clip_ids)}
         self.clips_of = [
             [i for i in self.pictures_of if cache.clips[i].class_id == c and len(self.pictures_of[i])]
             for c in range(len(CLASSES))
         ]
 
-    def pick(self) -> tuple[int, int]:
-        """A class by weight, a clip of it, a picture of that: (picture, class)."""
-        class_id = int(self.rng.choice(len(CLASSES), p=CLASS_WEIGHTS))
-        clip_id = self.rng.choice(self.clips_of[class_id])
-        return int(self.rng.choice(self.pictures_of[clip_id])), class_id
+    def pick(self, rng: np.random.Generator, camera: str) -> tuple[np.ndarray, np.ndarray, int]:
+        """A class by weight, a clip of it, a picture of that, as if the given camera had taken it.
 
-    def pick_scale(self, size: np.ndarray, low: float, high: float, room: np.ndarray) -> float:
+        Gives the picture, its boxes in any order, and their class.
+        """
+        class_id = int(rng.choice(len(CLASSES), p=CLASS_WEIGHTS))
+        number = rng.choice(self.pictures_of[rng.choice(self.clips_of[class_id])])
+        picture, boxes = self.cache.pictures[number], rng.permutation(self.cache.boxes[number])
+        if self.camera == camera:
+            return picture, boxes, class_id
+        width, height = SIZES_PX[camera]
+        if camera == "infrared":
+            # what is dark against the sky is often warm
+            grey = cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY)
+            picture = cv2.resize(grey, (width, height), interpolation=cv2.INTER_AREA)
+            if rng.random() < 0.6:
+                picture = 255 - picture
+            return picture[:, :, None], boxes / 2, class_id
+        picture = cv2.resize(picture, (width, height), interpolation=cv2.INTER_CUBIC)
+        if rng.random() < 0.6:
+            picture = 255 - picture
+        sky = np.array([[rng.uniform(0.5, 1.0)], [rng.uniform(0.7, 1.0)], [1.0]])
+        return cv2.transform(picture[:, :, None], sky), boxes * 2, class_id
+
+
+class Augmenter:
+    """Draws samples from the clips of a camera, and now and then from those of the other one."""
+
+    def __init__(self, own: Source, other: Source, seed: int) -> None:
+        self.own, self.other = own, other
+        self.camera = own.camera
+        self.canvas_px = CANVAS_PX[own.camera]
+        self.rng = np.random.default_rng(seed)
+        self.noise = self.rng.standard_normal(NOISE_BANK, np.float32)
+
+    def pick(self) -> tuple[np.ndarray, np.ndarray, int]:
+        source = self.other if self.rng.random() < OTHER_CAMERA_SHARE else self.own
+        return source.pick(self.rng, self.camera)
+
+    def pick_scale(self, size: np.ndarray, room: np.ndarray) -> float:
         """A scale at which the object is neither lost nor larger than its room."""
+        low, high = WIDE_SCALES if self.rng.random() < WIDE_SHARE else SCALES
         scale = float(np.exp(self.rng.uniform(np.log(low), np.log(high))))
         scale = max(scale, SMALLEST_BOX_PX[self.camera] / float(np.sqrt(size.prod())))
         return min(scale, float((0.9 * room / size).min()))
 
-    def window(self, width: int, height: int, low: float, high: float) -> Sample:
+    def window(self, width: int, height: int) -> Sample:
         """A part of one picture, most often with its object in it."""
         rng = self.rng
-        number, class_id = self.pick()
-        source = self.cache.pictures[number]
-        box = self.cache.boxes[number]
+        source, boxes, class_id = self.pick()
+        box = boxes[0]
         centre, size = box[:2] + box[2:] / 2, box[2:]
         room = np.array([width, height], float)
-        scale = self.pick_scale(size, low, high, room)
+        scale = self.pick_scale(size, room)
         angle = rng.uniform(-0.15, 0.15) if rng.random() < 0.4 else 0.0
         mirror = bool(rng.random() < 0.5)
         matrix = affine(scale, angle, mirror)
@@ -94,28 +129,33 @@ class Augmenter:
         middle = np.where(low_edge < high_edge, np.clip(middle, low_edge, high_edge), source_room / 2)
         offset = room / 2 - matrix @ middle
         full = np.column_stack([matrix, offset])
-        how = cv2.INTER_AREA if scale < 0.6 else cv2.INTER_LINEAR
-        picture = cv2.warpAffine(source, full, (width, height), flags=how, borderMode=cv2.BORDER_REPLICATE)
+        picture = cv2.warpAffine(
+            source, full, (width, height), flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+        )
         picture = picture.reshape(height, width, source.shape[2])
 
-        middle_out = matrix @ centre + offset
-        whole = np.concatenate([middle_out - out_size / 2, middle_out + out_size / 2])
-        seen = np.clip(whole, 0, [width, height, width, height])
-        share = (seen[2:] - seen[:2]).clip(0).prod() / out_size.prod()
-        if share < 0.05:
-            return Sample(picture, np.zeros((0, 4)), np.zeros(0, int))
-        return Sample(picture, seen[None], np.array([class_id if share > 0.5 else IGNORED]))
+        kept, classes = [], []
+        for box in boxes:
+            middle_out = matrix @ (box[:2] + box[2:] / 2) + offset
+            out_size = turned_size(box[2:], scale, angle)
+            whole = np.concatenate([middle_out - out_size / 2, middle_out + out_size / 2])
+            seen = np.clip(whole, 0, [width, height, width, height])
+            share = (seen[2:] - seen[:2]).clip(0).prod() / out_size.prod()
+            if share > 0.05:
+                kept.append(seen)
+                classes.append(class_id if share > 0.5 else IGNORED)
+        return Sample(picture, np.array(kept).reshape(-1, 4), np.array(classes, int))
 
-    def mosaic(self, low: float, high: float) -> Sample:
+    def mosaic(self) -> Sample:
         """Four windows side by side."""
-        width, height = CANVAS_PX
+        width, height = self.canvas_px
         cut_x = int(self.rng.integers(int(0.35 * width), int(0.65 * width)))
         cut_y = int(self.rng.integers(int(0.35 * height), int(0.65 * height)))
-        canvas = np.empty((height, width, self.cache.pictures.shape[3]), np.uint8)
+        canvas = np.empty((height, width, CHANNELS[self.camera]), np.uint8)
         boxes, classes = [], []
         for left, right in ((0, cut_x), (cut_x, width)):
             for top, bottom in ((0, cut_y), (cut_y, height)):
-                part = self.window(right - left, bottom - top, low, high)
+                part = self.window(right - left, bottom - top)
                 canvas[top:bottom, left:right] = part.picture
                 boxes.append(part.boxes + np.array([left, top, left, top]))
                 classes.append(part.classes)
@@ -123,9 +163,8 @@ class Augmenter:
 
     def cut_out(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, int] | None:
         """An object without its background: difference, opaque picture, box size, class."""
-        number, class_id = self.pick()
-        source = self.cache.pictures[number]
-        box = self.cache.boxes[number]
+        source, boxes, class_id = self.pick()
+        box = boxes[0]
         margin = max(3, int(0.35 * box[2:].max()))
         left, top = np.floor(box[:2] - margin).astype(int)
         right, bottom = np.ceil(box[:2] + box[2:] + margin).astype(int)
@@ -148,8 +187,8 @@ class Augmenter:
         if cut is None:
             return sample
         difference, opaque, size, class_id = cut
-        room = np.array(CANVAS_PX, float)
-        scale = self.pick_scale(size, 0.6, 1.5, room / 2)
+        room = np.array(self.canvas_px, float)
+        scale = self.pick_scale(size, room / 2)
         angle = rng.uniform(-0.3, 0.3)
         matrix = affine(scale, angle, bool(rng.random() < 0.5))
         out_size = turned_size(size, scale, angle)
@@ -173,7 +212,10 @@ class Augmenter:
         mask = warp(window)
         strength = np.abs(difference).max(axis=2)
         if rng.random() < 0.5:
-            changed = area + rng.uniform(0.6, 1.1) * warp(difference) * mask
+            gain = rng.uniform(0.4, 1.2)
+            if self.camera == "visible" and rng.random() < 0.3:
+                gain = -gain  # lit from the other side
+            changed = area + gain * warp(difference) * mask
         else:
             full_at = max(20.0, 0.5 * float(strength.max()))
             alpha = warp(np.clip((strength - 3) / full_at, 0, 1)) * mask
@@ -208,7 +250,7 @@ class Augmenter:
             out = cv2.GaussianBlur(out, (0, 0), rng.uniform(0.3, 0.9))
         if rng.random() < 0.4:
             start = int(rng.integers(0, NOISE_BANK - out.size))
-            noise = self.noise[start : start + out.size] * np.float32(rng.exponential(5.0))
+            noise = self.noise[start : start + out.size] * np.float32(min(rng.exponential(4.0), 12.0))
             out = cv2.add(out.reshape(-1), noise, dtype=cv2.CV_8U)
         out = out.reshape(picture.shape)
         if rng.random() < 0.35:
@@ -219,9 +261,9 @@ class Augmenter:
 
     def sample(self, mosaic_share: float) -> Sample:
         if self.rng.random() < mosaic_share:
-            sample = self.mosaic(0.6, 1.6)
+            sample = self.mosaic()
         else:
-            sample = self.window(*CANVAS_PX, 0.6, 1.6)
+            sample = self.window(*self.canvas_px)
         for _ in range(int(self.rng.integers(0, 3))):
             sample = self.paste(sample)
         return Sample(self.light(sample.picture), sample.boxes, sample.classes)

@@ -1,7 +1,7 @@
 """Decoded pictures in one memory-mapped file per camera, so that training need not decode.
 
-Holds only pictures that have a label which is good: the others may show an object that nobody
-labelled, so they are no background either.
+Holds only pictures all of whose objects are known: the others may show one that nobody labelled, so
+they are no background either.
 """
 
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from clips import SIZES_PX, Clip, read_boxes, read_pictures, read_split
+from clips import SIZES_PX, Clip, read_boxes, read_extra_boxes, read_pictures, read_split
 
 # Neighbouring pictures are nearly the same: each second one, and each fifth, are plenty.
 PICTURE_STEP = {"infrared": 2, "visible": 5}
@@ -18,25 +18,32 @@ CHANNELS = {"infrared": 1, "visible": 3}
 
 @dataclass(frozen=True)
 class Cache:
-    """Pictures, and for each its clip (an index into `clips`) and its box."""
+    """Pictures, and for each its clip (an index into `clips`) and its objects."""
 
     pictures: np.ndarray  # [n, height, width, channels], uint8
-    boxes: np.ndarray  # [n, 4]: x, y, width, height in pixels
+    boxes: list[np.ndarray]  # for each [objects, 4]: x, y, width, height in pixels
     clip_ids: np.ndarray  # [n]
     clips: list[Clip]
+
+
+def training_boxes(data: Path, clip: Clip) -> dict[int, np.ndarray]:
+    """Frame number to all objects [n, 4] of the picture."""
+    if clip.labels == "good":
+        return {n: box[None] for n, box in read_boxes(data, clip, in_time=True).items()}
+    return read_extra_boxes(clip)
 
 
 def build(data: Path, camera: str, directory: Path) -> None:
     """Decodes all clips of a camera into `directory`."""
     directory.mkdir(parents=True, exist_ok=True)
     width, height = SIZES_PX[camera]
-    boxes, clip_ids = [], []
+    boxes, counts, clip_ids = [], [], []
     partial = directory / f"{camera}.u8.partial"
     with partial.open("wb") as file:
         for clip_id, clip in enumerate(read_split(camera)):
-            if clip.labels != "good":
+            labels = training_boxes(data, clip)
+            if not labels:
                 continue
-            labels = read_boxes(data, clip, in_time=True)
             for number, picture in enumerate(read_pictures(data, clip)):
                 if number % PICTURE_STEP[camera] or number not in labels:
                     continue
@@ -44,8 +51,14 @@ def build(data: Path, camera: str, directory: Path) -> None:
                     raise ValueError(f"{clip.name}: {picture.shape}")
                 file.write(np.ascontiguousarray(picture[:, :, : CHANNELS[camera]]).tobytes())
                 boxes.append(labels[number])
+                counts.append(len(labels[number]))
                 clip_ids.append(clip_id)
-    np.savez(directory / f"{camera}.npz", boxes=np.array(boxes, np.float32), clip_ids=clip_ids)
+    np.savez(
+        directory / f"{camera}.npz",
+        boxes=np.concatenate(boxes).astype(np.float32),
+        counts=counts,
+        clip_ids=clip_ids,
+    )
     partial.rename(directory / f"{camera}.u8")
 
 
@@ -56,6 +69,7 @@ def load(data: Path, camera: str, directory: Path) -> Cache:
         build(data, camera, directory)
     width, height = SIZES_PX[camera]
     index = np.load(directory / f"{camera}.npz")
-    shape = (len(index["boxes"]), height, width, CHANNELS[camera])
+    shape = (len(index["counts"]), height, width, CHANNELS[camera])
     pictures = np.memmap(path, np.uint8, "r", shape=shape)
-    return Cache(pictures, index["boxes"], index["clip_ids"], read_split(camera))
+    boxes = np.split(index["boxes"], np.cumsum(index["counts"])[:-1])
+    return Cache(pictures, boxes, index["clip_ids"], read_split(camera))

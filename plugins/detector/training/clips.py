@@ -11,9 +11,10 @@ import numpy as np
 CLASSES = ("drone", "bird", "airplane", "helicopter")
 SIZES_PX = {"infrared": (320, 256), "visible": (640, 512)}
 SPLIT_FILE = Path(__file__).with_name("split.csv")
+EXTRA_LABELS_FILE = Path(__file__).with_name("extra-labels.csv")
 TEST_FOLD = 0
-# In these the label of a picture stands in the row of the next one: rows begin at picture 1, and the
-# middle of what is seen fits the row after.
+# In these the rows are numbered from 1, not from 0: there is no row 0 but one for a picture after the
+# last, and the middle of what is seen fits the row after.
 LATE_LABELS = {("infrared", "bird"), ("visible", "bird"), ("visible", "drone")}
 
 
@@ -47,7 +48,7 @@ def read_split(camera: str | None = None) -> list[Clip]:
 def read_boxes(data: Path, clip: Clip, in_time: bool) -> dict[int, np.ndarray]:
     """Frame number to (x, y, width, height) of the labelled object in pixels.
 
-    In time: late labels are moved to the picture that they belong to. Otherwise as they are.
+    In time: labels that are numbered from 1 are moved to the picture that they belong to. Otherwise as they are.
     """
     late = int(in_time and (clip.camera, clip.label) in LATE_LABELS)
     path = (data / clip.camera / clip.name).with_suffix(".csv")
@@ -56,6 +57,23 @@ def read_boxes(data: Path, clip: Clip, in_time: bool) -> dict[int, np.ndarray]:
             int(r["frame"]) - late: np.array([float(r[k]) for k in ("x", "y", "width", "height")])
             for r in csv.DictReader(file)
         }
+
+
+def read_extra_boxes(clip: Clip) -> dict[int, np.ndarray]:
+    """Frame number to all objects [n, 4] of a clip whose own labels are wrong, as `birds.py` found them."""
+    with EXTRA_LABELS_FILE.open(newline="") as file:
+        rows = [r for r in csv.DictReader(file) if r["clip"] == clip.name]
+    frames = sorted({int(r["frame"]) for r in rows})
+    return {
+        frame: np.array(
+            [
+                [float(r[k]) for k in ("x", "y", "width", "height")]
+                for r in rows
+                if int(r["frame"]) == frame
+            ]
+        )
+        for frame in frames
+    }
 
 
 def read_pictures(data: Path, clip: Clip) -> Iterator[np.ndarray]:

@@ -77,10 +77,13 @@ def figures(
     threshold: float | None,
 ) -> dict:
     """What the documents say of "detections" or "tracks", by labels as "given" or "in_time"."""
-    tally = Tally()
+    tally, drones_alone = Tally(), Tally()
     for clip in clips:
         for picture in pictures[clip.name]:
-            tally.add(getattr(picture, rows_of), getattr(picture, labels), clip.class_id)
+            seen = getattr(picture, rows_of), getattr(picture, labels), clip.class_id
+            tally.add(*seen)
+            if clip.class_id == DRONE:
+                drones_alone.add(*seen)
     if threshold is None:
         threshold = tally.best_threshold(DRONE)
     out: dict = {"threshold": round(threshold, 3)}
@@ -93,6 +96,7 @@ def figures(
             "ap50": round(tally.average_precision(class_id), 3),
             "objects": tally.objects[class_id],
         }
+    out["drone_f1_on_clips_of_drones"] = round(drones_alone.at(DRONE, threshold)[2], 3)
     out["ap50_mean"] = round(float(np.mean([out[name]["ap50"] for name in CLASSES])), 3)
     votes: dict[str, Counter] = {name: Counter() for name in CLASSES}
     by_clip = {}

@@ -21,9 +21,9 @@ import torch
 from torch.utils.data import DataLoader, IterableDataset, get_worker_info
 
 import loss as cost
-from augment import CANVAS_PX, Augmenter, Sample
-from cache import Cache, load
-from clips import TEST_FOLD, Clip, read_boxes, read_split
+from augment import CANVAS_PX, Augmenter, Sample, Source
+from cache import CHANNELS, load
+from clips import SIZES_PX, TEST_FOLD, Clip, read_boxes, read_split
 from detect import of_clip
 from evaluate import DRONE
 from export import Exported, export
@@ -66,13 +66,13 @@ def join(samples: list[Sample]) -> Batch:
 class Batches(IterableDataset):
     """The batches of a run: worker w of n makes those of steps w, w + n, ..."""
 
-    def __init__(self, cache: Cache, clip_ids: set[int], camera: str, steps: int) -> None:
-        self.cache, self.clip_ids, self.camera, self.steps = cache, clip_ids, camera, steps
+    def __init__(self, own: Source, other: Source, steps: int) -> None:
+        self.own, self.other, self.steps = own, other, steps
 
     def __iter__(self) -> Iterator[Batch]:
         cv2.setNumThreads(1)
         worker = get_worker_info()
-        augmenter = Augmenter(self.cache, self.clip_ids, self.camera, SEED * 1000 + worker.id)
+        augmenter = Augmenter(self.own, self.other, SEED * 1000 + worker.id)
         for step in range(worker.id, self.steps, worker.num_workers):
             plain = step >= PLAIN_FROM * self.steps
             share = PLAIN_MOSAIC_SHARE if plain else MOSAIC_SHARE
@@ -89,9 +89,8 @@ def rate(step: int, steps: int) -> float:
 def measure(detector: Detector, data: Path, clips: list[Clip]) -> Tally:
     """Each tenth picture of some clips."""
     first = next(iter(clips))
-    height, width = (256, 320) if first.camera == "infrared" else (512, 640)
-    module = Exported(copy.deepcopy(detector).eval(), width, height)
-    channels = 1 if first.camera == "infrared" else 3
+    module = Exported(copy.deepcopy(detector).eval(), *SIZES_PX[first.camera])
+    channels = CHANNELS[first.camera]
 
     def run(picture: np.ndarray) -> np.ndarray:
         x = torch.from_numpy(picture[:, :, :channels]).permute(2, 0, 1)[None].float() / 255
@@ -148,24 +147,27 @@ def main() -> None:
     torch.manual_seed(SEED)
     torch.set_num_threads(THREADS)
     camera, steps = arguments.camera, arguments.steps
-    cache = load(arguments.data, camera, arguments.cache)
     left_out = {TEST_FOLD, arguments.validation_fold}
-    learned = {
-        i for i, c in enumerate(cache.clips) if c.fold not in left_out and c.labels == "good"
-    }
+    sources = []
+    for of in (camera, *(c for c in SIZES_PX if c != camera)):
+        cache = load(arguments.data, of, arguments.cache)
+        learned = {
+            int(i) for i in np.unique(cache.clip_ids) if cache.clips[i].fold not in left_out
+        }
+        sources.append(Source(cache, learned, of))
     validation = [
         c for c in read_split(camera) if c.fold == arguments.validation_fold and c.labels == "good"
     ]
     detector = Detector(camera).to(memory_format=torch.channels_last)
-    height, width = cache.pictures.shape[1:3]
+    width, height = SIZES_PX[camera]
     macs = count_macs(copy.deepcopy(detector), width, height)
-    print(f"{camera}: {len(learned)} clips, {macs / 1e9:.3f} GMAC a picture", flush=True)
+    print(f"{camera}: {len(sources[0].pictures_of)} clips, {macs / 1e9:.3f} GMAC a picture", flush=True)
     detector.train()
     average = Average(detector)
     optimizer = optimizer_of(detector)
-    middles, sizes = cells(detector.strides_px, *CANVAS_PX)
+    middles, sizes = cells(detector.strides_px, *CANVAS_PX[camera])
     batches = DataLoader(
-        Batches(cache, learned, camera, steps), batch_size=None, num_workers=WORKERS, prefetch_factor=4
+        Batches(*sources, steps), batch_size=None, num_workers=WORKERS, prefetch_factor=4
     )
 
     curve = csv.writer((arguments.out / f"{camera}-curve.csv").open("w", newline="", buffering=1))
