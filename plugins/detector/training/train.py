@@ -66,14 +66,15 @@ def join(samples: list[Sample]) -> Batch:
 class Batches(IterableDataset):
     """The batches of a run: worker w of n makes those of steps w, w + n, ..."""
 
-    def __init__(self, own: Source, other: Source, steps: int) -> None:
-        self.own, self.other, self.steps = own, other, steps
+    def __init__(self, own: Source, other: Source, first: int, steps: int) -> None:
+        self.own, self.other, self.first, self.steps = own, other, first, steps
 
     def __iter__(self) -> Iterator[Batch]:
         cv2.setNumThreads(1)
         worker = get_worker_info()
-        augmenter = Augmenter(self.own, self.other, SEED * 1000 + worker.id)
-        for step in range(worker.id, self.steps, worker.num_workers):
+        # a run that goes on draws other pictures than it would have drawn: never the same ones again
+        augmenter = Augmenter(self.own, self.other, SEED * 1000 + worker.id + self.first * 1000)
+        for step in range(self.first + worker.id, self.steps, worker.num_workers):
             plain = step >= PLAIN_FROM * self.steps
             share = PLAIN_MOSAIC_SHARE if plain else MOSAIC_SHARE
             yield join([augmenter.sample(share) for _ in range(BATCH)])
@@ -133,6 +134,28 @@ def optimizer_of(detector: Detector) -> torch.optim.Optimizer:
     )
 
 
+def keep(path: Path, detector: Detector, average: Average, optimizer: torch.optim.Optimizer, step: int) -> None:
+    """Writes what a run needs to go on after `step`."""
+    partial = path.with_suffix(".partial")
+    parts = {
+        "detector": detector.state_dict(),
+        "average": average.detector.state_dict(),
+        "optimizer": optimizer.state_dict(),
+        "step": step,
+    }
+    torch.save(parts, partial)
+    partial.rename(path)
+
+
+def restore(path: Path, detector: Detector, average: Average, optimizer: torch.optim.Optimizer) -> int:
+    """The step after which the run goes on."""
+    parts = torch.load(path)
+    detector.load_state_dict(parts["detector"])
+    average.detector.load_state_dict(parts["average"])
+    optimizer.load_state_dict(parts["optimizer"])
+    return parts["step"]
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--data", type=Path, required=True)
@@ -166,14 +189,20 @@ def main() -> None:
     average = Average(detector)
     optimizer = optimizer_of(detector)
     middles, sizes = cells(detector.strides_px, *CANVAS_PX[camera])
+    kept = arguments.out / f"{camera}-kept.pt"
+    first = 0
+    if kept.exists():
+        first = restore(kept, detector, average, optimizer)
+        print(f"goes on after step {first}", flush=True)
     batches = DataLoader(
-        Batches(*sources, steps), batch_size=None, num_workers=WORKERS, prefetch_factor=4
+        Batches(*sources, first, steps), batch_size=None, num_workers=WORKERS, prefetch_factor=4
     )
 
-    curve = csv.writer((arguments.out / f"{camera}-curve.csv").open("w", newline="", buffering=1))
-    curve.writerow(("step", "seconds", "rate", "box_loss", "score_loss", "drone_f1", "ap50_mean"))
+    curve = csv.writer((arguments.out / f"{camera}-curve.csv").open("a" if first else "w", newline="", buffering=1))
+    if not first:
+        curve.writerow(("step", "seconds", "rate", "box_loss", "score_loss", "drone_f1", "ap50_mean"))
     start_s, sums = time.monotonic(), np.zeros(2)
-    for step, (pictures, boxes, classes, padding) in enumerate(batches):
+    for step, (pictures, boxes, classes, padding) in enumerate(batches, first):
         for group in optimizer.param_groups:
             group["lr"] = rate(step, steps)
         x = (pictures.float() / 255).contiguous(memory_format=torch.channels_last)
@@ -202,6 +231,7 @@ def main() -> None:
             curve.writerow(row)
             print(*row, flush=True)
             sums[:] = 0
+            keep(kept, detector, average, optimizer, done)
     torch.save(average.detector.state_dict(), arguments.out / f"{camera}.pt")
     export(average.detector, arguments.out / f"{camera}.onnx")
 
