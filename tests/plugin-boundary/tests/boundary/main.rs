@@ -2,6 +2,7 @@
 
 mod command_line;
 mod detectors;
+mod evaluation;
 mod example_c;
 mod instances;
 mod loading;
