@@ -9,6 +9,7 @@ mod clock;
 mod control_loop;
 mod coordinator;
 mod dds_links;
+mod detections;
 mod fleet;
 mod handle;
 mod listening;
@@ -25,6 +26,7 @@ mod video;
 mod wiring;
 
 pub use clock::TokioClock;
+pub use detections::{Detected, DetectedBearing, Detection};
 pub use handle::{
     AskedObserver, ControlAction, ControlReceipt, EmergencyKey, Fault, FenceAnswer, FormationSlots, InstanceUpgrade,
     LONGEST_TRACK_NAME, NodeHandle, ObserveRequest, ParameterReceipt, PluginInfo, PluginRefusal, PreflightAnswer,
@@ -34,6 +36,5 @@ pub use node::{Adapter, AdapterStart, Node, NodeError};
 pub use skein_plugin_host::Frame;
 pub use skein_state::SeenCounts;
 pub use skein_state::video::{Quality, Rendition, Viewer};
-pub use tracking::{Detected, DetectedBearing, Detection};
 pub use video::{CameraVideo, RecordedVideo};
 pub use wiring::{WiringError, catalog};

@@ -4,11 +4,11 @@
 
 use crate::coordinator::CoordinatorMessage;
 use crate::fleet::FleetMessage;
-use crate::tracking::TrackingMessage;
 use arc_swap::ArcSwapOption;
 use ractor::ActorRef;
 use skein_link_dds::DdsLinkTable;
 use skein_link_mavlink::LinkTable;
+use skein_state::TrackingMessage;
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::sync::Arc;

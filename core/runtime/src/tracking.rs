@@ -1,5 +1,6 @@
 //! The tracking actor: makes tracks of the swarm of what this node's detectors find, of what other sensors tell over the API, and of what other nodes' sensors
-//! saw. Where another node coordinates, it hands on what was seen here and waits for that node's tracks; when this node coordinates, it goes on with them.
+//! saw. Where another node coordinates, it hands on what was seen here and waits for that node's tracks; when this node coordinates, or hears nobody who does, it
+//! goes on with them.
 //!
 //! Bound: one step at a time, the next is asked for when the last is done; of each kind of sightings a step takes the newest 512. Must never do: command a
 //! vehicle by itself, but for who takes over an observation that an operator asked for; hold up anything that flies.
@@ -9,19 +10,15 @@ mod geolocation;
 mod orders;
 mod shown;
 mod telling;
-mod told;
-
-pub(crate) use told::sightings as told_sightings;
-pub use told::{Detected, DetectedBearing, Detection};
 
 use crate::handle::NodeHandle;
 use carrying::Carrying;
 use geolocation::DetectorsSeen;
-use ractor::{Actor, ActorProcessingErr, ActorRef, RpcReplyPort};
+use ractor::{Actor, ActorProcessingErr, ActorRef};
+use skein_domain::NodeTime;
 use skein_domain::payload::TrackEstimate;
-use skein_domain::{NodeTime, Refusal};
-use skein_state::SharedState;
-use skein_state::asks::TrackOrder;
+use skein_failover::LeaderState;
+use skein_state::{SharedState, TrackingMessage};
 use skein_view::PeerSnapshot;
 use skein_vision::{OwnVehicle, Sighting, SwarmSettings, SwarmTracker};
 use std::sync::Arc;
@@ -41,20 +38,12 @@ const OWN_ERROR_M: f64 = 1.5;
 /// The actor.
 pub struct Tracking;
 
-/// What it is told. Private to the runtime.
-pub enum TrackingMessage {
-    /// Take in what was seen.
-    Step,
-    /// An operator wants something of a track.
-    Order(TrackOrder, RpcReplyPort<Result<(), Refusal>>),
-}
-
 /// State. The tracks themselves are in the shared state too, from where the next incarnation, or another node, goes on with them.
 pub struct TrackingState {
     handle: NodeHandle,
     shared: Arc<SharedState>,
     detectors: DetectorsSeen,
-    /// There while this node coordinates.
+    /// There while tracks are made here.
     tracker: Option<SwarmTracker>,
     telling: Telling,
     carrying: Carrying,
@@ -110,7 +99,7 @@ impl TrackingState {
         let mut sightings = self.detectors.look(&self.shared, now);
         seen.count_by_cameras(sightings.len());
         sightings.extend(seen.take_told(MOST_PER_STEP));
-        if !self.shared.coordinates() {
+        if !self.makes_tracks() {
             self.follow(sightings, now);
             return;
         }
@@ -130,6 +119,15 @@ impl TrackingState {
         if now.seconds_since(self.shown) >= SHOWN_EVERY_S {
             self.show(now);
         }
+    }
+
+    /// Whether tracks are made here: where this node coordinates, or as long as it hears nobody who does.
+    fn makes_tracks(&self) -> bool {
+        let role = self.shared.swarm.as_ref().map(|swarm| swarm.role());
+        role.is_none_or(|role| {
+            let alone = matches!(role.leader_state, LeaderState::Nobody | LeaderState::Unled { .. });
+            role.acting.is_some() || alone
+        })
     }
 
     /// Another node coordinates: it is told what was seen here, and its tracks are shown for as long as they mean anything.

@@ -35,8 +35,8 @@ pub use coordination::SharedCoordination;
 pub use failsafe::{FailsafeMonitor, Holding};
 pub use held_route::{HeldRoute, UploadEnd, is_upload};
 pub use mailbox::{
-    ActorSlot, Asker, ExchangeReply, ParameterOrder, ParameterOutcome, PayloadMessage, SwarmMessage, VehicleMessage,
-    asking,
+    ActorSlot, Asker, ExchangeReply, ParameterOrder, ParameterOutcome, PayloadMessage, SwarmMessage, TrackingMessage,
+    VehicleMessage, asking,
 };
 pub use observed::{MOST_FOR_OTHERS, Observed, Seen, SeenCounts};
 pub use operators::Operators;

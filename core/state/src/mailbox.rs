@@ -2,7 +2,7 @@
 //!
 //! Must never do: carry something that the sender has to wait for without an end.
 
-use crate::asks::{Answer, Ask};
+use crate::asks::{Answer, Ask, TrackOrder};
 use crate::video::RemoteStream;
 use arc_swap::ArcSwapOption;
 use ractor::{ActorRef, Message, RpcReplyPort};
@@ -105,6 +105,14 @@ pub enum PayloadMessage {
     Exchange(Arc<Plugin>, ExchangeReply),
     /// Forget all failures and start anew.
     Reset,
+}
+
+/// What the actor is told that makes tracks of what sensors saw.
+pub enum TrackingMessage {
+    /// Take in what was seen.
+    Step,
+    /// An operator wants something of a track.
+    Order(TrackOrder, RpcReplyPort<Result<(), Refusal>>),
 }
 
 /// What the actor is told that speaks with the other nodes.

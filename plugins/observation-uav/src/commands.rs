@@ -4,7 +4,7 @@
 
 use crate::model::ObservationUav;
 use crate::target::{Aimed, check, missing};
-use crate::watch::{Observation, Region};
+use crate::watch::{Asked, Observation, Region};
 use skein_plugin_sdk::Effects;
 use skein_plugin_sdk::domain::exchange::Event;
 use skein_plugin_sdk::domain::payload::{GimbalCommand, Target};
@@ -12,14 +12,6 @@ use skein_plugin_sdk::domain::{CommandId, NodeTime, Refusal, VehicleCommand};
 
 /// No observation is farther off than this, in metres: a distance beyond it is a slip of the hand.
 const MAX_DISTANCE_M: f64 = 2_000.0;
-
-/// How something is to be observed, as far as the command says.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Asked {
-    pub stand_off_m: Option<f64>,
-    pub height_m: Option<f64>,
-    pub bearing_rad: Option<f64>,
-}
 
 impl ObservationUav {
     pub(crate) fn take_command(
@@ -91,13 +83,7 @@ impl ObservationUav {
         }
     }
 
-    pub(crate) fn begin_observation(
-        &mut self,
-        id: CommandId,
-        target: Target,
-        asked: Asked,
-        out: &mut Effects,
-    ) {
+    pub(crate) fn begin_observation(&mut self, id: CommandId, target: Target, asked: Asked, out: &mut Effects) {
         self.end_region(out);
         self.forget_gimbal();
         self.watch.observation = Some(Observation {

@@ -1,11 +1,10 @@
 //! The model: hands every event through to the flight, and says before each tick where to be and where to look.
 
-use crate::commands::Asked;
 use crate::payloads::Payloads;
 use crate::report::{Activity, ObservationState, tenth};
 use crate::settings::{OnRadioWarning, Settings};
 use crate::target::{Sightings, missing, words};
-use crate::watch::{self, Watch};
+use crate::watch::{self, Asked, Watch};
 use crate::{geometry, target};
 use generic_uav::{GenericUav, Goal};
 use skein_plugin_sdk::domain::exchange::{Create, Event, Severity};

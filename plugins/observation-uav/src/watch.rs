@@ -40,6 +40,14 @@ pub(crate) struct Watch {
     pub nose_helps: bool,
 }
 
+/// How something is to be observed, as far as the command says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Asked {
+    pub stand_off_m: Option<f64>,
+    pub height_m: Option<f64>,
+    pub bearing_rad: Option<f64>,
+}
+
 /// Something is observed.
 #[derive(Debug, Clone, PartialEq, Encode, Decode)]
 pub(crate) struct Observation {

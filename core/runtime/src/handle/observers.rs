@@ -3,7 +3,7 @@
 //! Must never do: decide what is tracked; that is the tracking actor's, on the node that coordinates.
 
 use super::{NodeHandle, PLAN_WITHIN, Targets};
-use crate::tracking::{Detected, Detection, TrackingMessage, told_sightings};
+use crate::detections::{Detected, Detection, sightings};
 use ractor::rpc::CallResult;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -11,8 +11,8 @@ use skein_coordination::TrackObservation;
 use skein_coordination::observing::{Candidate, ObserverProposal, ranked, sides};
 use skein_domain::payload::{PayloadKind, Target};
 use skein_domain::{FlightState, LandedState, PositionNed, Refusal, VehicleCommand, VehicleId};
-use skein_state::SeenCounts;
 use skein_state::asks::{Ask, TrackOrder};
+use skein_state::{SeenCounts, TrackingMessage};
 use skein_view::{CommandReceipt, FleetSnapshot, VehicleSnapshot};
 
 /// A name of a track has no more characters.
@@ -56,7 +56,7 @@ impl NodeHandle {
     /// # Errors
     /// Which detection cannot be true, and why; then nothing is taken.
     pub fn tell_detections(&self, source: &str, detections: Vec<Detection>) -> Result<Detected, (usize, String)> {
-        let sightings = told_sightings(source, detections, self.now())?;
+        let sightings = sightings(source, detections, self.now())?;
         let all = sightings.len();
         let seen = &self.shared.observed.seen;
         let taken = seen.tell(sightings);

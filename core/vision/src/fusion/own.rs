@@ -9,6 +9,9 @@ use nalgebra::Matrix3;
 const OWN_SHARE: f64 = 0.7;
 /// And how far off they may be, in standard deviations.
 const OWN_DEVIATIONS: f64 = 3.5;
+/// A vehicle so near to a sensor that its direction is not known better than this, in radians, explains no bearing: it would explain all of them, as the
+/// one does that carries the sensor.
+const WIDEST_RAD: f64 = 0.3;
 
 impl SwarmTracker {
     /// What vehicles of the swarm explain belongs to them, for as long as they do.
@@ -45,8 +48,12 @@ fn explains(vehicle: &OwnVehicle, tracklet: &Tracklet) -> bool {
                 error_rad,
             } => {
                 let way = place - origin;
-                let error_rad = error_rad.hypot(origin_error_m.hypot(vehicle.error_m) / way.norm().max(0.1));
-                way.angle(direction) / error_rad
+                let wide_rad = origin_error_m.hypot(vehicle.error_m) / way.norm().max(0.1);
+                if wide_rad < WIDEST_RAD {
+                    way.angle(direction) / error_rad.hypot(wide_rad)
+                } else {
+                    f64::INFINITY
+                }
             }
             Observation::Position { position, covariance } => {
                 let whole = covariance + Matrix3::from_diagonal_element(vehicle.error_m.powi(2));

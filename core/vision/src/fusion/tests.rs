@@ -218,13 +218,22 @@ fn vehicles_of_the_swarm_are_no_tracks() {
             velocity: Vector3::new(2.0, 0.5, 0.0),
             error_m: 0.5,
         };
+        // Those that carry the cameras explain nothing of what these see.
+        let carrier = |id: u16, from: [f64; 3]| OwnVehicle {
+            id: VehicleId(id),
+            position: Vector3::from(from) + Vector3::new(0.3, -0.2, 0.1),
+            velocity: Vector3::zeros(),
+            error_m: 1.5,
+            ..own
+        };
+        let all = [carrier(1, WEST), carrier(2, SOUTH), own];
         let stranger = [target(t)[0], target(t)[1] + 12.0, -35.0];
         for (camera, from) in [("west", WEST), ("south", SOUTH)] {
             tracker.take(seen(camera, Some(1), t, from, target(t))).unwrap();
             tracker.take(seen(camera, Some(2), t, from, stranger)).unwrap();
         }
         tracker.take(radar(Some(1), t, target(t))).unwrap();
-        tracker.step(NodeTime::from_seconds(t), &[own]);
+        tracker.step(NodeTime::from_seconds(t), &all);
     }
     let tracks: Vec<_> = tracker.tracks(NodeTime::from_seconds(5.0)).collect();
     assert_eq!(tracks.len(), 1, "{tracks:?}");
