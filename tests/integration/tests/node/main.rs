@@ -15,6 +15,7 @@ mod parameters;
 mod payloads;
 mod pilot;
 mod software_in_the_loop;
+mod tracking;
 mod trajectories;
 mod twice;
 mod versions;
