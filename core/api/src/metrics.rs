@@ -60,6 +60,7 @@ fn render_node(node: &NodeHandle) -> String {
         gauge!("skein_uptime_seconds").set(now.as_seconds());
         gauge!("skein_snapshot_age_seconds").set(now.seconds_since(snapshot.time).max(0.0));
         describe();
+        describe_tracks();
         fleet(&snapshot);
         tracks(&snapshot, &node.seen_counts());
         node.videos().iter().for_each(video);
@@ -105,19 +106,6 @@ fn describe() {
         "skein_plugin_call_p99_seconds",
         "99th percentile of the time of a call into it."
     );
-    describe_gauge!("skein_tracks", "What is tracked, by who says so.");
-    describe_gauge!(
-        "skein_detector_pictures_dropped",
-        "Pictures that a detector did not look at, as it says itself."
-    );
-    metrics::describe_counter!(
-        "skein_sightings_total",
-        "What sensors saw: cameras of this node's vehicles, others as told over the API, those of other nodes."
-    );
-    metrics::describe_counter!(
-        "skein_sightings_dropped_total",
-        "What sensors saw and nobody worked on, because it was too much."
-    );
     metrics::describe_counter!("skein_actor_restarts_total", "How often it was started again.");
     describe_gauge!("skein_video_rate_hertz", "Pictures per second of a camera.");
     describe_gauge!(
@@ -133,6 +121,23 @@ fn describe() {
     describe_gauge!(
         "skein_video_glass_to_glass_p99_seconds",
         "99th percentile of the time from a camera's picture to the eyes, as a viewer told it."
+    );
+}
+
+fn describe_tracks() {
+    use metrics::describe_gauge;
+    describe_gauge!("skein_tracks", "What is tracked, by who says so.");
+    describe_gauge!(
+        "skein_detector_pictures_dropped",
+        "Pictures that a detector did not look at, as it says itself."
+    );
+    metrics::describe_counter!(
+        "skein_sightings_total",
+        "What sensors saw: cameras of this node's vehicles, others as told over the API, those of other nodes."
+    );
+    metrics::describe_counter!(
+        "skein_sightings_dropped_total",
+        "What sensors saw and nobody worked on, because it was too much."
     );
 }
 

@@ -342,13 +342,7 @@ impl NodeState {
                 let arguments = KeeperArguments { handle };
                 Ok(spawned(Keeper::spawn_linked(None, Keeper, arguments, parent).await)?.get_id())
             }
-            Part::Tracking => {
-                let handle = self.arguments.handle.clone();
-                let tracking = spawned(Tracking::spawn_linked(None, Tracking, handle, parent).await)?;
-                let id = tracking.get_id();
-                parts.tracking.store(Some(Arc::new(tracking)));
-                Ok(id)
-            }
+            Part::Tracking => self.spawn_tracking(parent).await,
             Part::Swarm => {
                 let handle = self.arguments.handle.clone();
                 let arguments = swarm_arguments(handle, self.arguments.swarm.clone().ok_or("not configured")?);
@@ -375,15 +369,25 @@ impl NodeState {
                 };
                 Ok(spawned(Endpoint::spawn_linked(None, Endpoint, arguments, parent).await)?.get_id())
             }
-            Part::Rtp => {
-                let node = self.arguments.handle.clone();
-                Ok(spawned(RtpOut::spawn_linked(None, RtpOut, node, parent).await)?.get_id())
-            }
+            Part::Rtp => self.spawn_rtp(parent).await,
             Part::Adapter(i) => {
                 let adapter = self.arguments.adapters.get(i).ok_or("not configured")?;
                 (adapter.start)(self.arguments.handle.clone(), parent).await
             }
         }
+    }
+
+    async fn spawn_rtp(&self, parent: ActorCell) -> Result<ActorId, String> {
+        let node = self.arguments.handle.clone();
+        Ok(spawned(RtpOut::spawn_linked(None, RtpOut, node, parent).await)?.get_id())
+    }
+
+    async fn spawn_tracking(&self, parent: ActorCell) -> Result<ActorId, String> {
+        let handle = self.arguments.handle.clone();
+        let tracking = spawned(Tracking::spawn_linked(None, Tracking, handle.clone(), parent).await)?;
+        let id = tracking.get_id();
+        handle.parts().tracking.store(Some(Arc::new(tracking)));
+        Ok(id)
     }
 
     fn publish(&self, name: String, health: ActorHealth) {
