@@ -10,6 +10,8 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrackingSettings {
+    /// Tracks of the swarm's own making steer vehicles: they are kept away from, and can be observed.
+    pub steer_by_fused: bool,
     /// How wide things of a class typically are, in metres, by the class as detectors name it.
     pub width_m: BTreeMap<String, f64>,
 }
@@ -24,6 +26,8 @@ impl Default for TrackingSettings {
             ("uav", 0.5),
         ];
         Self {
+            // A detector that sees what is not there would move vehicles.
+            steer_by_fused: false,
             width_m: widths.into_iter().map(|(class, m)| (class.to_owned(), m)).collect(),
         }
     }

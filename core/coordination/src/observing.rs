@@ -143,6 +143,22 @@ pub fn sides(target: &PositionNed, vehicles: &[(VehicleId, PositionNed)]) -> Vec
     present.iter().enumerate().map(side).collect()
 }
 
+/// Who takes over looks from so far beside the place of who is relieved, in radians: that one may still be there, heard or not.
+const BESIDE_RAD: f64 = 0.5;
+
+/// A side beside a bearing: the one that is farther from all others who look.
+fn beside(bearing_rad: f64, others_rad: &[f64]) -> f64 {
+    let apart = |side: f64| {
+        let off = others_rad.iter().map(|other| {
+            let off = (side - other).rem_euclid(TAU);
+            off.min(TAU - off)
+        });
+        off.fold(PI, f64::min)
+    };
+    let [after, before] = [BESIDE_RAD, -BESIDE_RAD].map(|off| (bearing_rad + off).rem_euclid(TAU));
+    if apart(before) > apart(after) { before } else { after }
+}
+
 /// How a vehicle is that keeps something in view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ObserverState {
@@ -178,7 +194,7 @@ pub enum Change {
         why: Unable,
         /// Who is to take over.
         to: Option<VehicleId>,
-        /// From which side.
+        /// From which side: beside the place of who no longer can.
         bearing_rad: f64,
     },
     /// A vehicle does something else: nobody is asked in its place.
@@ -215,7 +231,10 @@ pub fn changes(
                 from: *vehicle,
                 why,
                 to: free.next(),
-                bearing_rad: *bearing_rad,
+                bearing_rad: {
+                    let others = observation.by.iter().filter(|(id, _)| id != vehicle);
+                    beside(*bearing_rad, &others.map(|(_, other)| *other).collect::<Vec<_>>())
+                },
             }),
             None if state.is_some_and(|state| state.left) => changes.push(Change::Left(*vehicle)),
             None => {}

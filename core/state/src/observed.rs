@@ -8,9 +8,9 @@ pub use seen::{MOST_FOR_OTHERS, Seen, SeenCounts};
 
 use arc_swap::ArcSwap;
 use parking_lot::Mutex;
-use skein_coordination::{OwnTracks, References, TrackObservation};
+use skein_coordination::{OwnTracks, References, TrackObservation, neighbours};
 use skein_domain::payload::{Track, TrackEstimate};
-use skein_domain::{NodeTime, VehicleId};
+use skein_domain::{NodeTime, Refusal, VehicleId};
 use skein_link_mavlink::Sightings;
 use skein_view::PeerEntry;
 use std::sync::Arc;
@@ -24,11 +24,13 @@ pub struct Observed {
     pub references: References,
     /// What cameras and other sensors saw, on its way to the tracks.
     pub seen: Seen,
-    /// What was told, and what was made of what sensors saw; replaced as a whole.
+    /// What was told, and what was made of what sensors saw; each is replaced as a whole.
     told: ArcSwap<Vec<Track>>,
     fused: ArcSwap<Vec<TrackEstimate>>,
-    /// Both together, for plugins.
+    /// What steers vehicles: what was told, and of what was made here what may.
     all: ArcSwap<Vec<Track>>,
+    /// Whether anything that was made may.
+    steer_by_fused: bool,
     joining: Mutex<()>,
     /// They were told, or made, at this node last.
     told_here: AtomicBool,
@@ -41,7 +43,7 @@ pub struct Observed {
 
 impl Observed {
     /// Nothing yet. References move no faster than that.
-    pub(crate) fn new(max_speed_m_s: f64) -> Self {
+    pub(crate) fn new(max_speed_m_s: f64, steer_by_fused: bool) -> Self {
         Self {
             sightings: Sightings::new(),
             references: References::new(max_speed_m_s),
@@ -49,6 +51,7 @@ impl Observed {
             told: ArcSwap::default(),
             fused: ArcSwap::default(),
             all: ArcSwap::default(),
+            steer_by_fused,
             joining: Mutex::default(),
             told_here: AtomicBool::new(false),
             fused_here: AtomicBool::new(false),
@@ -57,7 +60,8 @@ impl Observed {
         }
     }
 
-    /// What is tracked, told and made here alike. The same value until something changes.
+    /// What is tracked and steers vehicles, for plugins and the separation filter: what was told, and, if the node is set so, what was made of what
+    /// sensors saw and is known well enough. The same value until something changes.
     pub fn tracks(&self) -> Arc<Vec<Track>> {
         self.all.load_full()
     }
@@ -72,6 +76,24 @@ impl Observed {
     /// What the swarm has made of what its sensors saw.
     pub fn fused(&self) -> Arc<Vec<TrackEstimate>> {
         self.fused.load_full()
+    }
+
+    /// Whether such a track can steer a vehicle, or why not.
+    ///
+    /// # Errors
+    /// There is no such track, none of those may, or its place is not known well enough.
+    pub fn steering_track(&self, track: u64) -> Result<Track, Refusal> {
+        if let Some(known) = self.tracks().iter().find(|known| known.track == track) {
+            return Ok(*known);
+        }
+        if !self.fused.load().iter().any(|known| known.track.track == track) {
+            return Err(Refusal::UnknownTrack { track });
+        }
+        Err(Refusal::invalid(if self.steer_by_fused {
+            format!("where track {track} is is not known well enough yet")
+        } else {
+            "tracks that this swarm makes are only shown here: tracking.steer_by_fused is off".to_owned()
+        }))
     }
 
     /// The same, if it was made here last.
@@ -132,7 +154,8 @@ impl Observed {
     fn join(&self) {
         let _alone = self.joining.lock();
         let fused = self.fused.load();
-        let fused = fused.iter().map(|estimate| estimate.track);
+        let may_steer = |estimate: &&TrackEstimate| self.steer_by_fused && neighbours::estimated(estimate).is_some();
+        let fused = fused.iter().filter(may_steer).map(|estimate| estimate.track);
         let all = self.told.load().iter().copied().chain(fused).collect();
         self.all.store(Arc::new(all));
     }

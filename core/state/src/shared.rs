@@ -88,7 +88,7 @@ impl SharedState {
             vehicles: Vehicles::default(),
             plugins: Plugins::new(catalog, &config.plugins),
             coordination: SharedCoordination::default(),
-            observed: Observed::new(config.safety.max_speed_m_s),
+            observed: Observed::new(config.safety.max_speed_m_s, config.tracking.steer_by_fused),
             swarm,
             config,
             clock,

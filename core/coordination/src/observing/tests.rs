@@ -68,7 +68,7 @@ fn states(of: &[(u16, ObserverState)]) -> BTreeMap<VehicleId, ObserverState> {
 }
 
 #[test]
-fn who_is_low_or_lost_is_relieved_by_the_next_best_from_the_same_side() {
+fn who_is_low_or_lost_is_relieved_by_the_next_best_from_beside_its_place() {
     let proposals = ranked(
         &TARGET,
         &[
@@ -88,7 +88,8 @@ fn who_is_low_or_lost_is_relieved_by_the_next_best_from_the_same_side() {
         from: VehicleId(from),
         why,
         to: to.map(VehicleId),
-        bearing_rad: f64::from(from),
+        // Beside it, away from the other one.
+        bearing_rad: f64::from(from) + if from == 1 { -BESIDE_RAD } else { BESIDE_RAD },
     };
     assert_eq!(
         both,

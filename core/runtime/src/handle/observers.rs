@@ -128,9 +128,7 @@ impl NodeHandle {
     }
 
     fn place_of(&self, track: u64) -> Result<PositionNed, Refusal> {
-        let tracks = self.shared.observed.tracks();
-        let known = tracks.iter().find(|known| known.track == track);
-        known.map(|known| known.position).ok_or(Refusal::UnknownTrack { track })
+        self.shared.observed.steering_track(track).map(|known| known.position)
     }
 
     /// Has vehicles keep a track in view from several sides; each answers for itself. Where one no longer can, the node that coordinates asks the next best.

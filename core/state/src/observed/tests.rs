@@ -44,7 +44,7 @@ fn numbers(observed: &Observed) -> Vec<u64> {
 
 #[test]
 fn plugins_read_what_was_told_and_what_was_made_as_one() {
-    let observed = Observed::new(10.0);
+    let observed = Observed::new(10.0, true);
     let nothing = observed.tracks();
     observed.publish_fused(Vec::new());
     assert!(Arc::ptr_eq(&nothing, &observed.tracks()), "nothing is no news");
@@ -58,6 +58,34 @@ fn plugins_read_what_was_told_and_what_was_made_as_one() {
     assert!(observed.fused_here().is_none(), "another node made them");
     observed.retain_fused(|_| false);
     assert_eq!(numbers(&observed), [4]);
+}
+
+#[test]
+fn what_is_made_steers_only_where_the_node_is_set_so_and_its_place_is_known() {
+    let (shown, steering) = (Observed::new(10.0, false), Observed::new(10.0, true));
+    let guessed = TrackEstimate {
+        guessed_range: true,
+        ..fused(FIRST_FUSED_TRACK + 1)
+    };
+    let far = TrackEstimate {
+        covariance_m2: Some([400.0, 0.0, 0.0, 1.0, 0.0, 1.0]),
+        ..fused(FIRST_FUSED_TRACK + 2)
+    };
+    let made = vec![fused(FIRST_FUSED_TRACK), guessed, far];
+    for observed in [&shown, &steering] {
+        observed.publish_fused(made.clone());
+        assert_eq!(observed.estimates(), made, "all are shown");
+    }
+    assert_eq!(numbers(&shown), Vec::<u64>::new());
+    assert_eq!(numbers(&steering), [FIRST_FUSED_TRACK]);
+    let why = |observed: &Observed, track| observed.steering_track(track).map_err(|refusal| refusal.to_string());
+    assert!(why(&shown, FIRST_FUSED_TRACK).is_err_and(|why| why.contains("steer_by_fused")));
+    assert!(why(&steering, FIRST_FUSED_TRACK + 2).is_err_and(|why| why.contains("not known well enough")));
+    assert_eq!(
+        steering.steering_track(FIRST_FUSED_TRACK).map(|track| track.track),
+        Ok(FIRST_FUSED_TRACK)
+    );
+    assert_eq!(steering.steering_track(7), Err(Refusal::UnknownTrack { track: 7 }));
 }
 
 #[test]

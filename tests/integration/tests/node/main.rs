@@ -8,6 +8,7 @@ mod documented;
 mod flock;
 mod gate;
 mod neighbours;
+mod observing;
 mod operator;
 mod other_autopilot;
 mod overrides;

@@ -44,6 +44,7 @@ async fn looking(plugins: &tempfile::TempDir) -> Swarm {
     Swarm::start_with(3, move |config, sim| {
         config.swarm.origin = Some(sim.origin);
         config.plugins.directories.push(directory);
+        config.tracking.steer_by_fused = true;
         config.adopt = vec![AdoptionRule {
             payloads: vec![
                 rule("camera", camera),
