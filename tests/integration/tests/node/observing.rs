@@ -147,7 +147,7 @@ async fn a_track_is_kept_in_view_from_two_sides_though_one_vehicle_is_lost() {
     swarm.simulation().kill(lost.0 as u8).unwrap();
     let relieved = |fleet: &FleetSnapshot| {
         let vehicle = of(fleet, relief);
-        observes(vehicle) && between(bearing_rad(vehicle), side) < 0.2
+        observes(vehicle) && between(bearing_rad(vehicle), side) < 0.7
     };
     swarm
         .until("the third beside the place of the lost one", FLOWN_WITHIN, relieved)
