@@ -306,6 +306,13 @@ fn acts(flock: &Flock, node: u8) -> bool {
     flock.node(node).swarm().is_some_and(|swarm| swarm.acting)
 }
 
+async fn coordinator(flock: &Flock) -> u8 {
+    eventually(patience(), "a coordinator", async || {
+        [1, 2].into_iter().find(|node| acts(flock, *node))
+    })
+    .await
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn a_track_keeps_its_number_when_the_node_that_coordinates_is_lost() {
     let folder = tempfile::tempdir().unwrap();
@@ -320,10 +327,7 @@ async fn a_track_keeps_its_number_when_the_node_that_coordinates_is_lost() {
     for node in [1, 2] {
         flock.until(node, "both vehicles", Duration::from_secs(20), both).await;
     }
-    let leader = eventually(patience(), "a coordinator", async || {
-        [1, 2].into_iter().find(|node| acts(&flock, *node))
-    })
-    .await;
+    let leader = coordinator(&flock).await;
     let other = 3 - leader;
     let place = PositionNed::new(120.0, 40.0, -50.0);
     let _radar = Radar::at(flock.web_address(other), place);

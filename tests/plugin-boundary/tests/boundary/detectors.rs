@@ -79,11 +79,11 @@ async fn shown(instance: &Instance, numbers: std::ops::Range<u32>, brightness: u
             let answer = instance.call(batch, &frames).await.expect("answers");
             frames.clear();
             snapshot = answer.snapshot;
-            let reports = answer.effects.into_iter().filter_map(|effect| match effect {
+            let mut reports = answer.effects.into_iter().filter_map(|effect| match effect {
                 Effect::Report { state_json } => serde_json::from_str(&state_json).ok(),
                 _ => None,
             });
-            said = reports.last().unwrap_or(said);
+            said = reports.next_back().unwrap_or(said);
             if said["time"] == json!(at(number)) {
                 break;
             }

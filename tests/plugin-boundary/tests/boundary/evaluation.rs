@@ -162,10 +162,13 @@ fn a_clip_that_ends_in_the_middle_of_a_picture_is_looked_at_as_far_as_it_goes() 
     }
 }
 
+/// Makes a folder wrong.
+type Spoil = fn(&Folder);
+
 #[test]
 fn what_is_wrong_with_a_folder_is_said_with_its_file() {
     let video = clip();
-    let wrong: [(&str, fn(&Folder), &str); 4] = [
+    let wrong: [(&str, Spoil, &str); 4] = [
         (
             "no list",
             |folder| std::fs::remove_file(folder.path().join("index.csv")).expect("is there"),
