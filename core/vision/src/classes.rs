@@ -43,7 +43,7 @@ impl ClassScores {
         self.0.iter().map(|(class, score)| (class.as_str(), *score))
     }
 
-    /// The same ones, each nearer to certainty by `share`, 0..=1, of what it lacks.
+    /// The same ones, each nearer to 1 by `share`, 0..=1, of what it lacks, times itself: a small score stays small.
     #[must_use]
     pub fn raised(&self, share: f64) -> Self {
         Self(

@@ -55,7 +55,11 @@ impl Eye {
             None => look.picture_fault = Some(PictureFault::Unreadable),
             Some(picture) => {
                 look.picture_fault = self.picture_fault(header.time, &picture);
-                look.fault = self.follow(header.time, &picture).err();
+                // Where the model fails nothing is told: what was followed before would stand there as if it had been found in this picture.
+                match self.follow(header.time, &picture) {
+                    Ok(()) => look.found.findings = self.tracker.tracks().map(finding).collect(),
+                    Err(fault) => look.fault = Some(fault),
+                }
                 look.found.width_px = picture.width as u32;
                 look.found.height_px = picture.height as u32;
             }
@@ -63,7 +67,6 @@ impl Eye {
         look.found.camera.clone_from(&header.camera);
         look.found.time = header.time;
         look.found.pose = header.pose;
-        look.found.findings = self.tracker.tracks().map(finding).collect();
         look.last_id = self.tracker.last_id();
         look
     }

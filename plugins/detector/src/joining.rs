@@ -7,7 +7,7 @@ use skein_vision::{ClassScores, Found, Moving};
 
 /// The class of what moves and looks like nothing that is known.
 pub(crate) const UNKNOWN: &str = "unknown";
-/// By this share of what it lacks to certainty a box is surer in which something moves.
+/// How much surer a box is in which something moves: see [`ClassScores::raised`].
 const SURER: f64 = 0.2;
 /// Something that moves belongs to a box if its middle is no farther from the box's than this share of its size.
 const BELONGS: f64 = 0.75;

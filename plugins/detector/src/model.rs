@@ -91,9 +91,12 @@ impl OnnxModel {
                 path: settings.path.display().to_string(),
                 why,
             };
-            let size = std::fs::metadata(&settings.path)
-                .map_err(|error| fault(error.to_string()))?
-                .len();
+            let file = std::fs::metadata(&settings.path).map_err(|error| fault(error.to_string()))?;
+            // A device has no end.
+            if !file.is_file() {
+                return Err(fault("it is no file".to_owned()));
+            }
+            let size = file.len();
             if size > MOST_BYTES {
                 return Err(fault(format!("it has {size} bytes, more than {MOST_BYTES}")));
             }

@@ -34,10 +34,13 @@ fn numbers_that_are_none_are_a_fault_and_what_was_followed_is_not_invented() {
     let mut eye = eye("no-numbers");
     for index in 0..4 {
         let (header, bytes) = frame(index, 10);
-        assert_eq!(eye.look(&header, &bytes).fault, None);
+        let look = eye.look(&header, &bytes);
+        assert_eq!((look.fault, look.found.findings.len()), (None, usize::from(index >= 2)));
     }
     let (header, bytes) = frame(4, 200);
-    assert_eq!(eye.look(&header, &bytes).fault, Some(ModelFault::NotNumbers));
+    let look = eye.look(&header, &bytes);
+    assert_eq!(look.fault, Some(ModelFault::NotNumbers));
+    assert_eq!(look.found.findings, Vec::new(), "nothing was found in this picture");
     let (header, bytes) = frame(5, 10);
     assert_eq!(eye.look(&header, &bytes).fault, None);
 }
@@ -66,6 +69,7 @@ fn what_cannot_be_read_is_told_and_the_next_picture_is_looked_at() {
     let (header, bytes) = frame(0, 90);
     let look = eye.look(&header, &bytes[..100]);
     assert_eq!(look.picture_fault, Some(PictureFault::Unreadable));
+    assert_eq!(look.found.findings, Vec::new());
     let (header, bytes) = frame(1, 90);
     assert_eq!(eye.look(&header, &bytes).picture_fault, None);
 }
