@@ -26,7 +26,25 @@ impl Gray {
         self.pixels[inside(y, self.height) * self.width + inside(x, self.width)]
     }
 
-    pub(crate) fn row(&self, y: usize) -> &[u8] {
+    /// Width in pixels.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Height in pixels.
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// One row, from the left.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such row.
+    #[must_use]
+    pub fn row(&self, y: usize) -> &[u8] {
         &self.pixels[y * self.width..(y + 1) * self.width]
     }
 

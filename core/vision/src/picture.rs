@@ -84,6 +84,8 @@ pub struct PictureTrack {
     pub age_s: f64,
     /// Since its last box, in seconds; 0 if it was found in this picture.
     pub coasted_s: f64,
+    /// The box of this picture that it was given, as it was found.
+    pub found: Option<Bounds>,
 }
 
 #[derive(Debug, Clone)]
@@ -93,6 +95,8 @@ struct Track {
     scores: ClassScores,
     began: NodeTime,
     found: NodeTime,
+    /// Its last box.
+    last: Bounds,
     boxes: u32,
 }
 
@@ -171,6 +175,7 @@ impl PictureTracker {
             scores: track.scores.clone(),
             age_s: now.seconds_since(track.began),
             coasted_s: now.seconds_since(track.found),
+            found: (track.found == now).then_some(track.last),
         })
     }
 
@@ -201,6 +206,7 @@ impl PictureTracker {
             track.scores.blend(&one.scores, share);
             track.boxes = track.boxes.saturating_add(1);
             track.found = time;
+            track.last = one.bounds;
             taken[column] = true;
         }
         let left = found.into_iter().zip(taken).filter(|(_, taken)| !taken);
@@ -218,6 +224,7 @@ impl PictureTracker {
             scores: one.scores,
             began: time,
             found: time,
+            last: one.bounds,
             boxes: 1,
         });
     }

@@ -66,7 +66,7 @@ impl Payload for Detector {
         settings.check().map_err(CreateError::new)?;
         let core: Core = saved::restored(SNAPSHOT_VERSION, create.snapshot.as_deref()).unwrap_or_default();
         let model = OnnxModel::of(&settings).map_err(|fault| CreateError::new(fault.to_string()))?;
-        let eye = Eye::new(&settings, model, core.last_id);
+        let eye = Eye::new(&settings, model, core.last_id).map_err(|fault| CreateError::new(fault.to_string()))?;
         let worker =
             Worker::start(eye).map_err(|error| CreateError::new(format!("no thread to look with: {error}")))?;
         Ok(Self {

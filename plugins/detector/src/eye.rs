@@ -1,10 +1,11 @@
 //! One picture after another to what is in it: model, motion, the rule that joins them, and tracks.
 
+use crate::classifier::{Light, TrackClassifier};
 use crate::joining;
 use crate::model::{ModelFault, OnnxModel};
 use crate::picture::Picture;
 use crate::report::PictureFault;
-use crate::settings::Settings;
+use crate::settings::{Model, Settings};
 use skein_domain::NodeTime;
 use skein_domain::payload::{DetectorState, Finding, FrameHeader};
 use skein_vision::{MotionDetector, PictureTrack, PictureTracker};
@@ -31,6 +32,8 @@ pub(crate) struct Eye {
     model: OnnxModel,
     motion: Option<MotionDetector>,
     tracker: PictureTracker,
+    /// For our own models alone: it knows their classes, and the light that they see.
+    classifier: Option<TrackClassifier>,
     doubtful_score: f64,
     /// What the last picture's bytes are like, and since when they are.
     same: Option<(u64, NodeTime)>,
@@ -38,14 +41,24 @@ pub(crate) struct Eye {
 
 impl Eye {
     /// Goes on with the numbers of tracks after `last_id`.
-    pub(crate) fn new(settings: &Settings, model: OnnxModel, last_id: u64) -> Self {
-        Self {
+    ///
+    /// # Errors
+    ///
+    /// A model that comes with the plugin cannot be read.
+    pub(crate) fn new(settings: &Settings, model: OnnxModel, last_id: u64) -> Result<Self, ModelFault> {
+        let light = match settings.model {
+            Model::Visible => Light::Visible,
+            Model::Infrared => Light::Infrared,
+        };
+        let own = settings.path.as_os_str().is_empty();
+        Ok(Self {
+            classifier: own.then(|| TrackClassifier::new(light)).transpose()?,
             model,
             motion: settings.motion.then(MotionDetector::default),
             tracker: PictureTracker::after(settings.tracking(), last_id),
             doubtful_score: settings.doubtful_score,
             same: None,
-        }
+        })
     }
 
     /// Looks at a frame.
@@ -57,7 +70,7 @@ impl Eye {
                 look.picture_fault = self.picture_fault(header.time, &picture);
                 // Where the model fails nothing is told: what was followed before would stand there as if it had been found in this picture.
                 match self.follow(header.time, &picture) {
-                    Ok(()) => look.found.findings = self.tracker.tracks().map(finding).collect(),
+                    Ok(tracks) => look.found.findings = tracks.iter().map(finding).collect(),
                     Err(fault) => look.fault = Some(fault),
                 }
                 look.found.width_px = picture.width as u32;
@@ -71,16 +84,21 @@ impl Eye {
         look
     }
 
-    fn follow(&mut self, time: NodeTime, picture: &Picture) -> Result<(), ModelFault> {
+    fn follow(&mut self, time: NodeTime, picture: &Picture) -> Result<Vec<PictureTrack>, ModelFault> {
+        let gray = picture.gray();
+        let found = self.model.find(picture, self.doubtful_score)?;
         let motion = self
             .motion
             .as_mut()
-            .map(|motion| motion.take(picture.gray()))
+            .map(|motion| motion.take(gray.clone()))
             .unwrap_or_default();
-        let found = self.model.find(picture, self.doubtful_score)?;
         let found = joining::join(found, &motion.moving);
         self.tracker.take(time, motion.shift_px.unwrap_or_default(), found);
-        Ok(())
+        let mut tracks: Vec<PictureTrack> = self.tracker.tracks().collect();
+        if let Some(classifier) = &mut self.classifier {
+            classifier.look(time, &gray, &mut tracks)?;
+        }
+        Ok(tracks)
     }
 
     fn picture_fault(&mut self, time: NodeTime, picture: &Picture) -> Option<PictureFault> {
@@ -99,7 +117,7 @@ impl Eye {
     }
 }
 
-fn finding(track: PictureTrack) -> Finding {
+fn finding(track: &PictureTrack) -> Finding {
     let (class, score) = track.scores.best().map_or(("", 0.0), |best| best);
     Finding {
         class: class.to_owned(),

@@ -5,6 +5,7 @@
 //! gives.
 #![forbid(unsafe_code)]
 
+mod classifier;
 mod detector;
 mod eye;
 mod joining;

@@ -55,7 +55,7 @@ impl Picture {
 
     pub(crate) fn gray(&self) -> Gray {
         // Weights of ITU-R BT.601, of 256.
-        let gray = |rgb: &[u8]| (77 * u32::from(rgb[0]) + 150 * u32::from(rgb[1]) + 29 * u32::from(rgb[2])) >> 8;
+        let gray = |rgb: &[u8]| (77 * u32::from(rgb[0]) + 150 * u32::from(rgb[1]) + 29 * u32::from(rgb[2]) + 128) >> 8;
         let pixels = self.rgb.chunks_exact(3).map(|rgb| gray(rgb) as u8);
         Gray::new(self.width, self.height, pixels.collect())
     }

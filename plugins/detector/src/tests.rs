@@ -30,7 +30,7 @@ fn model(name: &str) -> Result<OnnxModel, ModelFault> {
 }
 
 fn eye(name: &str) -> Eye {
-    Eye::new(&settings(name), model(name).expect("is a model"), 0)
+    Eye::new(&settings(name), model(name).expect("is a model"), 0).expect("sees")
 }
 
 /// A grey picture of that brightness, the `index`-th of thirty in a second.
