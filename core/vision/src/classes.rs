@@ -43,6 +43,17 @@ impl ClassScores {
         self.0.iter().map(|(class, score)| (class.as_str(), *score))
     }
 
+    /// The same ones, but what one class has goes to another.
+    #[must_use]
+    pub fn renamed(&self, from: &str, to: &str) -> Self {
+        let mut scores = self.0.clone();
+        if let Some(score) = scores.remove(from) {
+            let of_other = scores.entry(to.to_owned()).or_insert(0.0);
+            *of_other = of_other.max(score);
+        }
+        Self(scores)
+    }
+
     /// The same ones, each nearer to 1 by `share`, 0..=1, of what it lacks, times itself: a small score stays small.
     #[must_use]
     pub fn raised(&self, share: f64) -> Self {

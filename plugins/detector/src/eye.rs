@@ -17,6 +17,9 @@ const FROZEN_AFTER_S: f64 = 2.0;
 /// A picture without a brighter pixel than this, of 255, is black.
 const BLACK_BELOW: u8 = 8;
 
+/// The class of which [`Settings::drone_score`] speaks.
+const DRONE: &str = "drone";
+
 /// What was seen in one picture.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Look {
@@ -35,6 +38,7 @@ pub(crate) struct Eye {
     /// For our own models alone: it knows their classes, and the light that they see.
     classifier: Option<TrackClassifier>,
     doubtful_score: f64,
+    drone_score: f64,
     /// What the last picture's bytes are like, and since when they are.
     same: Option<(u64, NodeTime)>,
 }
@@ -46,17 +50,17 @@ impl Eye {
     ///
     /// A model that comes with the plugin cannot be read.
     pub(crate) fn new(settings: &Settings, model: OnnxModel, last_id: u64) -> Result<Self, ModelFault> {
-        let light = match settings.model {
+        let light = settings.own_model().map(|model| match model {
             Model::Visible => Light::Visible,
             Model::Infrared => Light::Infrared,
-        };
-        let own = settings.path.as_os_str().is_empty();
+        });
         Ok(Self {
-            classifier: own.then(|| TrackClassifier::new(light)).transpose()?,
+            classifier: light.map(TrackClassifier::new).transpose()?,
             model,
             motion: settings.motion.then(MotionDetector::default),
             tracker: PictureTracker::after(settings.tracking(), last_id),
             doubtful_score: settings.doubtful_score,
+            drone_score: settings.drone_score(),
             same: None,
         })
     }
@@ -95,8 +99,18 @@ impl Eye {
         let found = joining::join(found, &motion.moving);
         self.tracker.take(time, motion.shift_px.unwrap_or_default(), found);
         let mut tracks: Vec<PictureTrack> = self.tracker.tracks().collect();
+        // How sure the model is that there is something at all; the classifier shares that out.
+        let sure = tracks
+            .iter()
+            .map(|track| track.scores.best().map_or(0.0, |(_, score)| score));
+        let sure: Vec<f64> = sure.collect();
         if let Some(classifier) = &mut self.classifier {
             classifier.look(time, &gray, &mut tracks)?;
+        }
+        for (track, sure) in tracks.iter_mut().zip(sure) {
+            if sure < self.drone_score {
+                track.scores = track.scores.renamed(DRONE, joining::UNKNOWN);
+            }
         }
         Ok(tracks)
     }

@@ -25,6 +25,10 @@ pub struct Settings {
     /// A box with this score may go on with one.
     #[schemars(range(min = 0.01, max = 1.0))]
     pub doubtful_score: f64,
+    /// What the model finds is called a drone where it is this sure that there is something; else it is told as `unknown`. Left out: 0.5 for the
+    /// infrared model that comes with the plugin, 0.25 for the visible one, and 0 for another.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub drone_score: Option<f64>,
     /// A track of which nothing is found ends after this, in seconds.
     #[schemars(range(min = 0.05, max = 60.0))]
     pub coast_s: f64,
@@ -57,6 +61,7 @@ impl Default for Settings {
             motion: true,
             certain_score: 0.35,
             doubtful_score: 0.1,
+            drone_score: None,
             coast_s: 1.0,
             budget_s: 0.1,
         }
@@ -69,6 +74,7 @@ impl Settings {
         for (key, value, low, high) in [
             ("certain_score", self.certain_score, 0.01, 1.0),
             ("doubtful_score", self.doubtful_score, 0.01, 1.0),
+            ("drone_score", self.drone_score(), 0.0, 1.0),
             ("coast_s", self.coast_s, 0.05, 60.0),
             ("budget_s", self.budget_s, 0.001, 10.0),
         ] {
@@ -88,10 +94,23 @@ impl Settings {
         {
             return Err("classes: one name for each score of the model, none twice".to_owned());
         }
-        if self.path.as_os_str().is_empty() && self.classes != CLASSES {
+        if self.own_model().is_some() && self.classes != CLASSES {
             return Err("classes are those of the model at path; without path they are the plugin's own".to_owned());
         }
         Ok(())
+    }
+
+    /// Whether a model of the plugin's own looks.
+    pub(crate) fn own_model(&self) -> Option<Model> {
+        self.path.as_os_str().is_empty().then_some(self.model)
+    }
+
+    pub(crate) fn drone_score(&self) -> f64 {
+        self.drone_score.unwrap_or(match self.own_model() {
+            Some(Model::Infrared) => 0.5,
+            Some(Model::Visible) => 0.25,
+            None => 0.0,
+        })
     }
 
     pub(crate) fn tracking(&self) -> PictureSettings {

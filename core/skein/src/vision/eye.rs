@@ -189,7 +189,9 @@ pub(super) struct Names(BTreeMap<String, u64>);
 
 impl Names {
     fn told(&mut self, findings: &[Finding]) -> Vec<ToldBox> {
-        let sound = findings.iter().filter(|finding| finding.is_sound());
+        // Where a detector only thinks that something is there still, it has found nothing.
+        let found = |finding: &&Finding| finding.is_sound() && finding.coasted_s == 0.0;
+        let sound = findings.iter().filter(found);
         let told = sound.map(|finding| {
             let next = self.0.len() as u64 + 1;
             ToldBox {

@@ -30,6 +30,25 @@ fn what_the_model_finds_is_told_after_a_few_pictures_with_name_and_classes() {
 }
 
 #[test]
+fn what_is_too_unsure_for_a_drone_is_told_as_unknown() {
+    let settings = Settings {
+        drone_score: Some(0.95),
+        ..settings("constant")
+    };
+    let mut eye = Eye::new(&settings, model("constant").expect("is a model"), 0).expect("sees");
+    let looks = (0..5).map(|index| {
+        let (header, bytes) = frame(index, 100);
+        eye.look(&header, &bytes)
+    });
+    let look = looks.last().expect("five");
+    let [one] = look.found.findings.as_slice() else {
+        panic!("{:?}", look.found)
+    };
+    assert_eq!(one.class, "unknown");
+    assert!(one.score > 0.8 && one.classes["unknown"] == one.score && !one.classes.contains_key("drone"));
+}
+
+#[test]
 fn numbers_that_are_none_are_a_fault_and_what_was_followed_is_not_invented() {
     let mut eye = eye("no-numbers");
     for index in 0..4 {
