@@ -9,7 +9,9 @@ use crate::{geometry, target};
 use generic_uav::{GenericUav, Goal};
 use skein_plugin_sdk::domain::exchange::{Create, Event, Severity};
 use skein_plugin_sdk::domain::manifest::EffectKind;
-use skein_plugin_sdk::domain::{CommandId, FlightState, NodeTime, PositionNed, Refusal, RequestId, VehicleCommand};
+use skein_plugin_sdk::domain::{
+    CommandId, FlightState, NodeTime, PositionNed, Refusal, RequestId, VehicleCommand, VelocityNed,
+};
 use skein_plugin_sdk::{CreateError, Effects, UavManifest, UavModel, log};
 
 /// The state is reported at most this often, in seconds; a change of what it does at once.
@@ -191,7 +193,15 @@ impl ObservationUav {
         let (Some((at, velocity)), Some(place)) = (observation.aimed.motion(now, settings), place) else {
             return; // Stands until it is seen.
         };
-        let height_m = *observation.height_m.get_or_insert(at.down_m - place.down_m);
+        let (height_m, level) = observation.height_over(&at, &place, settings.lowest_m);
+        let velocity = if level {
+            VelocityNed {
+                down_m_s: 0.0,
+                ..velocity
+            }
+        } else {
+            velocity
+        };
         if let Some(bearing_rad) = geometry::bearing_rad(&at, &place) {
             observation.bearing_rad = Some(bearing_rad);
         }

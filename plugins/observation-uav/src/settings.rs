@@ -15,6 +15,10 @@ pub struct Settings {
     /// No command may ask for a smaller distance, in metres.
     #[schemars(range(min = 1.0))]
     pub stand_off_min_m: f64,
+    /// Where the command names a height over the target, it leads no lower than this above the origin of the swarm frame, in metres. Where it
+    /// names none, the vehicle goes no lower than it was.
+    #[schemars(range(min = 0.0))]
+    pub lowest_m: f64,
     /// Horizontal speed not to be exceeded while observing, in metres per second. It must be above that of what is observed.
     #[schemars(range(min = 0.1))]
     pub speed_m_s: f64,
@@ -85,6 +89,7 @@ impl Default for Settings {
             flight: generic_uav::Settings::default(),
             stand_off_m: 15.0,
             stand_off_min_m: 5.0,
+            lowest_m: 5.0,
             speed_m_s: 9.0,
             replan_distance_m: 0.5,
             target_timeout_s: 3.0,
@@ -116,6 +121,7 @@ impl Settings {
         let at_least = [
             ("stand_off_m", self.stand_off_m, self.stand_off_min_m),
             ("stand_off_min_m", self.stand_off_min_m, 1.0),
+            ("lowest_m", self.lowest_m, 0.0),
             ("speed_m_s", self.speed_m_s, 0.1),
             ("replan_distance_m", self.replan_distance_m, 0.0),
             ("target_timeout_s", self.target_timeout_s, 0.1),

@@ -72,6 +72,23 @@ pub(crate) struct Observation {
     /// The side that the command named.
     #[n(7)]
     pub asked_bearing_rad: Option<f64>,
+    /// It goes no lower than this, along down in the swarm frame; absent until the target was first seen.
+    #[n(8)]
+    pub lowest_down_m: Option<f64>,
+}
+
+impl Observation {
+    /// How far over the target to stand, for a vehicle that is at `place` now; and whether that is so as not to go lower. Something that goes down, or
+    /// was never there, does not take the vehicle down with it.
+    pub(crate) fn height_over(&mut self, target: &PositionNed, place: &PositionNed, lowest_m: f64) -> (f64, bool) {
+        let lowest_down_m = *self.lowest_down_m.get_or_insert(match self.height_m {
+            Some(_) => place.down_m.max(-lowest_m),
+            None => place.down_m,
+        });
+        let kept_m = *self.height_m.get_or_insert(target.down_m - place.down_m);
+        let least_m = target.down_m - lowest_down_m;
+        (kept_m.max(least_m), least_m > kept_m)
+    }
 }
 
 /// Something is looked at.

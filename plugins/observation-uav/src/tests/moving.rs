@@ -61,6 +61,43 @@ proptest! {
 }
 
 #[test]
+fn a_target_that_goes_down_does_not_take_the_vehicle_down_with_it() {
+    // Without a height it stays as high as it was; with one it stays off the ground; up it follows in both cases.
+    for (height_m, lowest_m) in [(None, 20.0), (Some(-8.0), 5.0), (Some(10.0), 10.0)] {
+        let mut rig = Rig::with_track(30.0, 30.0);
+        rig.track.as_mut().expect("is there").position.z = -20.0;
+        rig.tick();
+        let id = rig.observe(THE_TRACK, Some(20.0), height_m);
+        rig.run_until("on station", 60.0, |rig| rig.is_done(id));
+        rig.track.as_mut().expect("is there").velocity.z = 1.5;
+        for _ in 0..(13.4 / PERIOD_S) as u32 {
+            rig.tick();
+            assert!(
+                -rig.position.z > lowest_m - 0.5,
+                "{height_m:?}: {:.1} m high",
+                -rig.position.z
+            );
+        }
+        rig.track.as_mut().expect("is there").velocity.z = 0.0;
+        rig.run(10.0);
+        assert!(
+            (-rig.position.z - lowest_m).abs() < 0.5,
+            "{height_m:?}: {:.1} m high",
+            -rig.position.z
+        );
+        rig.track.as_mut().expect("is there").velocity.z = -1.5;
+        rig.run(24.0);
+        rig.track.as_mut().expect("is there").velocity.z = 0.0;
+        rig.run(10.0);
+        let above_m = rig.track.expect("is there").position.z - rig.position.z;
+        assert!(
+            (above_m - height_m.unwrap_or(0.0)).abs() < 0.5,
+            "{height_m:?}: {above_m:.1} m above it"
+        );
+    }
+}
+
+#[test]
 fn without_a_gimbal_the_nose_points_at_the_target() {
     let mut rig = Rig::with_track(30.0, 30.0);
     rig.gimbal = None;
