@@ -17,7 +17,9 @@ use crate::protocol::{
 use crate::wire::{self, Field, Header, Record, flag};
 use skein_config::PayloadRule;
 use skein_coordination::ReferenceReport;
-use skein_domain::payload::{CameraCommand, CameraState, GimbalCommand, GimbalState, RadioCommand, RadioState};
+use skein_domain::payload::{
+    CameraCommand, CameraState, DetectorState, GimbalCommand, GimbalState, RadioCommand, RadioState,
+};
 use skein_domain::{
     FlightMode, FlightState, FormationRequest, GnssFix, LandedState, ParameterList, TrajectoryObjection,
     TrajectoryPlan, TrajectoryRequest,
@@ -156,6 +158,7 @@ fn what_is_carried(found: &mut Declarations<'_>) {
     found.visit::<CameraState>();
     found.visit::<RadioCommand>();
     found.visit::<RadioState>();
+    found.visit::<DetectorState>();
 }
 
 /// Collects declarations, each type once, through all types they refer to.

@@ -492,6 +492,8 @@ pub enum ServerMessage {
         /// Those that somebody has, by ascending id.
         vehicles: Vec<VehicleControl>,
     },
+    /// What is tracked, whole; when it has changed, five times a second at most. Not said while there is nothing and nothing was said.
+    Tracks(TrackList),
     /// The swarm of several nodes, where this node is part of one; twice a second.
     Swarm(Box<SwarmSnapshot>),
     /// Something happened.

@@ -6,25 +6,26 @@
 //!
 //! Must never do: make anything else wait. A client that does not read, or does not answer, is closed.
 
+mod slow;
 mod sticks;
 
 use crate::app::{App, Closing};
 use crate::error::ApiError;
-use crate::protocol::{ClientMessage, ErrorDetail, PROTOCOL_VERSION, ServerMessage, VehicleSafety};
+use crate::protocol::{ClientMessage, ErrorDetail, PROTOCOL_VERSION, ServerMessage};
 use crate::view;
 use axum::extract::rejection::QueryRejection;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
-use axum::extract::ws::{CloseFrame, Message, Utf8Bytes, WebSocket, WebSocketUpgrade, close_code};
+use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade, close_code};
 use axum::extract::{Query, State};
 use axum::response::Response;
 use axum::{Extension, body::Bytes};
 use metrics::{counter, gauge};
 use schemars::JsonSchema;
 use serde::Deserialize;
-use skein_domain::control::{LONGEST_CONSOLE_TEXT, VehicleControl};
+use skein_domain::control::LONGEST_CONSOLE_TEXT;
 use skein_domain::{Stick, VehicleId};
 use skein_view::EventRecord;
-use std::collections::BTreeMap;
+use slow::Told;
 use std::sync::Arc;
 use std::time::Duration;
 use sticks::Sticks;
@@ -40,9 +41,9 @@ const RATES_HZ: std::ops::RangeInclusive<f64> = 1.0..=50.0;
 const UNANSWERED_S: f64 = 0.5;
 /// Fewest unanswered frames at which we wait, so that a slow rate does not stutter.
 const UNANSWERED_AT_LEAST: u32 = 2;
-/// The slow state is looked at so often.
 /// Time between two pictures of the swarm's nodes.
 const SWARM_EVERY: Duration = Duration::from_millis(500);
+/// The slow state is looked at so often.
 const FLEET_EVERY: Duration = Duration::from_millis(200);
 /// One message has to be out within this time.
 const SEND_WITHIN: Duration = Duration::from_secs(5);
@@ -130,12 +131,8 @@ struct Client {
     last_event: u64,
     /// The console behind it, if it says so.
     console: Option<String>,
-    /// Who has control authority over which vehicles, as it was last sent.
-    control: Vec<VehicleControl>,
     /// The slow state as it was last sent.
-    fleet: Option<Utf8Bytes>,
-    /// The safety of the vehicles as it was last sent.
-    safety: BTreeMap<VehicleId, VehicleSafety>,
+    told: Told,
     rate_hz: f64,
     frames: Interval,
     /// Of a vehicle that it steers by hand.
@@ -161,9 +158,7 @@ impl Client {
             events,
             last_event,
             console: query.console.filter(|id| id.len() <= LONGEST_CONSOLE_TEXT),
-            control: Vec::new(),
-            fleet: None,
-            safety: BTreeMap::new(),
+            told: Told::default(),
             rate_hz: DEFAULT_RATE_HZ,
             frames: ticks(Duration::from_secs_f64(1.0 / DEFAULT_RATE_HZ)),
             sticks: Sticks::new(),
@@ -221,6 +216,7 @@ impl Client {
                     self.send_fleet().await?;
                     self.send_safety().await?;
                     self.send_control().await?;
+                    self.send_tracks().await?;
                 }
                 _ = swarm.tick() => if let Some(swarm) = self.app.node.swarm() {
                     self.say(&ServerMessage::Swarm(Box::new(swarm))).await?;
@@ -254,38 +250,6 @@ impl Client {
         self.sent = self.sent.wrapping_add(1);
         self.send(Message::Ping(Bytes::copy_from_slice(&self.sent.to_be_bytes())))
             .await
-    }
-
-    async fn send_fleet(&mut self) -> Result<(), End> {
-        let newest = self.app.view.fleet(&self.app.node);
-        if self.fleet.as_ref() == Some(&newest) {
-            return Ok(());
-        }
-        self.fleet = Some(newest.clone());
-        self.send(Message::Text(newest)).await
-    }
-
-    /// Who has control authority over which vehicles, when that has changed.
-    async fn send_control(&mut self) -> Result<(), End> {
-        let newest = self.app.node.control();
-        if newest == self.control {
-            return Ok(());
-        }
-        self.control.clone_from(&newest);
-        self.say(&ServerMessage::Control { vehicles: newest }).await
-    }
-
-    /// What has changed of the safety of the vehicles.
-    async fn send_safety(&mut self) -> Result<(), End> {
-        let newest = self.app.view.safety(&self.app.node);
-        let changed = |safety: &&VehicleSafety| self.safety.get(&safety.id) != Some(*safety);
-        let vehicles: Vec<VehicleSafety> = newest.iter().filter(changed).cloned().collect();
-        if vehicles.is_empty() {
-            return Ok(());
-        }
-        self.safety
-            .extend(vehicles.iter().map(|safety| (safety.id, safety.clone())));
-        self.say(&ServerMessage::Safety { vehicles }).await
     }
 
     async fn send_events(&mut self) -> Result<(), End> {

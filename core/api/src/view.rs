@@ -2,12 +2,13 @@
 //!
 //! Must never do: hold its lock across an await, or keep more than the newest.
 
-use crate::protocol::{FleetInfo, PayloadInfo, ServerMessage, VehicleInfo, VehicleSafety};
+use crate::protocol::{FleetInfo, PayloadInfo, ServerMessage, TrackList, VehicleInfo, VehicleSafety};
 use crate::{safety_view, wire};
 use axum::body::Bytes;
 use axum::extract::ws::Utf8Bytes;
 use parking_lot::Mutex;
 use skein_domain::NodeTime;
+use skein_domain::payload::TrackEstimate;
 use skein_runtime::NodeHandle;
 use skein_view::FleetSnapshot;
 use skein_view::PayloadSnapshot;
@@ -22,6 +23,7 @@ pub struct View {
     frame: Mutex<Option<Frame>>,
     fleet: Mutex<Option<Fleet>>,
     safety: Mutex<Option<(u64, Arc<Vec<VehicleSafety>>)>>,
+    tracks: Mutex<Tracks>,
 }
 
 #[derive(Debug)]
@@ -34,6 +36,14 @@ struct Frame {
 #[derive(Debug)]
 struct Fleet {
     sequence: u64,
+    text: Utf8Bytes,
+}
+
+/// What is tracked. As long as nothing of it has changed `text` is the same.
+#[derive(Debug, Default)]
+struct Tracks {
+    sequence: u64,
+    tracks: Vec<TrackEstimate>,
     text: Utf8Bytes,
 }
 
@@ -89,6 +99,30 @@ impl View {
         *kept = Some((snapshot.sequence, safety.clone()));
         safety
     }
+}
+
+impl View {
+    /// What is tracked, as the stream's message, and how many tracks that are; nothing while there are none.
+    pub fn tracks(&self, node: &NodeHandle) -> Option<(Utf8Bytes, usize)> {
+        let snapshot = node.snapshot();
+        let mut kept = self.tracks.lock();
+        if kept.sequence != snapshot.sequence {
+            kept.sequence = snapshot.sequence;
+            if kept.tracks != snapshot.tracks {
+                kept.tracks.clone_from(&snapshot.tracks);
+                kept.text = tracks_text(&snapshot.tracks, node);
+            }
+        }
+        (!kept.tracks.is_empty()).then(|| (kept.text.clone(), kept.tracks.len()))
+    }
+}
+
+/// The stream's message of these tracks.
+pub fn tracks_text(tracks: &[TrackEstimate], node: &NodeHandle) -> Utf8Bytes {
+    text(&ServerMessage::Tracks(TrackList {
+        time: node.now(),
+        tracks: tracks.to_vec(),
+    }))
 }
 
 /// A message as it goes over the wire.

@@ -146,6 +146,48 @@ async fn it_says_hello_then_the_fleet_then_sends_frames() {
     served.stop().await;
 }
 
+/// What is told by `PUT /api/v1/tracks`: one track at this place, or none.
+async fn tell_track(served: &Served, north_m: Option<f64>) {
+    let (_, list) = served.ask("GET", "/api/v1/tracks", None).await;
+    let velocity = json!({ "north_m_s": 0.0, "east_m_s": 0.0, "down_m_s": 0.0 });
+    let track = |north_m: f64| {
+        let position = json!({ "north_m": north_m, "east_m": 0.0, "down_m": -9.0 });
+        json!({ "track": 7, "position": position, "velocity": velocity, "time": list["time"] })
+    };
+    let tracks: Vec<Value> = north_m.into_iter().map(track).collect();
+    let (status, answer) = served
+        .ask("PUT", "/api/v1/tracks", Some(json!({ "tracks": tracks })))
+        .await;
+    assert!(status < 300, "{status} {answer}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn tracks_are_told_when_they_change_and_that_there_are_none_only_after_some() {
+    let served = Served::start().await;
+    let mut client = open(&served, "").await;
+    // Ten frames are a second, in which the slow state was looked at several times: nothing is said of tracks.
+    for _ in 0..10 {
+        let next = next(&mut client, |message| {
+            let tracks = said(message).is_some_and(|value| value["type"] == "tracks");
+            (tracks || message.is_binary()).then_some(tracks)
+        });
+        assert!(!next.await, "there are none, and none were told");
+    }
+    tell_track(&served, Some(4.0)).await;
+    let first = next_of(&mut client, "tracks").await;
+    assert_eq!(first["tracks"][0]["position"]["north_m"], 4.0);
+    assert_eq!(first["tracks"][0]["source"], "told");
+    // Said again only because it has changed.
+    tell_track(&served, Some(5.0)).await;
+    let second = next_of(&mut client, "tracks").await;
+    assert_eq!(second["tracks"][0]["position"]["north_m"], 5.0);
+    tell_track(&served, None).await;
+    let last = next_of(&mut client, "tracks").await;
+    assert_eq!(last["tracks"], json!([]));
+    assert!(last["time"].as_u64() > first["time"].as_u64());
+    served.stop().await;
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn events_come_in_order_and_from_where_one_left_off() {
     let served = Served::start_with(with_faults).await;

@@ -687,6 +687,35 @@ source: string,
 detections: Array<Detection>, };
 
 /**
+ * The state of a detector: what it found in the last picture that it has looked at. A detector may say more beside it.
+ */
+export type DetectorState = { 
+/**
+ * The vehicle's camera whose picture it was; empty if it has but one.
+ */
+camera: string, 
+/**
+ * When the picture was taken, on the node's clock.
+ */
+time: NodeTime, 
+/**
+ * Width of the picture in pixels; 0 if the detector does not say.
+ */
+width_px: number, 
+/**
+ * Height of the picture in pixels; 0 if the detector does not say.
+ */
+height_px: number, 
+/**
+ * Where the camera was and looked, as the picture's header said; without it nobody knows in which direction a finding is.
+ */
+pose: CameraPose | null, 
+/**
+ * What is in it.
+ */
+findings: Array<Finding>, };
+
+/**
  * The key of the second step.
  */
 export type EmergencyKey = { 
@@ -1147,6 +1176,51 @@ altitude_reference: AltitudeReference,
  * What becomes of a vehicle that is where it must not be.
  */
 action: BreachAction, };
+
+/**
+ * Something found in a picture. Pixels count from the picture's left upper corner.
+ */
+export type Finding = { 
+/**
+ * What it is taken for, for example `uav`.
+ */
+class: string, 
+/**
+ * How sure that is, 0..=1.
+ */
+score: number, 
+/**
+ * Middle of the box around it, in pixels from the left.
+ */
+center_x_px: number, 
+/**
+ * Middle of the box around it, in pixels from the top.
+ */
+center_y_px: number, 
+/**
+ * Width of the box in pixels.
+ */
+width_px: number, 
+/**
+ * Height of the box in pixels.
+ */
+height_px: number, 
+/**
+ * Names the same thing in later pictures; empty if it is not followed from one to the next.
+ */
+id: string, 
+/**
+ * Standard deviation of the middle in pixels; 0 if the detector does not say.
+ */
+error_px: number, 
+/**
+ * Seconds since it was last found in a picture: 0 if it was found in this one, more if it is only thought to be there.
+ */
+coasted_s: number, 
+/**
+ * What else it may be: the score of each class, 0..=1. Empty if the detector knows but one.
+ */
+classes: { [key in string]: number }, };
 
 /**
  * What is said of the fleet at a slow rate: everything that is not in the binary frame.
@@ -3033,7 +3107,7 @@ vehicles: Array<VehicleSafety>, } | { "type": "control",
 /**
  * Those that somebody has, by ascending id.
  */
-vehicles: Array<VehicleControl>, } | { "type": "swarm" } & SwarmSnapshot | { "type": "event" } & EventRecord | { "type": "gap", 
+vehicles: Array<VehicleControl>, } | { "type": "tracks" } & TrackList | { "type": "swarm" } & SwarmSnapshot | { "type": "event" } & EventRecord | { "type": "gap", 
 /**
  * How many.
  */
