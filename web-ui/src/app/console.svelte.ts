@@ -41,10 +41,8 @@ export class Console {
   readonly presence = new Presence(this.session);
   readonly navigation = new Navigation();
   readonly map = new MapState();
-  readonly observed = new Observed(
-    { cameras: () => this.session.canCommand && this.map.layers.cameras, tracks: () => this.session.canCommand && this.map.layers.tracks },
-    () => this.map.invalidate(),
-  );
+  readonly observed = new Observed(() => this.session.canCommand && this.map.layers.cameras, () => this.map.invalidate());
+  readonly tracks = this.session.tracks;
   readonly video = new Video();
   readonly history = new History();
   readonly shortcuts = new Shortcuts();
@@ -57,6 +55,7 @@ export class Console {
     this.session.onRestart(() => {
       this.history.clear();
       this.targets.clear();
+      this.tracks.selected = null;
       this.emergency.restart();
       this.formation.restart();
       if (this.map.followed !== null) this.map.setCamera('free');

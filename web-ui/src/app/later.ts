@@ -19,6 +19,7 @@ export const later = {
   hand: () => import('../features/byhand/HandPanel.svelte'),
   fences: () => import('../features/fences/FencePanel.svelte'),
   payloads: () => import('../features/payloads/PayloadPanel.svelte'),
+  tracks: () => import('../features/observed/TrackPanel.svelte'),
   swarm: () => import('../features/swarm/SwarmPanel.svelte'),
   commands: () => import('../features/commands/CommandHistory.svelte'),
   layers: () => import('../features/map/LayerList.svelte'),

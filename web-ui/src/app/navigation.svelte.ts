@@ -1,7 +1,7 @@
 // Which page is before the eyes, and which panel beside it. The page stands in the address, so that it can be linked to, opened in a
 // second window and gone back from. Anything of the console may ask for another.
 
-export type Plan = 'formation' | 'route' | 'hand' | 'preflight' | 'fences' | 'payloads' | 'swarm';
+export type Plan = 'formation' | 'route' | 'hand' | 'preflight' | 'fences' | 'payloads' | 'tracks' | 'swarm';
 export type Record = 'events' | 'commands';
 export type Side = 'fleet' | Plan | Record;
 

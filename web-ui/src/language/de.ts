@@ -4,6 +4,7 @@ import { always } from './de/always';
 import { fleet } from './de/fleet';
 import { hand } from './de/hand';
 import { machinery } from './de/machinery';
+import { observed } from './de/observed';
 import { operators } from './de/operators';
 import { parameters } from './de/parameters';
 import { plans } from './de/plans';
@@ -11,6 +12,6 @@ import { video } from './de/video';
 import { words } from './de/words';
 
 export { codes } from './de/codes';
-export const parts = { always, fleet, hand, machinery, operators, parameters, plans, video, words };
-export const de = { ...always, ...fleet, ...hand, ...machinery, ...operators, ...parameters, ...plans, ...video, ...words };
+export const parts = { always, fleet, hand, machinery, observed, operators, parameters, plans, video, words };
+export const de = { ...always, ...fleet, ...hand, ...machinery, ...observed, ...operators, ...parameters, ...plans, ...video, ...words };
 export type Dictionary = typeof de;

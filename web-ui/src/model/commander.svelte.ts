@@ -51,6 +51,13 @@ export class Commander {
     return key;
   }
 
+  /** Takes up commands that another call has given, with what each vehicle answered. */
+  given(receipts: readonly CommandReceipt[], label: string, detail: string): void {
+    const key = this.#nextKey++;
+    this.dispatch({ type: 'begin', key, label, detail, vehicles: receipts.map((receipt) => receipt.vehicle) });
+    this.dispatch({ type: 'receipts', key, receipts: [...receipts] });
+  }
+
   #failed(key: number, vehicles: readonly number[], error: unknown): void {
     const known = error instanceof ApiError;
     // An answer says for certain that nothing was done; no answer says nothing.

@@ -10,6 +10,7 @@ import { carry } from '../telemetry/carry';
 import { Fleet } from '../telemetry/fleet';
 import type { Commander } from './commander.svelte';
 import type { Journal } from './journal.svelte';
+import { Tracks } from './tracks.svelte';
 import { VehicleRow } from './vehicleRow.svelte';
 import { t } from '../language/language.svelte';
 
@@ -39,6 +40,7 @@ export class Session {
   swarm = $state.raw<SwarmSnapshot | null>(null);
   /** Who has control authority over which vehicle, by its id; nobody has it over the others. */
   control = $state.raw<ReadonlyMap<number, VehicleControl>>(new Map());
+  readonly tracks = new Tracks();
   rows = $state.raw<readonly VehicleRow[]>([]);
   /** Counts ticks; reading it in an effect makes the effect run with the list. */
   tick = $state(0);
@@ -85,6 +87,7 @@ export class Session {
       fleet: (info) => this.#onFleet(info),
       safety: (vehicles) => this.#onSafety(vehicles),
       control: (vehicles) => this.#onControl(vehicles),
+      tracks: (list, at) => this.tracks.take(list, at),
       swarm: (swarm) => (this.swarm = swarm),
       event: (event) => (this.#historyLoaded ? this.#takeEvent(event) : this.#waiting.push(event)),
       gap: (missed) => journal.notice('warning', 'stream', t('{missed} events did not reach this page', { missed })),
@@ -178,6 +181,7 @@ export class Session {
       this.#waiting = [];
       // It is said again at once if anybody has a vehicle, and not at all if nobody has.
       this.control = new Map();
+      this.tracks.clear();
       // Not at once: the first moments are busy and would be measured instead of the link.
       setTimeout(() => void this.#measure(), 1500);
     }

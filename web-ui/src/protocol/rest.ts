@@ -6,7 +6,8 @@ import type {
   AcknowledgeBody, CameraViewList, CommandBody, CommandReceipt, CommandReceipts, Console, ControlAction, ControlBody, ControlReceipt, ControlReceipts, EmergencyKey,
   EmergencyStopBody, ErrorBody, EventList, FenceAnswer, FenceFileBody, FencePlan, FencePlanBody, FormationPreview, FormationReceipt, FormationRequest, ImportedFencePlan, OverrideBody, ParameterBody,
   ParameterList, ParameterReceipt, PreflightAnswer, PluginList, PreflightOverride, ReadingAction, ReadingBody, ReferenceList, ReferenceSnapshot, ResumeBody, RestartList, RestartRecord, Route, RouteBody, SupervisionTree, Targets,
-  UpgradeReceipt, VehicleCommand, VehicleSnapshot, LinkReport, TrackList,
+  UpgradeReceipt, VehicleCommand, VehicleSnapshot, LinkReport, AskedObserver, AskedObserverList, ObserveRequest, ObserverList, ObserverProposal,
+  PayloadList, PayloadSnapshot, TrackChangeBody,
 } from './types';
 import { videoPath } from './video';
 import type { Recording, RecordingList, RecordingReceipt, VideoAddress, VideoQuality, VideoStreamList, VideoStreamView } from './video';
@@ -186,6 +187,11 @@ export async function putParameter(vehicle: number, name: string, value: number)
   return (await (await call('PUT', `vehicles/${vehicle}/parameters/${encodeURIComponent(name)}`, body)).json()) as ParameterReceipt;
 }
 
+/** What a vehicle carries, with the state of each. */
+export async function getPayloads(vehicle: number): Promise<PayloadSnapshot[]> {
+  return ((await (await call('GET', `vehicles/${vehicle}/payloads`)).json()) as PayloadList).payloads;
+}
+
 /** A command to a payload, as its plugin's command schema has it. */
 export async function commandPayload(vehicle: number, payload: string, command: object): Promise<void> {
   await call('POST', `vehicles/${vehicle}/payloads/${encodeURIComponent(payload)}/command`, command);
@@ -261,9 +267,24 @@ export async function getCameraViews(): Promise<CameraViewList> {
   return (await (await call('GET', 'cameras/views')).json()) as CameraViewList;
 }
 
-/** What is tracked. */
-export async function getTracks(): Promise<TrackList> {
-  return (await (await call('GET', 'tracks')).json()) as TrackList;
+/** Names a track or has it kept; what is null stays as it is. */
+export async function changeTrack(track: number, change: TrackChangeBody): Promise<void> {
+  await call('PATCH', `tracks/${track}`, change);
+}
+
+/** Ends a track. */
+export async function dropTrack(track: number): Promise<void> {
+  await call('DELETE', `tracks/${track}`);
+}
+
+/** Who could keep a track in view, the best placed first. */
+export async function getObservers(track: number): Promise<ObserverProposal[]> {
+  return ((await (await call('GET', `tracks/${track}/observers`)).json()) as ObserverList).observers;
+}
+
+/** Has vehicles keep a track in view; what each answered. */
+export async function observeTrack(track: number, request: ObserveRequest): Promise<AskedObserver[]> {
+  return ((await (await call('POST', `tracks/${track}/observe`, request)).json()) as AskedObserverList).asked;
 }
 
 /** What runs under supervision, and how it is. */

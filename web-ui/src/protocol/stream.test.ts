@@ -37,7 +37,7 @@ const newest = (): Socket => Socket.all.at(-1)!;
 
 function started() {
   const states: StreamState[] = [];
-  const heard = { frames: 0, cameAt: 0, fleets: 0, safeties: 0, controls: 0, swarms: 0, events: 0, gaps: 0, unreadable: [] as string[], refused: [] as [number, string][] };
+  const heard = { frames: 0, cameAt: 0, fleets: 0, safeties: 0, controls: 0, tracks: 0, swarms: 0, events: 0, gaps: 0, unreadable: [] as string[], refused: [] as [number, string][] };
   const stream = new Stream('ws://test/api/v1/stream', {
     state: (state) => states.push(state),
     frame: (_, at) => {
@@ -47,6 +47,7 @@ function started() {
     fleet: () => heard.fleets++,
     safety: (vehicles) => (heard.safeties += vehicles.length),
     control: (vehicles) => (heard.controls += vehicles.length),
+    tracks: (list) => (heard.tracks += list.tracks.length),
     swarm: () => heard.swarms++,
     event: () => heard.events++,
     gap: (missed) => (heard.gaps += missed),
@@ -116,6 +117,16 @@ describe('Stream', () => {
     vi.advanceTimersByTime(1000);
     newest().say(HELLO);
     expect(newest().sent, 'none is kept for the next connection').toEqual([]);
+  });
+
+  it('hands on what is tracked after the greeting', () => {
+    const { heard } = started();
+    const tracks = { type: 'tracks', time: 5, tracks: [{ track: 1 }, { track: 2 }] };
+    newest().say(tracks);
+    expect(heard.tracks).toBe(0);
+    newest().say(HELLO);
+    newest().say(tracks);
+    expect(heard.tracks).toBe(2);
   });
 
   it('tells of a stick that was refused', () => {

@@ -4,7 +4,7 @@
 import { waitMs } from './backoff';
 import { takeEarly } from './early';
 import type { Said } from './early';
-import type { ClientMessage, ErrorDetail, EventRecord, FleetInfo, Refusal, ServerMessage, SwarmSnapshot, VehicleControl, VehicleSafety } from './types';
+import type { ClientMessage, ErrorDetail, EventRecord, FleetInfo, Refusal, ServerMessage, SwarmSnapshot, TrackList, VehicleControl, VehicleSafety } from './types';
 import { t } from '../language/language.svelte';
 
 /** The server's greeting. */
@@ -38,6 +38,8 @@ export type StreamListener = {
   safety(vehicles: readonly VehicleSafety[]): void;
   /** Who has control authority over which vehicles, whole. On a new connection nobody has any until this says so. */
   control(vehicles: readonly VehicleControl[]): void;
+  /** What is tracked, whole. On a new connection there is nothing until this says so. */
+  tracks(list: TrackList, at: number): void;
   swarm(swarm: SwarmSnapshot): void;
   event(event: EventRecord): void;
   /** A stick was refused. */
@@ -148,6 +150,9 @@ export class Stream {
         break;
       case 'control':
         if (this.#greeted) this.listener.control(message.vehicles);
+        break;
+      case 'tracks':
+        if (this.#greeted) this.listener.tracks(message, at);
         break;
       case 'event':
         if (this.#greeted) this.listener.event(message);

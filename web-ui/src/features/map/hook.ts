@@ -40,7 +40,7 @@ export type Hook = {
   links(): { id: number; quality: string; text: string }[];
   /** The ground that cameras are drawn to see, and the tracks that are drawn. */
   groundSeen(): { vehicle: number; payload: string; corners: { north: number; east: number }[]; stale: boolean }[];
-  tracksSeen(): { track: number; north: number; east: number; stale: boolean }[];
+  tracksSeen(): { track: number; north: number; east: number; stale: boolean; text: string; pinned: boolean; longM: number | null; spots: number }[];
   /** Vehicles that bear the sign of another operator's control, and whether that one is heard. */
   held(): { id: number; heard: boolean }[];
   /** Zones of the fences that are drawn. */
@@ -73,7 +73,7 @@ export function installHook(app: Console, painter: Painter): () => void {
     measured: () => painter.measured().map(({ distanceM, bearingDeg, riseM }) => ({ distanceM, bearingDeg, riseM })),
     links: () => drawnLinks(app.session, performance.now()).map(({ id, quality, text }) => ({ id, quality: QUALITY_WORDS[quality], text })),
     groundSeen: () => (app.map.layers.cameras ? painter.groundSeen().map(({ vehicle, payload, corners, stale }) => ({ vehicle, payload, corners, stale })) : []),
-    tracksSeen: () => (app.map.layers.tracks ? painter.tracksSeen().map(({ track, north, east, stale }) => ({ track, north, east, stale })) : []),
+    tracksSeen: () => (app.map.layers.tracks ? painter.tracksSeen().map(({ track, north, east, stale, text, pinned, ellipse, trail }) => ({ track, north, east, stale, text, pinned, longM: ellipse?.longM ?? null, spots: trail.length })) : []),
     held: () => [...painter.held()].filter(([id]) => painter.locate(id) !== null).map(([id, kind]) => ({ id, heard: kind === 'heard' })),
     zones: () => painter.fences().zones.map(({ name, kind, corners }) => ({ name, kind, corners: corners.length })),
     previewSlots: () => app.formation.previewSlots(),

@@ -7,6 +7,7 @@ import type { FenceDraft } from '../../model/fenceDraft.svelte';
 import type { RouteDraft } from '../../model/routeDraft.svelte';
 import { placeText } from '../../language/units.svelte';
 import { toggleMeasuring } from '../measure/measuring';
+import { trackAt } from '../observed/paintTracks';
 import { hitTest, within } from './paintFleet';
 import { waypointAt } from './paintPlan';
 import type { Painter } from './painter';
@@ -113,6 +114,7 @@ export class Interaction {
       const id = index >= 0 ? (session.fleet.ids[index] ?? 0) : null;
       if (map.tool === 'measure') this.#measure(id, finger.x, finger.y);
       else if (id !== null) this.#tap(id, event.timeStamp);
+      else this.#look(finger.x, finger.y, this.#reach(event));
     }
     this.#end();
   };
@@ -129,6 +131,15 @@ export class Interaction {
     this.console.targets.toggle(id);
     this.#tapped = twice ? null : { id, atMs };
     if (twice) this.console.map.follow(id);
+  }
+
+  /** A track that is tapped is looked at. */
+  #look(x: number, y: number, reachPx: number): void {
+    const { map, tracks, navigation } = this.console;
+    const track = map.layers.tracks ? trackAt(map.view, this.painter.tracksSeen(), x, y, reachPx) : null;
+    if (track === null) return;
+    tracks.selected = track;
+    navigation.showPlan('tracks');
   }
 
   pointercancel = (event: PointerEvent): void => {

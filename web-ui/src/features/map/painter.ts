@@ -13,8 +13,10 @@ import { paintWays } from '../goto/paintWays';
 import { legs } from '../measure/measure';
 import type { Leg, Spot } from '../measure/measure';
 import { paintMeasure } from '../measure/paintMeasure';
-import { paintGroundSeen, paintTracks, seenGround, seenTracks } from '../observed/paintObserved';
-import type { SeenGround, SeenTrack } from '../observed/paintObserved';
+import { paintGroundSeen, seenGround } from '../observed/paintObserved';
+import type { SeenGround } from '../observed/paintObserved';
+import { paintTracks, seenTracks } from '../observed/paintTracks';
+import type { SeenTrack } from '../observed/paintTracks';
 import { everything, flownRoute, followedBounds } from './extent';
 import { FenceCache } from './fenceCache';
 import { HeldCache } from './heldByOthers';
@@ -143,7 +145,7 @@ export class Painter {
     const scene = { fleet: session.fleet, now, selected: targets.marked, marking: this.#marking };
     this.#paintUnder(ctx, palette, scene);
     paintVehicles(ctx, view, palette, scene);
-    if (map.layers.tracks) paintTracks(ctx, view, palette, this.tracksSeen(), (track) => t('Track {track}', { track }));
+    if (map.layers.tracks) paintTracks(ctx, view, palette, this.tracksSeen());
     paintAuthority(ctx, view, palette, session.fleet, this.held(), this.#onCanvas);
     if (map.layers.labels) paintLabels(ctx, view, palette, scene, this.#onCanvas);
     this.#paintMarks(ctx, palette);
@@ -257,8 +259,7 @@ export class Painter {
   }
 
   tracksSeen(): SeenTrack[] {
-    const { observed } = this.console;
-    return seenTracks(observed.tracks, performance.now() - observed.tracksAt);
+    return seenTracks(this.console.tracks, performance.now());
   }
 
   #paintAnchors(ctx: CanvasRenderingContext2D, palette: Palette): void {

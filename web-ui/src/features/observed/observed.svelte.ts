@@ -1,8 +1,8 @@
-// What the swarm sees, asked for while the map shows it: where its cameras look, and what is tracked. Must never ask for what is not shown.
+// Where the cameras of the swarm look, asked for while the map shows it. Must never ask for what is not shown.
 
 import { Pulse } from '../../model/pulse';
-import { getCameraViews, getTracks } from '../../protocol/rest';
-import type { CameraViewList, TrackList } from '../../protocol/types';
+import { getCameraViews } from '../../protocol/rest';
+import type { CameraViewList } from '../../protocol/types';
 
 const EVERY_MS = 400;
 /** While there is nothing to be seen. */
@@ -12,38 +12,25 @@ const FULL_PACE = 20;
 
 export class Observed {
   views: CameraViewList = { time: 0, views: [] };
-  tracks: TrackList = { time: 0, tracks: [] };
-  /** `performance.now()` when each was answered: ages count on from there. */
+  /** `performance.now()` when it was answered: ages count on from there. */
   viewsAt = 0;
-  tracksAt = 0;
-  readonly #pulses: readonly Pulse[];
+  readonly #pulse: Pulse;
 
-  /** `shown` says which of both the map shows; `changed` is called when there is something new to draw. */
-  constructor(shown: { cameras: () => boolean; tracks: () => boolean }, changed: () => void) {
-    const askViews = async () => {
+  /** `shown` says whether the map shows it; `changed` is called when there is something new to draw. */
+  constructor(shown: () => boolean, changed: () => void) {
+    const ask = async () => {
       const before = this.views.views.length;
       this.views = await getCameraViews();
       this.viewsAt = performance.now();
       if (before + this.views.views.length > 0) changed();
     };
-    const askTracks = async () => {
-      const before = this.tracks.tracks.length;
-      this.tracks = await getTracks();
-      this.tracksAt = performance.now();
-      if (before + this.tracks.tracks.length > 0) changed();
-    };
     const pace = (count: number) => (count === 0 ? IDLE_MS : EVERY_MS * Math.max(1, count / FULL_PACE));
-    this.#pulses = [
-      new Pulse(askViews, () => (shown.cameras() ? pace(this.views.views.length) : EVERY_MS), shown.cameras),
-      new Pulse(askTracks, () => pace(this.tracks.tracks.length), shown.tracks),
-    ];
+    this.#pulse = new Pulse(ask, () => (shown() ? pace(this.views.views.length) : EVERY_MS), shown);
   }
 
   /** Asks until the returned function is called. */
   watch(): () => void {
-    for (const pulse of this.#pulses) pulse.start();
-    return () => {
-      for (const pulse of this.#pulses) pulse.stop();
-    };
+    this.#pulse.start();
+    return () => this.#pulse.stop();
   }
 }

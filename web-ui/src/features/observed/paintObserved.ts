@@ -1,16 +1,13 @@
-// What cameras see of the ground, and what is tracked, on the canvas. What is old looks old: its outline is broken, and it goes.
+// What cameras see of the ground, on the canvas. What is old looks old: its outline is broken, and it goes.
 
-import type { CameraViewList, TrackList } from '../../protocol/types';
+import type { CameraViewList } from '../../protocol/types';
 import { LOST_FROM_MS, STALE_FROM_MS } from '../../telemetry/staleness';
-import { MOTION_S } from '../map/paintFleet';
-import { FONT } from '../map/paintGround';
 import type { Palette } from '../map/palette';
 import type { View } from '../map/view';
 import { footprint } from './footprint';
 import type { Footprint } from './footprint';
 
 export type SeenGround = Footprint & { vehicle: number; payload: string; from: { north: number; east: number; upM: number }; stale: boolean };
-export type SeenTrack = { track: number; north: number; east: number; velocityNorth: number; velocityEast: number; upM: number; stale: boolean };
 
 /** The ground that each camera sees, as far as it is known well enough to be drawn. */
 export function seenGround(list: CameraViewList, sinceAnswerMs: number): SeenGround[] {
@@ -21,19 +18,6 @@ export function seenGround(list: CameraViewList, sinceAnswerMs: number): SeenGro
     const from = { north: pose.position.north_m, east: pose.position.east_m, upM: -pose.position.down_m };
     return [{ ...seen, vehicle, payload, from, stale: ageMs >= STALE_FROM_MS }];
   });
-}
-
-/** What is tracked, where it was told to be. */
-export function seenTracks(list: TrackList, sinceAnswerMs: number): SeenTrack[] {
-  return list.tracks.map(({ track, position, velocity, time }) => ({
-    track,
-    north: position.north_m,
-    east: position.east_m,
-    velocityNorth: velocity.north_m_s,
-    velocityEast: velocity.east_m_s,
-    upM: -position.down_m,
-    stale: (list.time - time) / 1000 + sinceAnswerMs >= STALE_FROM_MS,
-  }));
 }
 
 export function paintGroundSeen(ctx: CanvasRenderingContext2D, view: View, palette: Palette, seen: readonly SeenGround[], selected: ReadonlySet<number>): void {
@@ -74,40 +58,3 @@ export function paintGroundSeen(ctx: CanvasRenderingContext2D, view: View, palet
 }
 
 const away = (xs: readonly number[], ys: readonly number[], k: number, x: number, y: number): number => Math.hypot((xs[k] ?? 0) - x, (ys[k] ?? 0) - y);
-
-/** Half the side of a track's sign, and how long the strokes at its corners are, in pixels. */
-const HALF_PX = 9;
-const STROKE_PX = 5;
-
-export function paintTracks(ctx: CanvasRenderingContext2D, view: View, palette: Palette, tracks: readonly SeenTrack[], words: (track: number) => string): void {
-  ctx.save();
-  ctx.font = FONT;
-  ctx.textBaseline = 'middle';
-  ctx.lineJoin = 'round';
-  for (const track of tracks) {
-    const [x, y] = [view.x(track.east), view.y(track.north)];
-    for (const [width, colour] of [[4.5, palette.bg], [2, palette.text]] as const) {
-      ctx.lineWidth = width;
-      ctx.strokeStyle = colour;
-      ctx.globalAlpha = track.stale ? 0.55 : 1;
-      ctx.beginPath();
-      for (const [sx, sy] of [[-1, -1], [1, -1], [1, 1], [-1, 1]] as const) {
-        ctx.moveTo(x + sx * HALF_PX, y + sy * (HALF_PX - STROKE_PX));
-        ctx.lineTo(x + sx * HALF_PX, y + sy * HALF_PX);
-        ctx.lineTo(x + sx * (HALF_PX - STROKE_PX), y + sy * HALF_PX);
-      }
-      if (!track.stale) {
-        ctx.moveTo(x, y);
-        ctx.lineTo(view.x(track.east + track.velocityEast * MOTION_S), view.y(track.north + track.velocityNorth * MOTION_S));
-      }
-      ctx.stroke();
-    }
-    const text = words(track.track);
-    ctx.lineWidth = 3;
-    ctx.strokeStyle = palette.bg;
-    ctx.strokeText(text, x + HALF_PX + 4, y);
-    ctx.fillStyle = palette.text;
-    ctx.fillText(text, x + HALF_PX + 4, y);
-  }
-  ctx.restore();
-}

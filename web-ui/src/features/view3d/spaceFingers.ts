@@ -50,13 +50,22 @@ export class SpaceFingers {
     if (!finger || finger.moved || finger.pans || this.#fingers.size > 0) return;
     const reach = event.pointerType === 'touch' ? REACH_PX.touch : REACH_PX.mouse;
     const index = this.space.hitTest(finger.x, finger.y, reach);
-    if (index < 0) return;
+    if (index < 0) return this.#look(finger, reach);
     const id = this.console.session.fleet.ids[index] ?? 0;
     const twice = this.#tapped?.id === id && event.timeStamp - this.#tapped.atMs < DOUBLE_TAP_MS;
     this.console.targets.toggle(id);
     this.#tapped = twice ? null : { id, atMs: event.timeStamp };
     if (twice) this.console.map.follow(id);
   };
+
+  /** A track that is tapped is looked at. */
+  #look({ x, y }: Finger, reachPx: number): void {
+    const { map, tracks, navigation } = this.console;
+    const track = map.layers.tracks ? this.space.trackAt(x, y, reachPx) : null;
+    if (track === null) return;
+    tracks.selected = track;
+    navigation.showPlan('tracks');
+  }
 
   pointercancel = (event: PointerEvent): void => {
     this.#fingers.delete(event.pointerId);

@@ -11,7 +11,10 @@ import { FenceCache } from '../map/fenceCache';
 import { drawnLinks } from '../map/linkTable';
 import { MOTION_S, eachPlaced } from '../map/paintFleet';
 import type { FleetScene } from '../map/paintFleet';
-import { seenGround, seenTracks } from '../observed/paintObserved';
+import { errorRings } from '../observed/errorShape';
+import { seenGround } from '../observed/paintObserved';
+import { seenTracks } from '../observed/paintTracks';
+import type { SeenTrack } from '../observed/paintTracks';
 import { ruleStepUp } from '../../language/units.svelte';
 import { isEmpty } from '../map/view';
 import { Craft } from './craft';
@@ -45,6 +48,10 @@ export class SpaceModel {
   readonly links = [new LineSet('ready', 0.9), new LineSet('advisory', 1), new LineSet('warning', 1), new LineSet('critical', 1)] as const;
   readonly seen = new LineSet('accent', 0.8);
   readonly tracks = new LineSet('label', 1);
+  readonly lookedAt = new LineSet('accent', 1);
+  readonly oldTrackTrails = new LineSet('label', 0.3);
+  readonly newTrackTrails = new LineSet('label', 0.7);
+  readonly errors = new LineSet('label', 0.6);
   readonly craft = new Craft();
   readonly fences: FenceCache;
   gridStepM = 1;
@@ -61,7 +68,7 @@ export class SpaceModel {
   sets(): readonly LineSet[] {
     return [
       ...this.ground(), this.inclusions, this.exclusions, this.drops, this.oldTrails, this.newTrails, this.routes, this.slots,
-      this.motion, this.previews, ...this.links, this.seen, this.tracks,
+      this.motion, this.previews, ...this.links, this.seen, this.oldTrackTrails, this.newTrackTrails, this.errors, this.tracks, this.lookedAt,
     ];
   }
 
@@ -214,15 +221,38 @@ export class SpaceModel {
     }
   }
 
-  /** What is tracked: a box about it, and its way as of the vehicles. */
+  /** What is tracked: a box about it, its way as of the vehicles, how well its place is known, and where it was. */
   #tracksSeen(now: number): void {
-    const { observed } = this.console;
-    for (const { north, east, upM, velocityNorth, velocityEast, stale } of seenTracks(observed.tracks, now - observed.tracksAt)) {
-      this.tracks.ring(north, east, upM, 1.6, 4);
-      this.tracks.ring(north, east, upM, 0.8, 4);
-      this.tracks.broken([north, east, upM], [north, east, 0], 16, 0.4);
-      if (!stale) this.tracks.add(north, east, upM, north + velocityNorth * MOTION_S, east + velocityEast * MOTION_S, upM);
+    for (const track of seenTracks(this.console.tracks, now)) {
+      const { north, east, upM, velocityNorth, velocityEast, stale, selected } = track;
+      const set = selected ? this.lookedAt : this.tracks;
+      set.ring(north, east, upM, 1.6, 4);
+      set.ring(north, east, upM, 0.8, 4);
+      set.broken([north, east, upM], [north, east, 0], 16, 0.4);
+      if (!stale) set.add(north, east, upM, north + velocityNorth * MOTION_S, east + velocityEast * MOTION_S, upM);
+      this.#errorOf(track);
+      this.#trailOf(track);
     }
+  }
+
+  /** Three lines on the ellipsoid of two standard deviations; broken where its range is only guessed. */
+  #errorOf({ covariance, guessed, north, east, upM }: SeenTrack): void {
+    for (const ring of errorRings(covariance)) {
+      ring.forEach((from, k) => {
+        const to = ring[(k + 1) % ring.length] ?? from;
+        if (guessed && k % 2 === 1) return;
+        this.errors.add(north + from.north, east + from.east, upM + from.up, north + to.north, east + to.east, upM + to.up);
+      });
+    }
+  }
+
+  /** Its older half is fainter, as of the vehicles. */
+  #trailOf({ trail, north, east, upM }: SeenTrack): void {
+    trail.forEach((from, k) => {
+      const to = trail[k + 1] ?? { north, east, upM };
+      const set = k < trail.length / 2 ? this.oldTrackTrails : this.newTrackTrails;
+      set.add(from.north, from.east, from.upM, to.north, to.east, to.upM);
+    });
   }
 
   /** Slots of a formation behind a leader: of others the height is not known before they are flown. */

@@ -36,6 +36,8 @@ export const codes: Readonly<Record<string, string>> = {
   // what is checked before a flight, and the rest of what is named
   'operator not heard': 'Bediener nicht gehört', 'energy for the way home': 'Energie für den Heimweg', 'GNSS loss': 'GNSS-Ausfall',
   'GNSS disagreement': 'GNSS-Widerspruch',
+  // what a track or a finding may be
+  bird: 'Vogel', drone: 'Drohne', aeroplane: 'Flugzeug', airplane: 'Flugzeug', helicopter: 'Hubschrauber', person: 'Person', vehicle: 'Fahrzeug', boat: 'Boot',
   // kinds of payloads and what they do
   gimbal: 'Kardan', camera: 'Kamera', radio: 'Funk', detector: 'Detektor', model: 'Modell', picture: 'Bild', video: 'Video', survey: 'Vermessung', nobody: 'niemand', us: 'uns', angles: 'Winkel', rates: 'Drehraten', 'point at': 'zielt auf',
 };
