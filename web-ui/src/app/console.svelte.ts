@@ -8,6 +8,7 @@ import { Commander } from '../model/commander.svelte';
 import { Control } from '../model/control.svelte';
 import { EmergencyStop } from '../model/emergencyStop.svelte';
 import { FenceDraft } from '../model/fenceDraft.svelte';
+import { Findings } from '../model/findings.svelte';
 import { FormationDraft } from '../model/formationDraft.svelte';
 import { GoTo } from '../model/goTo.svelte';
 import { HandFlight } from '../model/handFlight.svelte';
@@ -44,6 +45,7 @@ export class Console {
   readonly observed = new Observed(() => this.session.canCommand && this.map.layers.cameras, () => this.map.invalidate());
   readonly tracks = this.session.tracks;
   readonly video = new Video();
+  readonly findings = new Findings(() => this.session.canCommand && this.video.boxes);
   readonly history = new History();
   readonly shortcuts = new Shortcuts();
   readonly sound = new AlarmSound(() => this.journal.outstanding);

@@ -19,7 +19,9 @@ export type Layout = (typeof LAYOUTS)[number];
 export const CORNERS = ['top-left', 'top-right', 'bottom-right', 'bottom-left'] as const;
 export type Corner = (typeof CORNERS)[number];
 
-const KEYS = { way: 'skein-video-way', layout: 'skein-video-layout', large: 'skein-video-large', corner: 'skein-video-corner', inset: 'skein-video-inset' };
+const BOXES = ['shown', 'hidden'] as const;
+
+const KEYS = { way: 'skein-video-way', layout: 'skein-video-layout', large: 'skein-video-large', corner: 'skein-video-corner', inset: 'skein-video-inset', boxes: 'skein-video-boxes' };
 
 export class Video {
   streams = $state.raw<readonly VideoStreamView[]>([]);
@@ -30,6 +32,8 @@ export class Video {
   way = $state<WayChoice>(remembered(KEYS.way, WAY_CHOICES) ?? 'automatic');
   layout = $state<Layout>(remembered(KEYS.layout, LAYOUTS) ?? 'wall');
   corner = $state<Corner>(remembered(KEYS.corner, CORNERS) ?? 'bottom-right');
+  /** What detectors find is drawn over it. */
+  boxes = $state(remembered(KEYS.boxes, BOXES) !== 'hidden');
   #large = $state.raw<VideoAddress | null>(addressOf(rememberedText(KEYS.large)));
   #inset = $state.raw<VideoAddress | null>(addressOf(rememberedText(KEYS.inset)));
   readonly able = abilities(globalThis);
@@ -63,6 +67,11 @@ export class Video {
   chooseWay(way: WayChoice): void {
     this.way = way;
     remember(KEYS.way, way);
+  }
+
+  showBoxes(shown: boolean): void {
+    this.boxes = shown;
+    remember(KEYS.boxes, shown ? 'shown' : 'hidden');
   }
 
   chooseLayout(layout: Layout): void {

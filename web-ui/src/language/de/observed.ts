@@ -15,4 +15,6 @@ export const observed = {
   Observers: 'Beobachter', Observe: 'Beobachten', 'No vehicle has a model that observes.': 'Kein Fahrzeug hat ein Modell, das beobachtet.', 'cannot be asked': 'nicht verfügbar', 'place not known': 'Ort nicht bekannt', '{distance} away': '{distance} entfernt',
   'charge not known': 'Ladung nicht bekannt', '{share} charge': '{share} Ladung', 'camera on a gimbal': 'Kamera am Kardan', 'no camera on a gimbal': 'keine Kamera am Kardan', 'not busy': 'nicht beschäftigt', 'How many observe': 'Wie viele beobachten', 'One less': 'Eines weniger',
   'One more': 'Eines mehr', 'They fly around it and keep it in view, from sides that are spread': 'Sie fliegen um den Fund und behalten ihn von verteilten Seiten im Blick', 'looks from {bearing}': 'blickt aus {bearing}',
+  // over the video
+  Findings: 'Erkanntes', 'What detectors find, drawn over the video': 'Was Detektoren erkennen, über das Video gezeichnet',
 } as const;
