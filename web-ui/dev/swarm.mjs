@@ -164,6 +164,13 @@ let fences = {
   breach_return: null,
 };
 let emergencyKey = '';
+/** A bird that flies to and fro. */
+const track = () => ({
+  track: 1000001, source: 'fused', name: '', pinned: false, class: 'bird', classes: { bird: 0.7, drone: 0.2 }, guessed_range: false, age_s: nodeTime() / 1e6, seen: nodeTime(), sensors: ['2/camera'],
+  covariance_m2: [30, 12, 0, 9, 0, 16], time: nodeTime(),
+  position: { north_m: 30 * Math.sin(Date.now() / 9000), east_m: 40, down_m: -15 }, velocity: { north_m_s: 3.3 * Math.cos(Date.now() / 9000), east_m_s: 0, down_m_s: 0 },
+});
+
 /** Who has control authority over which vehicle; Ben is no page but what is typed. */
 const BEN = { id: 'ben', name: 'Ben' };
 const held = new Map();
@@ -276,8 +283,6 @@ const server = createServer(async (request, response) => {
       return response.writeHead(204).end();
     case 'GET references':
       return answer(200, { references: [] });
-    case 'GET tracks':
-      return answer(200, { time: nodeTime(), tracks: [{ track: 1, position: { north_m: 30 * Math.sin(Date.now() / 9000), east_m: 40, down_m: -15 }, velocity: { north_m_s: 3.3 * Math.cos(Date.now() / 9000), east_m_s: 0, down_m_s: 0 }, time: nodeTime() }] });
     case 'GET video':
       return answer(200, { streams: [] });
     case 'GET video/recordings':
@@ -343,6 +348,7 @@ new WebSocketServer({ server, path: '/api/v1/stream' }).on('connection', (socket
     if (control !== told) socket.send(`{"type":"control","vehicles":${(told = control)}}`);
     socket.send(JSON.stringify(fleetInfo()));
     socket.send(JSON.stringify({ type: 'safety', vehicles: vehicles.map(safety) }));
+    socket.send(JSON.stringify({ type: 'tracks', time: nodeTime(), tracks: [track()] }));
   };
   const slow = setInterval(tell, 500);
   tell();

@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { TrackTrails, freshness } from './trackTrails';
 
-const at = (track: number, seconds: number, north = seconds) => ({ track, time: seconds * 1e6, position: { north_m: north, east_m: 2, down_m: -9 } });
+const at = (track: number, seconds: number, north = seconds) => ({ guessed_range: false, track, time: seconds * 1e6, position: { north_m: north, east_m: 2, down_m: -9 } });
 
 describe('the trail of a track', () => {
   it('is thinned out: half a second lies between two spots', () => {
@@ -16,6 +16,13 @@ describe('the trail of a track', () => {
     for (let k = 0; k <= 300; k++) trails.take([at(7, k)]);
     expect(trails.of(7)).toHaveLength(61);
     expect(trails.of(7)[0]!.north).toBe(240);
+  });
+
+  it('has nothing of a range that is guessed', () => {
+    const trails = new TrackTrails();
+    trails.take([{ ...at(7, 1, 400), guessed_range: true }]);
+    trails.take([at(7, 2)]);
+    expect(trails.of(7).map((spot) => spot.north)).toEqual([2]);
   });
 
   it('goes with its track, and begins anew with another run of the node', () => {

@@ -7,7 +7,7 @@ const APART_MS = 500;
 const MOST_TRACKS = 256;
 
 export type TrailSpot = { atMs: number; north: number; east: number; upM: number };
-export type Placed = { track: number; time: number; position: { north_m: number; east_m: number; down_m: number } };
+export type Placed = { track: number; time: number; position: { north_m: number; east_m: number; down_m: number }; guessed_range: boolean };
 
 const NONE: readonly TrailSpot[] = [];
 
@@ -17,14 +17,15 @@ export class TrackTrails {
   /** Takes what is tracked now. A track that is no more has no trail either. */
   take(tracks: readonly Placed[]): void {
     const kept = new Map<number, TrailSpot[]>();
-    for (const { track, time, position } of tracks) {
+    for (const { track, time, position, guessed_range } of tracks) {
       if (kept.size >= MOST_TRACKS) break;
       const trail = this.#trails.get(track) ?? [];
       const atMs = time / 1000;
       const last = trail.at(-1);
       // A clock that went back is another run of the node: what was before is another thing's.
       if (last && atMs < last.atMs) trail.length = 0;
-      if (!last || atMs < last.atMs || atMs - last.atMs >= APART_MS) {
+      // Where it is along the line of sight is not known while its range is guessed: the guesses are no way that it went.
+      if (!guessed_range && (!last || atMs < last.atMs || atMs - last.atMs >= APART_MS)) {
         trail.push({ atMs, north: position.north_m, east: position.east_m, upM: -position.down_m });
       }
       const from = trail.findIndex((spot) => atMs - spot.atMs <= REACH_MS);

@@ -13,7 +13,7 @@ import { levelColour } from './palette';
 import type { Palette } from './palette';
 
 const HEAD_FONT = `600 12px ${FONT.slice(FONT.indexOf(' ') + 1)}`;
-const LINE_PX = 16;
+export const LINE_PX = 16;
 const SIGN_PX = 22;
 /** Widths of texts that come again and again; bounded. */
 const WIDTHS = new Map<string, number>();
@@ -56,7 +56,7 @@ export function paintLabels(
     const headWidth = widthOf(ctx, head, HEAD_FONT);
     const restWidth = rest ? widthOf(ctx, rest, FONT) + 6 : 0;
     const selected = scene.selected.has(id);
-    const box = place(x, y, headWidth + restWidth, leads || selected ? 26 : 17, room, size, level >= 2 || selected);
+    const box = labelPlace(x, y, headWidth + restWidth, leads || selected ? 26 : 17, room, size, level >= 2 || selected);
     if (!box) return;
     room.take(box);
     // A plate: a route that runs behind the words must not look like a line through them.
@@ -70,7 +70,7 @@ export function paintLabels(
   ctx.restore();
 }
 
-function widthOf(ctx: CanvasRenderingContext2D, text: string, font: string): number {
+export function widthOf(ctx: CanvasRenderingContext2D, text: string, font: string): number {
   const key = `${font.length}|${text}`;
   const known = WIDTHS.get(key);
   if (known !== undefined) return known;
@@ -87,7 +87,8 @@ function write(ctx: CanvasRenderingContext2D, text: string, x: number, y: number
   ctx.fillText(text, x, y);
 }
 
-function place(
+/** Right, left, above or below of a sign, where there is room; what is important stands right of it in any case. */
+export function labelPlace(
   x: number, y: number, width: number, reach: number, room: LabelRoom, size: Size, important: boolean,
 ): Box | null {
   const fits = (box: Box): boolean => box.x >= 0 && box.x + box.w <= size.width && box.y >= 0 && box.y + box.h <= size.height && room.isFree(box);

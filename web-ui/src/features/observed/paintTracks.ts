@@ -5,7 +5,9 @@ import { freshness } from '../../telemetry/trackTrails';
 import type { TrailSpot } from '../../telemetry/trackTrails';
 import { STALE_FROM_MS } from '../../telemetry/staleness';
 import { MOTION_S } from '../map/paintFleet';
+import { LabelRoom, toolsBox } from '../map/labelRoom';
 import { FONT } from '../map/paintGround';
+import { LINE_PX, labelPlace, widthOf } from '../map/paintLabels';
 import type { Palette } from '../map/palette';
 import type { View } from '../map/view';
 import { errorEllipse } from './errorShape';
@@ -48,6 +50,8 @@ const STROKE_PX = 5;
 const LEAST_ELLIPSE_PX = 6;
 const STALE_ALPHA = 0.55;
 const SELECTED_PX = 15;
+/** So far from a sign's middle stands what it is. */
+const NAME_PX = 18;
 
 export function paintTracks(ctx: CanvasRenderingContext2D, view: View, palette: Palette, tracks: readonly SeenTrack[]): void {
   ctx.save();
@@ -57,17 +61,41 @@ export function paintTracks(ctx: CanvasRenderingContext2D, view: View, palette: 
   ctx.lineJoin = 'round';
   for (const track of tracks) paintTrail(ctx, view, palette, track);
   for (const track of tracks) paintEllipse(ctx, view, palette, track);
-  for (const track of tracks) {
-    const [x, y] = [view.x(track.east), view.y(track.north)];
-    paintSign(ctx, view, palette, track, x, y);
-    ctx.lineWidth = 3;
-    ctx.strokeStyle = palette.bg;
-    ctx.strokeText(track.text, x + HALF_PX + 7, y);
+  for (const track of tracks) paintSign(ctx, view, palette, track, view.x(track.east), view.y(track.north));
+  paintNames(ctx, view, palette, tracks, (track) => ({ x: view.x(track.east), y: view.y(track.north) }));
+  ctx.restore();
+}
+
+/** What each is, beside its sign where there is room; who is looked at or kept is always named. For the map and the view in space alike. */
+export function paintNames(
+  ctx: CanvasRenderingContext2D, size: { width: number; height: number }, palette: Palette, tracks: readonly SeenTrack[],
+  at: (track: SeenTrack) => { x: number; y: number },
+): void {
+  const room = new LabelRoom();
+  room.take(toolsBox(size));
+  ctx.save();
+  ctx.font = FONT;
+  ctx.textBaseline = 'middle';
+  ctx.textAlign = 'left';
+  // Who is looked at comes first: the others give way.
+  for (const track of [...tracks].sort((a, b) => rank(b) - rank(a))) {
+    const { x, y } = at(track);
+    // Not a number is no place either.
+    if (!(x >= 0 && y >= 0 && x <= size.width && y <= size.height)) continue;
+    const box = labelPlace(x, y, widthOf(ctx, track.text, FONT), NAME_PX, room, size, rank(track) > 0);
+    if (!box) continue;
+    room.take(box);
+    ctx.fillStyle = palette.bg;
+    ctx.globalAlpha = 0.8;
+    ctx.fillRect(box.x - 2, box.y, box.w + 4, LINE_PX);
+    ctx.globalAlpha = 1;
     ctx.fillStyle = palette.text;
-    ctx.fillText(track.text, x + HALF_PX + 7, y);
+    ctx.fillText(track.text, box.x, box.y + LINE_PX / 2);
   }
   ctx.restore();
 }
+
+const rank = ({ selected, pinned }: SeenTrack): number => (selected ? 2 : pinned ? 1 : 0);
 
 function paintTrail(ctx: CanvasRenderingContext2D, view: View, palette: Palette, { trail, atMs, north, east, stale }: SeenTrack): void {
   ctx.strokeStyle = palette.text;

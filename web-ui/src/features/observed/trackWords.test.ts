@@ -13,7 +13,7 @@ describe('a track in words', () => {
   });
 
   it('may be several things, the likeliest first', () => {
-    expect(classLines({ class: 'bird', classes: { drone: 0.2, bird: 0.7 } })).toEqual([{ word: 'bird', share: 0.7 }, { word: 'drone', share: 0.2 }]);
+    expect(classLines({ class: 'bird', classes: { drone: 0.2, bird: 0.7, boat: 0.004 } })).toEqual([{ word: 'bird', share: 0.7 }, { word: 'drone', share: 0.2 }]);
     expect(classLines({ class: 'drone', classes: {} })).toEqual([{ word: 'drone', share: null }]);
     expect(classLines({ class: '', classes: {} })).toEqual([]);
   });

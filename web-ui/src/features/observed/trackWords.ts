@@ -18,9 +18,12 @@ export function signText(track: Pick<TrackEstimate, 'name' | 'track' | 'class'>)
 
 export const percentText = (share: number): string => `${Math.round(share * 100)} %`;
 
+/** Less likely than this is not worth a word. */
+const LEAST_SHARE = 0.01;
+
 /** What it may be, the likeliest first. */
 export function classLines({ classes, class: likeliest }: Pick<TrackEstimate, 'classes' | 'class'>): { word: string; share: number | null }[] {
-  const all = Object.entries(classes).sort(([, a], [, b]) => b - a);
+  const all = Object.entries(classes).filter(([, share]) => share >= LEAST_SHARE).sort(([, a], [, b]) => b - a);
   if (all.length === 0 && likeliest !== '') return [{ word: spoken(likeliest), share: null }];
   return all.map(([word, share]) => ({ word: spoken(word), share }));
 }

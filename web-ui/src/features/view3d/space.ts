@@ -13,7 +13,8 @@ import type { FleetScene } from '../map/paintFleet';
 import { FONT, paintHatching } from '../map/paintGround';
 import { paintAuthority } from '../map/paintAuthority';
 import { paintLabels } from '../map/paintLabels';
-import { seenTracks } from '../observed/paintTracks';
+import { paintNames, seenTracks } from '../observed/paintTracks';
+import type { SeenTrack } from '../observed/paintTracks';
 import { levelColour, readPalette } from '../map/palette';
 import type { Palette } from '../map/palette';
 import { ruleText } from '../../language/units.svelte';
@@ -21,9 +22,6 @@ import type { Drawer } from './drawer';
 import { Orbit } from './orbit';
 import { SpaceModel } from './spaceModel';
 import { t } from '../../language/language.svelte';
-
-/** So far right of a track stands what it is. */
-const TRACK_NAME_PX = 14;
 
 export class Space {
   readonly orbit = new Orbit();
@@ -149,7 +147,7 @@ export class Space {
     eachPlaced(scene.fleet, (i) => this.#sign(ctx, scene, i));
     paintAuthority(ctx, this.orbit, this.#palette, scene.fleet, this.#held.get(), this.place);
     if (map.layers.labels) paintLabels(ctx, this.orbit, this.#palette, scene, this.place);
-    if (map.layers.tracks) this.#trackNames(ctx, now);
+    if (map.layers.tracks) paintNames(ctx, this.orbit, this.#palette, seenTracks(this.console.tracks, now), this.#placeOf);
     this.#furniture(ctx);
     this.frames++;
     return underWay;
@@ -197,32 +195,21 @@ export class Space {
   trackAt(x: number, y: number, reachPx: number): number | null {
     let best: number | null = null;
     let least = reachPx;
-    for (const { track, north, east, upM } of seenTracks(this.console.tracks, performance.now())) {
-      this.orbit.project(north, east, upM, this.#at);
-      const distance = Math.hypot(this.#at.x - x, this.#at.y - y);
+    for (const seen of seenTracks(this.console.tracks, performance.now())) {
+      const at = this.#placeOf(seen);
+      const distance = Math.hypot(at.x - x, at.y - y);
       if (!(distance <= least)) continue;
-      best = track;
+      best = seen.track;
       least = distance;
     }
     return best;
   }
 
-  #trackNames(ctx: CanvasRenderingContext2D, now: number): void {
-    ctx.font = FONT;
-    ctx.textAlign = 'left';
-    ctx.textBaseline = 'middle';
-    ctx.lineJoin = 'round';
-    ctx.lineWidth = 3;
-    for (const { north, east, upM, text } of seenTracks(this.console.tracks, now)) {
-      this.orbit.project(north, east, upM, this.#at);
-      const { x, y } = this.#at;
-      if (!(x > 0 && y > 0 && x < this.orbit.width && y < this.orbit.height)) continue;
-      ctx.strokeStyle = this.#palette.bg;
-      ctx.strokeText(text, x + TRACK_NAME_PX, y);
-      ctx.fillStyle = this.#palette.text;
-      ctx.fillText(text, x + TRACK_NAME_PX, y);
-    }
-  }
+  /** Where a track is in the picture; written anew for every question. */
+  #placeOf = ({ north, east, upM }: SeenTrack): { x: number; y: number } => {
+    this.orbit.project(north, east, upM, this.#at);
+    return this.#at;
+  };
 
   #zoneNames(ctx: CanvasRenderingContext2D): void {
     ctx.font = FONT;
