@@ -22,10 +22,9 @@ export class Tracks {
     if (list.tracks.length > 0) this.ever = true;
   }
 
-  /** On a new connection there are none until the node says so. */
+  /** On a new connection there are none until the node says so. Their trails are kept for when it does. */
   clear(): void {
     this.list = NOTHING;
-    this.trails.clear();
   }
 
   of(track: number): TrackEstimate | undefined {

@@ -39,10 +39,6 @@ export class TrackTrails {
   of(track: number): readonly TrailSpot[] {
     return this.#trails.get(track) ?? NONE;
   }
-
-  clear(): void {
-    this.#trails.clear();
-  }
 }
 
 /** How fresh a spot of a trail is: 1 now, 0 when it goes. */

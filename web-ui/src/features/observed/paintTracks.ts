@@ -97,18 +97,28 @@ export function paintNames(
 
 const rank = ({ selected, pinned }: SeenTrack): number => (selected ? 2 : pinned ? 1 : 0);
 
+/** A trail fades in so many steps: each is one stroke, and a stroke for each spot would be thousands. */
+const FADES = 6;
+
 function paintTrail(ctx: CanvasRenderingContext2D, view: View, palette: Palette, { trail, atMs, north, east, stale }: SeenTrack): void {
+  if (trail.length === 0) return;
+  const step = (spot: TrailSpot): number => Math.min(FADES - 1, Math.floor(freshness(spot, atMs) * FADES));
   ctx.strokeStyle = palette.text;
   ctx.lineWidth = 1.5;
+  let drawn = -1;
   trail.forEach((spot, k) => {
     const next = trail[k + 1] ?? { north, east };
-    // Never quite gone while it is kept: a line that ends nowhere would look like a track's beginning.
-    ctx.globalAlpha = (0.1 + 0.6 * freshness(spot, atMs)) * (stale ? STALE_ALPHA : 1);
-    ctx.beginPath();
-    ctx.moveTo(view.x(spot.east), view.y(spot.north));
+    if (step(spot) !== drawn) {
+      if (drawn >= 0) ctx.stroke();
+      drawn = step(spot);
+      // Never quite gone while it is kept: a line that ends nowhere would look like a track's beginning.
+      ctx.globalAlpha = (0.15 + (0.55 * drawn) / (FADES - 1)) * (stale ? STALE_ALPHA : 1);
+      ctx.beginPath();
+      ctx.moveTo(view.x(spot.east), view.y(spot.north));
+    }
     ctx.lineTo(view.x(next.east), view.y(next.north));
-    ctx.stroke();
   });
+  ctx.stroke();
   ctx.globalAlpha = 1;
 }
 

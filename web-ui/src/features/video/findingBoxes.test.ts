@@ -28,6 +28,11 @@ describe('a box', () => {
     expect(boxesIn(state(change), { width: 640, height: 480 })).toEqual([]);
   });
 
+  it('is left out where it is followed beyond the edge of the picture', () => {
+    const beyond = [finding({ center_x_px: -59 }), finding({ center_y_px: 620 }), finding({ center_x_px: 655 })];
+    expect(boxesIn(state({ findings: beyond }), { width: 640, height: 480 }).map(({ x }) => x)).toEqual([623]);
+  });
+
   it('says what has no class and no name by its score', () => {
     expect(findingText(finding({ class: '', id: '' }))).toBe('87 %');
   });

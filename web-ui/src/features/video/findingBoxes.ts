@@ -34,11 +34,15 @@ export function findingText({ class: word, score, id }: Finding): string {
   return [spoken(word), `${Math.round(score * 100)} %`, id].filter((part) => part !== '').join(' ');
 }
 
-/** The boxes of one detector in a room that shows the picture. */
+/** The boxes of one detector in a room that shows the picture; one that is followed beyond its edge is not in it. */
 export function boxesIn(state: DetectorState, room: Room): Box[] {
   if (!(state.width_px > 0 && state.height_px > 0 && room.width > 0 && room.height > 0)) return [];
   const { scale, x, y } = fitted({ width: state.width_px, height: state.height_px }, room);
-  return state.findings.map((finding) => ({
+  const isInside = (middle: number, size: number, whole: number): boolean => middle + size / 2 > 0 && middle - size / 2 < whole;
+  const inside = state.findings.filter(
+    ({ center_x_px, center_y_px, width_px, height_px }) => isInside(center_x_px, width_px, state.width_px) && isInside(center_y_px, height_px, state.height_px),
+  );
+  return inside.map((finding) => ({
     x: x + (finding.center_x_px - finding.width_px / 2) * scale,
     y: y + (finding.center_y_px - finding.height_px / 2) * scale,
     w: finding.width_px * scale,
