@@ -1,7 +1,8 @@
 import { afterEach, describe, expect, it } from 'vitest';
 import { units } from '../../language/units.svelte';
 import type { ObserverProposal } from '../../protocol/types';
-import { classLines, knownText, positionText, proposalText, signText, trackName, velocityText } from './trackWords';
+import { ApiError } from '../../protocol/rest';
+import { classLines, knownText, positionText, proposalText, signText, trackName, velocityText, whyText } from './trackWords';
 
 const velocity = (north_m_s: number, east_m_s: number, down_m_s: number) => ({ north_m_s, east_m_s, down_m_s });
 
@@ -30,6 +31,16 @@ describe('a track in words', () => {
     expect(knownText({ covariance_m2: [9, 0, 0, 4, 0, 25], guessed_range: false })).toBe('± 6.00 m, height ± 10.0 m');
     expect(knownText({ covariance_m2: [9, 0, 0, 4, 0, 25], guessed_range: true })).toContain('range only guessed');
     expect(knownText({ covariance_m2: null, guessed_range: false })).toBe('nobody says');
+  });
+});
+
+describe('why something was not done', () => {
+  it('is the reason that the node gives, or what was wrong with the call', () => {
+    const only = 'tracks that this swarm makes are only shown here';
+    expect(whyText(new ApiError(409, 'invalid_value', `invalid value: ${only}`, { reason: 'invalid_value', detail: only }))).toBe(only);
+    expect(whyText(new ApiError(404, 'unknown_track', 'x', { reason: 'unknown_track', track: 7 }))).toBe('there is no track 7');
+    expect(whyText(new ApiError(0, 'timeout', 'no answer from the server'))).toBe('no answer from the server');
+    expect(whyText(new TypeError('odd'))).toBe('odd');
   });
 });
 

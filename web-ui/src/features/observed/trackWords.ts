@@ -2,8 +2,9 @@
 
 import { t } from '../../language/language.svelte';
 import { figureText, lengthText, placeText } from '../../language/units.svelte';
-import { spoken } from '../../protocol/words';
-import type { ObserverProposal, TrackEstimate } from '../../protocol/types';
+import { ApiError } from '../../protocol/rest';
+import { refusalText, spoken } from '../../protocol/words';
+import type { ObserverProposal, Refusal, TrackEstimate } from '../../protocol/types';
 import { errorEllipse, heightErrorM } from './errorShape';
 
 /** What it is called, or its number. */
@@ -57,6 +58,15 @@ export function knownText({ covariance_m2, guessed_range }: Pick<TrackEstimate, 
   if (!ellipse || heightM === null) return t('nobody says');
   const text = t('± {ground}, height ± {height}', { ground: lengthText(ellipse.longM), height: figureText('height', heightM) });
   return guessed_range ? `${text}; ${t('range only guessed from its size')}` : text;
+}
+
+/** Why something was not done. Of a value that is not allowed the reason alone: no value was typed. */
+export function whyText(error: unknown): string {
+  if (!(error instanceof ApiError)) return error instanceof Error ? error.message : String(error);
+  const { detail } = error;
+  if (typeof detail !== 'object' || detail === null || !('reason' in detail)) return error.message;
+  const refusal = detail as Refusal;
+  return refusal.reason === 'invalid_value' ? refusal.detail : refusalText(refusal);
 }
 
 /** Why a vehicle is proposed where it is in the row: `120 m away, 85 % charge, flies, camera on a gimbal`. */
