@@ -12,9 +12,12 @@ use skein_view::PeerEntry;
 const VEHICLE_UNCERTAINTY_M: f64 = 0.3;
 /// The same for what is seen in a picture.
 const TRACK_UNCERTAINTY_M: f64 = 2.0;
-/// A track of the swarm's own making whose place is known worse than this, as a standard deviation in metres, is nowhere in particular: to keep away
-/// from wherever it may be would stop everybody.
+/// A track of the swarm's own making whose place is known worse than this, as a standard deviation in metres, is nowhere in particular.
 const TRACK_KNOWN_WITHIN_M: f64 = 10.0;
+/// It is kept away from if its place is known as well as this, and has been there for so long, in seconds: to keep away from wherever it may be, and from all
+/// that a detector takes for something for a moment, would drive everybody about.
+const TRACK_KEPT_AWAY_WITHIN_M: f64 = 3.0;
+const TRACK_KEPT_AWAY_FROM_S: f64 = 2.0;
 /// So hard an autopilot brakes that has lost its setpoints, at most, in metres per second squared.
 const HARDEST_BRAKING_M_S2: f64 = 7.0;
 /// When one that has just fallen silent may have begun to brake: not yet, on the way, or at once, as a share of the time since.
@@ -50,17 +53,30 @@ pub fn track(track: &Track) -> Neighbour {
     }
 }
 
-/// The same with what is known of how well it is known; nothing for what the swarm made itself and does not know well enough.
+/// Whether a track is known well enough to be flown by: whatever was told is.
+#[must_use]
+pub fn is_known(estimate: &TrackEstimate) -> bool {
+    match estimate.source {
+        TrackSource::Told => true,
+        TrackSource::Fused => is_known_within(estimate, TRACK_KNOWN_WITHIN_M),
+    }
+}
+
+fn is_known_within(estimate: &TrackEstimate, within_m: f64) -> bool {
+    let error_m = estimate.largest_error_m();
+    !estimate.guessed_range && error_m.is_some_and(|error_m| error_m <= within_m)
+}
+
+/// The same with what is known of how well it is known; nothing for what the swarm made itself and does not know well enough to keep away from.
 #[must_use]
 pub fn estimated(estimate: &TrackEstimate) -> Option<Neighbour> {
     let told = track(&estimate.track);
     match estimate.source {
         TrackSource::Told => Some(told),
         TrackSource::Fused => {
-            let error_m = estimate.largest_error_m()?;
-            let known = !estimate.guessed_range && error_m <= TRACK_KNOWN_WITHIN_M;
+            let known = is_known_within(estimate, TRACK_KEPT_AWAY_WITHIN_M) && estimate.age_s >= TRACK_KEPT_AWAY_FROM_S;
             known.then(|| Neighbour {
-                uncertainty_m: TRACK_UNCERTAINTY_M.max(2.0 * error_m),
+                uncertainty_m: TRACK_UNCERTAINTY_M.max(2.0 * estimate.largest_error_m().unwrap_or_default()),
                 ..told
             })
         }

@@ -83,6 +83,8 @@ pub enum Scenario {
     Fence,
     /// The coordinator is taken away: the formation keeps its shape by its neighbours' states alone.
     NoCoordinator,
+    /// An intruder is seen by cameras, tracked and observed from two sides; one who looks is relieved.
+    Observe,
     /// Observation UAVs keep their cameras on the leader; their video is received all the while.
     ObserveVideo,
 }

@@ -72,7 +72,7 @@ fn rule(system_id: u8, arguments: &DemoArguments) -> AdoptionRule {
 
 /// The demonstration's quadrotors climb and descend quicker than a model assumes of a vehicle it knows nothing of: a detour over another
 /// vehicle takes as long as the slower of both. The simulated ones are built for it.
-fn quick(model: &str) -> serde_json::Value {
+pub fn quick(model: &str) -> serde_json::Value {
     let flight =
         serde_json::json!({ "climb_m_s": VERTICAL_M_S, "descent_m_s": VERTICAL_M_S, "acceleration_m_s2": 3.0 });
     match model {

@@ -7,6 +7,7 @@ mod join_leave;
 mod leader_loss;
 mod mixed;
 mod no_coordinator;
+mod observe;
 mod observe_video;
 mod tour;
 
@@ -65,6 +66,8 @@ pub enum Chosen {
     Fence(fence::Fence),
     /// Without a coordinator.
     NoCoordinator(no_coordinator::NoCoordinator),
+    /// What cameras see.
+    Observe(observe::Observe),
     /// Video of the cameras.
     ObserveVideo(observe_video::ObserveVideo),
 }
@@ -79,6 +82,7 @@ impl Chosen {
             Scenario::Formations => Self::Formations(formations::Formations::default()),
             Scenario::JoinLeave => Self::JoinLeave(join_leave::JoinLeave::default()),
             Scenario::Mixed => Self::Mixed(mixed::Mixed::default()),
+            Scenario::Observe => Self::Observe(observe::Observe::default()),
             Scenario::ObserveVideo => Self::ObserveVideo(observe_video::ObserveVideo::new(layout)),
             Scenario::Fence => Self::Fence(fence::Fence::default()),
         }
@@ -95,6 +99,7 @@ impl Flight for Chosen {
             Self::Mixed(flight) => flight.prepare(setup),
             Self::Fence(flight) => flight.prepare(setup),
             Self::NoCoordinator(flight) => flight.prepare(setup),
+            Self::Observe(flight) => flight.prepare(setup),
             Self::ObserveVideo(flight) => flight.prepare(setup),
         }
     }
@@ -108,6 +113,7 @@ impl Flight for Chosen {
             Self::Mixed(flight) => flight.fly(runner).await,
             Self::Fence(flight) => flight.fly(runner).await,
             Self::NoCoordinator(flight) => flight.fly(runner).await,
+            Self::Observe(flight) => flight.fly(runner).await,
             Self::ObserveVideo(flight) => flight.fly(runner).await,
         }
     }
@@ -121,6 +127,7 @@ impl Flight for Chosen {
             Self::Mixed(flight) => flight.criteria(referee),
             Self::Fence(flight) => flight.criteria(referee),
             Self::NoCoordinator(flight) => flight.criteria(referee),
+            Self::Observe(flight) => flight.criteria(referee),
             Self::ObserveVideo(flight) => flight.criteria(referee),
         }
     }

@@ -154,7 +154,7 @@ impl Observed {
     fn join(&self) {
         let _alone = self.joining.lock();
         let fused = self.fused.load();
-        let may_steer = |estimate: &&TrackEstimate| self.steer_by_fused && neighbours::estimated(estimate).is_some();
+        let may_steer = |estimate: &&TrackEstimate| self.steer_by_fused && neighbours::is_known(estimate);
         let fused = fused.iter().filter(may_steer).map(|estimate| estimate.track);
         let all = self.told.load().iter().copied().chain(fused).collect();
         self.all.store(Arc::new(all));

@@ -11,6 +11,7 @@
 
 mod birth;
 mod estimate;
+mod evidence;
 mod guessing;
 mod joining;
 mod observation;
@@ -21,6 +22,7 @@ pub use observation::{Observation, OwnVehicle, RangeGuess, Sensor, Sighting, Uns
 
 use crate::ClassScores;
 use estimate::Estimate;
+use evidence::Evidence;
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use skein_domain::NodeTime;
 use tracklet::{Belongs, Tracklet};
@@ -104,6 +106,8 @@ struct Track {
     seen: NodeTime,
     /// Who saw it when another tracker made it: where its range is only guessed, it goes on with what these see.
     taken_over_from: Vec<Sensor>,
+    /// What speaks for it.
+    evidence: Evidence,
     /// Of sightings without a name: one of a scan at most, and so many until it is believed.
     last_scan: Option<(Sensor, NodeTime)>,
     sightings: u32,
@@ -126,6 +130,8 @@ const FARTHEST: [f64; 4] = [0.0, 10.8, 13.8, 16.3];
 const CLEARLY: f64 = 6.0;
 /// Sightings without a name that make a track believed.
 const BELIEVED_AFTER: u32 = 3;
+/// One that is not believed yet ends after this without a sighting, in seconds: a radar may turn slowly.
+const KEEP_UNBELIEVED_S: f64 = 2.5;
 /// After so many its class follows slowly.
 const SETTLED_AFTER: u32 = 40;
 /// Nothing is older that another tracker made, in seconds: a day.
@@ -169,9 +175,12 @@ impl SwarmTracker {
         self.merge();
     }
 
-    /// What is followed, as of `now`.
+    /// What is followed and is likely to be there, as of `now`. What an operator named or pinned is there.
     pub fn tracks(&self, now: NodeTime) -> impl Iterator<Item = SwarmTrack> {
-        let told = self.tracks.iter().filter(|track| track.sightings >= BELIEVED_AFTER);
+        let told = self.tracks.iter().filter(move |track| {
+            let wanted = track.pinned || !track.name.is_empty();
+            track.sightings >= BELIEVED_AFTER && (wanted || track.evidence.is_told(now))
+        });
         told.map(move |track| {
             let estimate = track.estimate.at(now, self.settings.acceleration_m2_s3);
             SwarmTrack {
@@ -215,6 +224,7 @@ impl SwarmTracker {
                 began: track.time.plus_seconds(-track.age_s.clamp(0.0, LONGEST_AGE_S)),
                 seen: track.seen,
                 taken_over_from: track.sensors,
+                evidence: Evidence::enough(track.time),
                 last_scan: None,
                 sightings: SETTLED_AFTER,
             });
@@ -276,12 +286,12 @@ impl SwarmTracker {
             }
         };
         let tracklet = &mut self.tracklets[index];
-        if !tracklet.remember(&sighting) {
+        let Some(counts) = tracklet.remember(&sighting) else {
             return;
-        }
+        };
         let Belongs::Track(id) = tracklet.belongs else { return };
         let fits = match self.tracks.iter_mut().find(|track| track.id == id) {
-            Some(track) => track.take(&sighting, self.settings.acceleration_m2_s3),
+            Some(track) => track.take(&sighting, counts, self.settings.acceleration_m2_s3),
             None => false,
         };
         self.tracklets[index].note(fits);
@@ -306,18 +316,19 @@ impl SwarmTracker {
             (Some((_, index)), _) if clear => {
                 let track = &mut self.tracks[*index];
                 track.last_scan = Some(scan);
-                track.take(sighting, density);
+                track.take(sighting, true, density);
             }
             (None, Observation::Position { position, covariance }) => {
                 let estimate = Estimate::of_position(sighting.time, position, covariance);
-                self.begin(estimate, sighting.scores.clone(), 1);
+                let worth = evidence::worth(&sighting.observation, &sighting.scores);
+                self.begin(estimate, sighting.scores.clone(), 1, worth);
             }
             _ => {}
         }
     }
 
-    /// A new track, if there is room: its number.
-    fn begin(&mut self, estimate: Estimate, scores: ClassScores, sightings: u32) -> Option<u64> {
+    /// A new track, if there is room: its number. So many sightings, which are worth so much, speak for it.
+    fn begin(&mut self, estimate: Estimate, scores: ClassScores, sightings: u32, worth: f64) -> Option<u64> {
         if self.tracks.len() >= self.settings.most_tracks || !estimate.is_sound() {
             return None;
         }
@@ -328,6 +339,7 @@ impl SwarmTracker {
             pinned: false,
             guessed_range: false,
             scores,
+            evidence: Evidence::new(estimate.time, worth),
             began: estimate.time,
             seen: estimate.time,
             estimate,
@@ -346,7 +358,7 @@ impl SwarmTracker {
             let unseen_s = now.seconds_since(track.seen);
             let most_s = match (track.pinned, track.sightings < BELIEVED_AFTER) {
                 (true, _) => settings.keep_pinned_s,
-                (false, true) => 1.0,
+                (false, true) => KEEP_UNBELIEVED_S,
                 (false, false) => settings.keep_s,
             };
             unseen_s < most_s && track.estimate.is_sound()
@@ -370,13 +382,16 @@ fn stacked(position: &Vector3<f64>, velocity: &Vector3<f64>) -> Vector6<f64> {
 }
 
 impl Track {
-    /// Takes a sighting in. False if it does not fit.
-    fn take(&mut self, sighting: &Sighting, density: f64) -> bool {
+    /// Takes a sighting in, which counts as evidence or not. False if it does not fit.
+    fn take(&mut self, sighting: &Sighting, counts: bool, density: f64) -> bool {
         let fit = self.estimate.fit(sighting.time, &sighting.observation, density);
         let fits = fit.is_some_and(|fit| fit.squared < FARTHEST[fit.dimensions])
             && self.estimate.correct(sighting.time, &sighting.observation, density);
         if fits {
             self.seen = self.seen.max(sighting.time);
+            if counts {
+                self.evidence.add(sighting);
+            }
             self.sightings = self.sightings.saturating_add(1);
             self.scores
                 .blend(&sighting.scores, CLASS_SHARE.max(1.0 / f64::from(self.sightings)));

@@ -67,6 +67,11 @@ impl Default for PictureSettings {
     }
 }
 
+/// Two tracks whose boxes share so much of their area are of one thing.
+const SAME_OVERLAP: f64 = 0.7;
+/// If they do so in as many pictures, one after the other.
+const SAME_FOR: u32 = 8;
+
 /// Something that is followed in the picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PictureTrack {
@@ -98,6 +103,8 @@ struct Track {
     /// Its last box.
     last: Bounds,
     boxes: u32,
+    /// Pictures, one after the other, in which its box was nearly that of an older track.
+    doubled: u32,
 }
 
 /// Follows what a detector finds in the pictures of one camera.
@@ -226,10 +233,25 @@ impl PictureTracker {
             found: time,
             last: one.bounds,
             boxes: 1,
+            doubled: 0,
         });
     }
 
+    /// Of two tracks of one thing the older stays. Two things that cross are one for a moment only.
+    fn end_doubles(&mut self) {
+        let boxes: Vec<Bounds> = self.tracks.iter().map(|track| track.filter.bounds()).collect();
+        // They are in the order in which they began.
+        for (index, track) in self.tracks.iter_mut().enumerate() {
+            let double = boxes[..index]
+                .iter()
+                .any(|older| older.overlap(&boxes[index]) > SAME_OVERLAP);
+            track.doubled = if double { track.doubled + 1 } else { 0 };
+        }
+        self.tracks.retain(|track| track.doubled < SAME_FOR);
+    }
+
     fn end(&mut self, now: NodeTime) {
+        self.end_doubles();
         let settings = self.settings;
         self.tracks.retain(|track| {
             let told = track.boxes >= settings.confirm_after;

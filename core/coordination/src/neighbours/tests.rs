@@ -128,12 +128,20 @@ fn a_track_of_our_own_making_is_kept_away_from_as_far_as_it_is_known() {
     let fused = |error_m: f64| TrackEstimate {
         source: TrackSource::Fused,
         covariance_m2: Some([error_m * error_m, 0.0, 0.0, 0.01, 0.0, 0.01]),
+        age_s: 2.5,
         ..told.clone()
     };
     let uncertainty_m = |estimate: &TrackEstimate| estimated(estimate).map(|neighbour| neighbour.uncertainty_m);
     assert_eq!(uncertainty_m(&fused(0.5)), Some(2.0));
-    assert!((uncertainty_m(&fused(4.0)).expect("is known") - 8.0).abs() < 1e-9);
-    assert_eq!(uncertainty_m(&fused(10.5)), None);
+    assert!((uncertainty_m(&fused(2.5)).expect("is known") - 5.0).abs() < 1e-9);
+    assert_eq!(uncertainty_m(&fused(3.5)), None);
+    assert!(is_known(&fused(9.5)) && !is_known(&fused(10.5)) && is_known(&told));
+    let new = TrackEstimate {
+        age_s: 1.0,
+        ..fused(0.5)
+    };
+    assert_eq!(uncertainty_m(&new), None, "it may be nothing");
+    assert!(is_known(&new));
     let guessed = TrackEstimate {
         guessed_range: true,
         ..fused(0.5)

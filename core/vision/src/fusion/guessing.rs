@@ -40,8 +40,8 @@ impl SwarmTracker {
             let covariance = ellipsoid(direction, guess.error_m(), wide_m);
             let position = origin + direction * guess.range_m;
             let estimate = Estimate::of_position(*time, &position, &covariance);
-            let scores = tracklet.scores.clone();
-            if let Some(id) = self.begin(estimate, scores, BELIEVED_AFTER) {
+            let (scores, worth) = (tracklet.scores.clone(), tracklet.worth());
+            if let Some(id) = self.begin(estimate, scores, BELIEVED_AFTER, worth) {
                 self.change(id, |track| track.guessed_range = true);
                 self.tracklets[index].belongs = Belongs::Track(id);
             }

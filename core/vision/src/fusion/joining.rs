@@ -174,13 +174,14 @@ impl SwarmTracker {
         let id = match guessed {
             [Some(id), Some(other)] => {
                 let (kept, gone) = self.older(id, other);
-                self.tracks.retain(|track| track.id != gone);
+                self.swallow(kept, gone);
                 Some(kept)
             }
             [Some(id), None] | [None, Some(id)] => Some(id),
             [None, None] => {
                 let scores = self.tracklets[first].scores.clone();
-                self.begin(estimate.clone(), scores, BELIEVED_AFTER)
+                let worth = [first, second].map(|index| self.tracklets[index].worth());
+                self.begin(estimate.clone(), scores, BELIEVED_AFTER, worth.iter().sum())
             }
         };
         let Some(id) = id else { return false };
@@ -194,6 +195,19 @@ impl SwarmTracker {
             self.tracklets[index].belongs = Belongs::Track(id);
         }
         true
+    }
+
+    /// One of two tracks that are one ends; what spoke for it speaks for the other.
+    fn swallow(&mut self, kept: u64, gone: u64) {
+        let of_gone = self
+            .tracks
+            .iter()
+            .find(|track| track.id == gone)
+            .map(|track| track.evidence);
+        self.tracks.retain(|track| track.id != gone);
+        if let (Some(kept), Some(of_gone)) = (self.tracks.iter_mut().find(|track| track.id == kept), of_gone) {
+            kept.evidence.join(&of_gone);
+        }
     }
 
     /// Which of two tracks is kept when they are one: the pinned, the named, the older.
@@ -218,8 +232,8 @@ impl SwarmTracker {
                 for (time, seen) in tracklet.sightings.iter().rev().skip(1) {
                     estimate.correct(*time, seen, self.settings.acceleration_m2_s3);
                 }
-                let scores = tracklet.scores.clone();
-                if let Some(id) = self.begin(estimate, scores, BELIEVED_AFTER) {
+                let (scores, worth) = (tracklet.scores.clone(), tracklet.worth());
+                if let Some(id) = self.begin(estimate, scores, BELIEVED_AFTER, worth) {
                     self.tracklets[index].belongs = Belongs::Track(id);
                 }
             }
@@ -230,7 +244,7 @@ impl SwarmTracker {
     pub(super) fn merge(&mut self) {
         while let Some((first, second)) = self.same() {
             let (kept, gone) = self.older(first, second);
-            self.tracks.retain(|track| track.id != gone);
+            self.swallow(kept, gone);
             for tracklet in &mut self.tracklets {
                 if tracklet.belongs == Belongs::Track(gone) {
                     tracklet.belongs = Belongs::Track(kept);

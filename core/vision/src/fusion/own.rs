@@ -9,9 +9,12 @@ use nalgebra::Matrix3;
 const OWN_SHARE: f64 = 0.7;
 /// And how far off they may be, in standard deviations.
 const OWN_DEVIATIONS: f64 = 3.5;
-/// A vehicle so near to a sensor that its direction is not known better than this, in radians, explains no bearing: it would explain all of them, as the
-/// one does that carries the sensor.
-const WIDEST_RAD: f64 = 0.3;
+/// And how far at most, in radians: one that is near could be anywhere else.
+const WIDEST_RAD: f64 = 0.5;
+/// What a track took is a vehicle of ours if it is within this share of the vehicle's error.
+const SURELY: f64 = 0.4;
+/// A vehicle so near to a sensor carries it, in metres: it explains nothing, or it would explain everything.
+const CARRIES_M: f64 = 2.5;
 
 impl SwarmTracker {
     /// What vehicles of the swarm explain belongs to them, for as long as they do.
@@ -19,14 +22,21 @@ impl SwarmTracker {
         for tracklet in &mut self.tracklets {
             match tracklet.belongs {
                 Belongs::Nothing if tracklet.sightings.len() >= ENOUGH => {
-                    if let Some(vehicle) = own.iter().find(|vehicle| explains(vehicle, tracklet)) {
+                    if let Some(vehicle) = own.iter().find(|vehicle| explains(vehicle, tracklet, vehicle.error_m)) {
+                        tracklet.belongs = Belongs::Own(vehicle.id);
+                    }
+                }
+                // A track that a sensor's sightings of a vehicle of ours went to by mistake gives them back.
+                Belongs::Track(_) if tracklet.sightings.len() >= ENOUGH => {
+                    let nearly = |vehicle: &&OwnVehicle| explains(vehicle, tracklet, SURELY * vehicle.error_m);
+                    if let Some(vehicle) = own.iter().find(nearly) {
                         tracklet.belongs = Belongs::Own(vehicle.id);
                     }
                 }
                 Belongs::Own(id)
                     if !own
                         .iter()
-                        .any(|vehicle| vehicle.id == id && explains(vehicle, tracklet)) =>
+                        .any(|vehicle| vehicle.id == id && explains(vehicle, tracklet, vehicle.error_m)) =>
                 {
                     tracklet.belongs = Belongs::Nothing;
                 }
@@ -36,8 +46,8 @@ impl SwarmTracker {
     }
 }
 
-/// Whether a vehicle of the swarm is what most of the sightings saw.
-fn explains(vehicle: &OwnVehicle, tracklet: &Tracklet) -> bool {
+/// Whether a vehicle of the swarm, which may be so far from where its telemetry says it is, is what most of the sightings saw.
+fn explains(vehicle: &OwnVehicle, tracklet: &Tracklet, error_m: f64) -> bool {
     let fits = tracklet.sightings.iter().filter(|(time, seen)| {
         let place = vehicle.position + vehicle.velocity * time.seconds_since(vehicle.time);
         let off = match seen {
@@ -48,15 +58,16 @@ fn explains(vehicle: &OwnVehicle, tracklet: &Tracklet) -> bool {
                 error_rad,
             } => {
                 let way = place - origin;
-                let wide_rad = origin_error_m.hypot(vehicle.error_m) / way.norm().max(0.1);
-                if wide_rad < WIDEST_RAD {
-                    way.angle(direction) / error_rad.hypot(wide_rad)
+                let wide_rad = origin_error_m.hypot(error_m) / way.norm().max(0.1);
+                let off_rad = way.angle(direction);
+                if way.norm() > CARRIES_M && off_rad < WIDEST_RAD {
+                    off_rad / error_rad.hypot(wide_rad)
                 } else {
                     f64::INFINITY
                 }
             }
             Observation::Position { position, covariance } => {
-                let whole = covariance + Matrix3::from_diagonal_element(vehicle.error_m.powi(2));
+                let whole = covariance + Matrix3::from_diagonal_element(error_m.powi(2));
                 let off = position - place;
                 whole
                     .cholesky()

@@ -1,6 +1,7 @@
 //! Tests of the swarm's tracks: several cameras and targets that cross, against the truth; hand-over, own vehicles, operators, and whatever may
 //! come in.
 
+mod believing;
 mod world;
 
 use super::*;

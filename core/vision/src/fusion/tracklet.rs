@@ -1,6 +1,6 @@
 //! What one sensor follows under one name, and what that belongs to.
 
-use super::{Observation, RangeGuess, Sensor, Sighting};
+use super::{Observation, RangeGuess, Sensor, Sighting, evidence};
 use crate::ClassScores;
 use skein_domain::{NodeTime, VehicleId};
 use std::collections::VecDeque;
@@ -52,10 +52,10 @@ impl Tracklet {
         }
     }
 
-    /// Remembers a sighting. False for one that is not newer than the last.
-    pub(super) fn remember(&mut self, sighting: &Sighting) -> bool {
+    /// Takes a sighting, and says whether it is so much later than the last one that it is remembered. `None` for one that is not newer than the last.
+    pub(super) fn remember(&mut self, sighting: &Sighting) -> Option<bool> {
         if !self.sightings.is_empty() && sighting.time <= self.seen {
-            return false;
+            return None;
         }
         if self.sightings.is_empty() {
             self.began = sighting.time;
@@ -74,7 +74,16 @@ impl Tracklet {
             }
             self.sightings.push_back((sighting.time, sighting.observation.clone()));
         }
-        true
+        Some(due)
+    }
+
+    /// What all that is remembered of it says together.
+    pub(super) fn worth(&self) -> f64 {
+        let each = self
+            .sightings
+            .iter()
+            .map(|(_, seen)| evidence::worth(seen, &self.scores));
+        each.sum()
     }
 
     pub(super) fn seen(&self) -> NodeTime {

@@ -74,6 +74,25 @@ fn two_that_cross_keep_their_names() {
 }
 
 #[test]
+fn two_tracks_of_one_thing_become_the_older_one() {
+    let mut tracker = PictureTracker::new(PictureSettings::default());
+    for index in 0..60 {
+        // Two boxes that come to lie over each other, as of a detector that finds one thing twice.
+        let apart_px = (20.0 - f64::from(index)).max(1.0);
+        let found = vec![at(100.0, 50.0, "drone", 0.9), at(100.0 + apart_px, 50.0, "drone", 0.8)];
+        tracker.take(picture(index), (0.0, 0.0), found);
+        let names: Vec<u64> = told(&tracker).iter().map(|track| track.id).collect();
+        match index {
+            0..2 => assert!(names.is_empty()),
+            2..18 => assert_eq!(names, [1, 2]),
+            // What is found twice begins a track again and again, which ends before long.
+            40.. => assert!(names.contains(&1) && names.len() <= 2, "{names:?}"),
+            _ => {}
+        }
+    }
+}
+
+#[test]
 fn a_gap_is_coasted_through_and_a_long_one_ends_it() {
     let mut tracker = PictureTracker::new(PictureSettings::default());
     for index in 0..15 {

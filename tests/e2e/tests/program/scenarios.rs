@@ -67,6 +67,20 @@ async fn video_is_received_while_the_cameras_follow_the_leader() {
 
 #[tokio::test]
 #[ignore = "long: part of `cargo xtask test e2e`"]
+async fn an_intruder_is_observed_from_two_sides_and_who_falls_silent_is_relieved() {
+    let criteria = fly("observe", 4).await;
+    judged_by(
+        &criteria,
+        &[
+            "intruder's track off the intruder, root mean square",
+            "silent observer until another one looks",
+            "tracks of what is not there",
+        ],
+    );
+}
+
+#[tokio::test]
+#[ignore = "long: part of `cargo xtask test e2e`"]
 async fn every_shape_and_anchor_is_flown() {
     let criteria = fly("formations", 6).await;
     judged_by(
