@@ -131,6 +131,11 @@ fn describe_tracks() {
         "skein_detector_pictures_dropped",
         "Pictures that a detector did not look at, as it says itself."
     );
+    describe_gauge!(
+        "skein_camera_to_track_p50_seconds",
+        "Median of the time from the taking of a picture until the tracks know what is in it, where this node makes them."
+    );
+    describe_gauge!("skein_camera_to_track_p95_seconds", "95th percentile of the same.");
     metrics::describe_counter!(
         "skein_sightings_total",
         "What sensors saw: cameras of this node's vehicles, others as told over the API, those of other nodes."
@@ -154,6 +159,10 @@ fn tracks(snapshot: &FleetSnapshot, seen: &SeenCounts) {
         counter!("skein_sightings_total", "sensor" => sensor).absolute(count);
     }
     counter!("skein_sightings_dropped_total").absolute(seen.dropped);
+    if let Some((p50_us, p95_us)) = seen.camera_to_track_us {
+        gauge!("skein_camera_to_track_p50_seconds").set(p50_us as f64 * 1e-6);
+        gauge!("skein_camera_to_track_p95_seconds").set(p95_us as f64 * 1e-6);
+    }
 }
 
 /// The gauges of a snapshot, in the recorder of the moment.

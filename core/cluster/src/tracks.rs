@@ -35,6 +35,9 @@ struct SightingTold {
     /// Range and factor.
     #[serde(rename = "g")]
     guess: Option<(f32, f32)>,
+    /// How large it looks, in radians.
+    #[serde(rename = "w", default)]
+    size_rad: Option<f32>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -95,6 +98,7 @@ impl SightingsTold {
             guess: sighting
                 .guess
                 .map(|guess| (guess.range_m as f32, guess.range_factor as f32)),
+            size_rad: sighting.size_rad.map(|size_rad| size_rad as f32),
         });
         Self {
             told: now,
@@ -134,6 +138,7 @@ impl SightingsTold {
                     range_m: f64::from(range_m),
                     range_factor: f64::from(range_factor),
                 }),
+                size_rad: sighting.size_rad.map(f64::from),
             })
         };
         sightings.into_iter().filter_map(one).collect()
@@ -193,6 +198,7 @@ mod tests {
                 range_m: 80.0,
                 range_factor: 2.0,
             }),
+            size_rad: Some(0.02),
         }
     }
 

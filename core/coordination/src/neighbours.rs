@@ -18,6 +18,8 @@ const TRACK_KNOWN_WITHIN_M: f64 = 10.0;
 /// that a detector takes for something for a moment, would drive everybody about.
 const TRACK_KEPT_AWAY_WITHIN_M: f64 = 3.0;
 const TRACK_KEPT_AWAY_FROM_S: f64 = 2.0;
+/// And if it is as sure as this that there is something.
+const TRACK_KEPT_AWAY_CONFIDENCE: f64 = 0.7;
 /// So hard an autopilot brakes that has lost its setpoints, at most, in metres per second squared.
 const HARDEST_BRAKING_M_S2: f64 = 7.0;
 /// When one that has just fallen silent may have begun to brake: not yet, on the way, or at once, as a share of the time since.
@@ -74,7 +76,9 @@ pub fn estimated(estimate: &TrackEstimate) -> Option<Neighbour> {
     match estimate.source {
         TrackSource::Told => Some(told),
         TrackSource::Fused => {
-            let known = is_known_within(estimate, TRACK_KEPT_AWAY_WITHIN_M) && estimate.age_s >= TRACK_KEPT_AWAY_FROM_S;
+            let known = is_known_within(estimate, TRACK_KEPT_AWAY_WITHIN_M)
+                && estimate.age_s >= TRACK_KEPT_AWAY_FROM_S
+                && estimate.confidence >= TRACK_KEPT_AWAY_CONFIDENCE;
             known.then(|| Neighbour {
                 uncertainty_m: TRACK_UNCERTAINTY_M.max(2.0 * estimate.largest_error_m().unwrap_or_default()),
                 ..told

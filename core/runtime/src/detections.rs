@@ -108,6 +108,7 @@ fn sighting(source: &str, detection: Detection, now: NodeTime) -> Result<Sightin
             .map(|class| ClassScores::one(&class, score))
             .unwrap_or_default(),
         guess: None,
+        size_rad: None,
     };
     sighting.check().map_err(|unsound| unsound.to_string())?;
     Ok(sighting)

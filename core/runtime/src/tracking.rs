@@ -21,13 +21,16 @@ use skein_failover::LeaderState;
 use skein_state::{SharedState, TrackingMessage};
 use skein_view::PeerSnapshot;
 use skein_vision::{OwnVehicle, Sighting, SwarmSettings, SwarmTracker};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 use telling::Telling;
 use tokio::time::Instant;
 
-/// Time between two steps.
-const STEP: Duration = Duration::from_millis(50);
+/// Time between two looks at what was seen.
+const LOOK: Duration = Duration::from_millis(20);
+/// Time between two steps, in seconds, while nothing is seen.
+const STEP_S: f64 = 0.05;
 /// Of each kind of sightings a step takes no more than this: the newest.
 const MOST_PER_STEP: usize = 512;
 /// Time between two pictures of the tracks, in seconds: plugins and other nodes are told no more often.
@@ -47,6 +50,7 @@ pub struct TrackingState {
     tracker: Option<SwarmTracker>,
     telling: Telling,
     carrying: Carrying,
+    stepped: NodeTime,
     shown: NodeTime,
 }
 
@@ -68,6 +72,7 @@ impl Actor for Tracking {
             tracker: None,
             telling: Telling::default(),
             carrying: Carrying::default(),
+            stepped: NodeTime::default(),
             shown: NodeTime::default(),
         })
     }
@@ -83,7 +88,7 @@ impl Actor for Tracking {
                 let began = Instant::now();
                 state.step().await;
                 // After one that took long it rests as long: no more than half of a processor goes into it, whatever comes.
-                myself.send_after(STEP.max(began.elapsed()), || TrackingMessage::Step);
+                myself.send_after(LOOK.max(began.elapsed()), || TrackingMessage::Step);
             }
             // Who has gone does not wait for the answer.
             TrackingMessage::Order(order, reply) => drop(reply.send(state.order(order))),
@@ -98,12 +103,17 @@ impl TrackingState {
         let seen = &self.shared.observed.seen;
         let mut sightings = self.detectors.look(&self.shared, now);
         seen.count_by_cameras(sightings.len());
+        let pictures: BTreeSet<NodeTime> = sightings.iter().map(|sighting| sighting.time).collect();
         sightings.extend(seen.take_told(MOST_PER_STEP));
         if !self.makes_tracks() {
             self.follow(sightings, now);
             return;
         }
         sightings.extend(seen.take_heard(MOST_PER_STEP));
+        if sightings.is_empty() && now.seconds_since(self.stepped) < STEP_S {
+            return;
+        }
+        self.stepped = now;
         let own = own_vehicles(&self.shared.peers());
         let mut tracker = self.take_tracker();
         // Beside the actors: what is seen is worked on for as long as it takes, and nobody waits for it.
@@ -112,7 +122,13 @@ impl TrackingState {
             tracker
         });
         match worked.await {
-            Ok(tracker) => self.tracker = Some(tracker),
+            Ok(tracker) => {
+                self.tracker = Some(tracker);
+                let known = self.shared.now();
+                for taken in pictures {
+                    self.shared.observed.seen.count_in_tracks(known.seconds_since(taken));
+                }
+            }
             // The next step goes on from what was shown last.
             Err(error) => tracing::error!("tracks were lost and are taken up again as last shown: {error}"),
         }

@@ -80,6 +80,8 @@ pub struct SwarmTrack {
     pub scores: ClassScores,
     /// Since it began, in seconds.
     pub age_s: f64,
+    /// How sure it is that something is there, 0..=1.
+    pub confidence: f64,
     /// When it was last seen.
     pub seen: NodeTime,
     /// The sensors that see it now.
@@ -194,6 +196,7 @@ impl SwarmTracker {
                 guessed_range: track.guessed_range,
                 scores: track.scores.clone(),
                 age_s: now.seconds_since(track.began),
+                confidence: track.evidence.confidence(now),
                 seen: track.seen,
                 sensors: self.sensors_of(track.id, now),
             }
@@ -224,7 +227,7 @@ impl SwarmTracker {
                 began: track.time.plus_seconds(-track.age_s.clamp(0.0, LONGEST_AGE_S)),
                 seen: track.seen,
                 taken_over_from: track.sensors,
-                evidence: Evidence::enough(track.time),
+                evidence: Evidence::of(track.time, track.confidence),
                 last_scan: None,
                 sightings: SETTLED_AFTER,
             });

@@ -69,6 +69,7 @@ fn tracks_are_counted_by_who_says_so() {
     let seen = SeenCounts {
         by_cameras: 7,
         dropped: 3,
+        camera_to_track_us: Some((60_000, 90_000)),
         ..SeenCounts::default()
     };
     let recorder = PrometheusBuilder::new().build_recorder();
@@ -79,6 +80,7 @@ fn tracks_are_counted_by_who_says_so() {
         "skein_tracks{source=\"fused\"} 0",
         "skein_sightings_total{sensor=\"camera\"} 7",
         "skein_sightings_dropped_total 3",
+        "skein_camera_to_track_p50_seconds 0.06",
     ] {
         assert!(text.lines().any(|is| is == line), "{line:?} is not in\n{text}");
     }

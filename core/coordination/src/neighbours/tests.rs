@@ -142,6 +142,11 @@ fn a_track_of_our_own_making_is_kept_away_from_as_far_as_it_is_known() {
     };
     assert_eq!(uncertainty_m(&new), None, "it may be nothing");
     assert!(is_known(&new));
+    let unsure = TrackEstimate {
+        confidence: 0.6,
+        ..fused(0.5)
+    };
+    assert_eq!(uncertainty_m(&unsure), None, "it may be nothing");
     let guessed = TrackEstimate {
         guessed_range: true,
         ..fused(0.5)

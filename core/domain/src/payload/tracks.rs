@@ -62,6 +62,8 @@ pub struct TrackEstimate {
     pub pinned: bool,
     /// Its range is only guessed from how large it looks: one camera alone has seen it so far.
     pub guessed_range: bool,
+    /// How sure it is that something is there at all, 0..=1, from how surely it is seen again and again. What was told is sure.
+    pub confidence: f64,
     /// Since it began, in seconds.
     pub age_s: f64,
     /// When it was last seen, on the node's clock.
@@ -84,6 +86,7 @@ impl TrackEstimate {
             covariance_m2: None,
             pinned: false,
             guessed_range: false,
+            confidence: 1.0,
             age_s: 0.0,
             seen: track.time,
             sensors: Vec::new(),

@@ -28,6 +28,9 @@ const ORIGIN_ERRORS_M: std::ops::RangeInclusive<f64> = 0.05..=20.0;
 /// The middle of a box is off by this share of its size, if the detector does not say, and by a pixel at least.
 const BOX_ERROR_SHARE: f64 = 0.1;
 const BOX_ERROR_PX: f64 = 1.0;
+/// Smaller boxes say nothing of a size, in pixels; and no larger size is told, in radians.
+const SMALLEST_PX: f64 = 4.0;
+const MOST_SIZE_RAD: f64 = 3.0;
 /// Things of a class are larger or smaller than typical, and seen from the side or the front: one standard deviation of the range, as a factor.
 const RANGE_FACTOR: f64 = 2.0;
 
@@ -135,6 +138,7 @@ pub(super) fn located(
             },
             scores: scores(finding),
             guess: guess(finding, &lens, width_m),
+            size_rad: size_rad(finding, &lens),
         })
         .filter(|sighting| sighting.check().is_ok())
         .collect()
@@ -174,6 +178,12 @@ fn scores(finding: &Finding) -> ClassScores {
     all.sort_by(|a, b| b.1.total_cmp(&a.1));
     all.truncate(MOST_CLASSES);
     ClassScores::all(all)
+}
+
+/// How large it looks. Of a pixel or two nobody knows.
+fn size_rad(finding: &Finding, lens: &Lens) -> Option<f64> {
+    let size_px = finding.width_px.max(finding.height_px);
+    (size_px >= SMALLEST_PX).then(|| (size_px / lens.focal_px()).min(MOST_SIZE_RAD))
 }
 
 /// How far it is, if it is as wide as things of its class typically are.

@@ -48,6 +48,7 @@ pub(super) fn estimate(track: SwarmTrack) -> TrackEstimate {
         pinned: track.pinned,
         guessed_range: track.guessed_range,
         age_s: track.age_s,
+        confidence: track.confidence,
         seen: track.seen,
         sensors: track.sensors.into_iter().map(|sensor| sensor.0).collect(),
         name: track.name,
@@ -74,6 +75,7 @@ pub(super) fn taken_over(estimate: &TrackEstimate) -> Option<SwarmTrack> {
         guessed_range: estimate.guessed_range,
         scores: ClassScores::all(estimate.classes.clone()),
         age_s: estimate.age_s,
+        confidence: estimate.confidence,
         seen: estimate.seen,
         sensors: estimate.sensors.iter().cloned().map(Sensor).collect(),
     })
@@ -110,6 +112,7 @@ mod tests {
             covariance_m2: Some([4.0, 1.0, 0.5, 3.0, 0.25, 2.0]),
             pinned: true,
             guessed_range: false,
+            confidence: 0.8,
             age_s: 12.0,
             seen: NodeTime::from_seconds(59.5),
             sensors: vec!["1/camera".to_owned(), "radar".to_owned()],

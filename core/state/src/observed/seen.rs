@@ -14,6 +14,9 @@ const MOST_HEARD: usize = 4_096;
 /// Sightings that wait to be told to the node that coordinates, at most: the oldest go. No message has more.
 pub const MOST_FOR_OTHERS: usize = 128;
 
+/// Of so many pictures it is remembered how long it took until the tracks knew of them.
+const MOST_PICTURES: usize = 512;
+
 /// How much was seen since the node started.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct SeenCounts {
@@ -25,6 +28,9 @@ pub struct SeenCounts {
     pub heard: u64,
     /// Left out, because more came than is worked on.
     pub dropped: u64,
+    /// Time from the taking of a picture until the tracks knew what is in it, of the last pictures of this node's cameras, in microseconds: the median and the
+    /// 95th percentile.
+    pub camera_to_track_us: Option<(u64, u64)>,
 }
 
 /// What was seen.
@@ -37,6 +43,8 @@ pub struct Seen {
     by_told: AtomicU64,
     by_heard: AtomicU64,
     dropped: AtomicU64,
+    /// Of the last pictures, in microseconds.
+    camera_to_track_us: Mutex<VecDeque<u64>>,
 }
 
 impl Seen {
@@ -59,6 +67,22 @@ impl Seen {
     /// Cameras of this node's vehicles saw so many things.
     pub fn count_by_cameras(&self, count: usize) {
         self.by_cameras.fetch_add(count as u64, Ordering::Relaxed);
+    }
+
+    /// What was in a picture that was taken so long ago is in the tracks now, in seconds.
+    pub fn count_in_tracks(&self, after_s: f64) {
+        let mut all = self.camera_to_track_us.lock();
+        if all.len() == MOST_PICTURES {
+            all.pop_front();
+        }
+        all.push_back((after_s.max(0.0) * 1e6) as u64);
+    }
+
+    fn camera_to_track_us(&self) -> Option<(u64, u64)> {
+        let mut all: Vec<u64> = self.camera_to_track_us.lock().iter().copied().collect();
+        all.sort_unstable();
+        let at = |percent: usize| all.get(all.len().saturating_sub(1) * percent / 100).copied();
+        at(50).zip(at(95))
     }
 
     /// Another node tells of what its sensors saw.
@@ -96,6 +120,7 @@ impl Seen {
             told: of(&self.by_told),
             heard: of(&self.by_heard),
             dropped: of(&self.dropped),
+            camera_to_track_us: self.camera_to_track_us(),
         }
     }
 

@@ -35,6 +35,7 @@ fn sighting(name: u64) -> Sighting {
         },
         scores: ClassScores::default(),
         guess: None,
+        size_rad: None,
     }
 }
 

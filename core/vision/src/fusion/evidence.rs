@@ -13,8 +13,8 @@ const HALF_LIFE_S: f64 = 2.0;
 const TOLD_FROM: f64 = 0.6;
 /// Below so much it is told of no more.
 const DOUBTED_BELOW: f64 = 0.1;
-/// What a position says: a radar that tells three times in six seconds is believed.
-const POSITION: f64 = 0.4;
+/// What a position says.
+const POSITION: f64 = 0.8;
 /// What a bearing says whose class has the score 1: it counts by the square of the score, since what is not there has small ones. Ten a second of each sensor
 /// count at most: one that looks more often sees the same cloud more often.
 const BEARING: f64 = 0.5;
@@ -39,11 +39,6 @@ impl Evidence {
         }
     }
 
-    /// As much as a track has that is told of.
-    pub(super) fn enough(time: NodeTime) -> Self {
-        Self::new(time, TOLD_FROM)
-    }
-
     /// One more sighting.
     pub(super) fn add(&mut self, sighting: &Sighting) {
         self.amount = self.at(sighting.time) + worth(&sighting.observation, &sighting.scores);
@@ -62,6 +57,18 @@ impl Evidence {
     /// Whether there is enough to tell of the track.
     pub(super) fn is_told(&self, now: NodeTime) -> bool {
         self.told && self.at(now) >= DOUBTED_BELOW
+    }
+
+    /// How sure it is that something is there, 0..=1: half where a track begins to be told of.
+    pub(super) fn confidence(&self, now: NodeTime) -> f64 {
+        let amount = self.at(now);
+        amount / (amount + TOLD_FROM)
+    }
+
+    /// As another tracker had it.
+    pub(super) fn of(time: NodeTime, confidence: f64) -> Self {
+        let confidence = confidence.clamp(0.5, 0.95);
+        Self::new(time, TOLD_FROM * confidence / (1.0 - confidence))
     }
 
     fn at(&self, now: NodeTime) -> f64 {

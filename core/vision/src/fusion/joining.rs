@@ -18,6 +18,8 @@ const CLEARLY: f64 = 9.0;
 /// After this many seconds less is enough: a target that flies along with another is to be seen at last.
 const PATIENCE_S: f64 = 3.0;
 const LESS_CLEARLY: f64 = 2.0;
+/// What is one thing is no larger than by this factor from one side than from another.
+const SIZES_DIFFER: f64 = 4.0;
 /// Two tracks that are no farther from each other are one: 95 % of six squared deviations.
 const SAME: f64 = 12.6;
 
@@ -131,7 +133,8 @@ impl SwarmTracker {
                     b.sightings.iter().cloned().collect(),
                 );
                 let explained = birth::explain(a.seen().max(b.seen()), &a_seen, &b_seen);
-                if let Some(explained) = explained.filter(|explained| explained.ratio() < FITS) {
+                let fits = |explained: &Explained| explained.ratio() < FITS && are_as_large(a, b, &explained.estimate);
+                if let Some(explained) = explained.filter(fits) {
                     let witnesses = self.witnesses(&open, first, second, &explained.estimate);
                     pairs.push(Pair {
                         first,
@@ -298,6 +301,13 @@ impl Pair {
     fn other(&self, index: usize) -> usize {
         if self.first == index { self.second } else { self.first }
     }
+}
+
+/// Whether one thing at a place would look as large to both as it does. What is none crosses somewhere, and would be a grain to one and a barn to the other.
+fn are_as_large(first: &Tracklet, second: &Tracklet, estimate: &Estimate) -> bool {
+    let place = estimate.position();
+    let sizes_m = first.size_at_m(&place).zip(second.size_at_m(&place));
+    sizes_m.is_none_or(|(a_m, b_m)| (a_m / b_m).ln().abs() < SIZES_DIFFER.ln())
 }
 
 /// Whether no other pair that has one of its tracklets, and the same two sensors, has as many witnesses and explains nearly as well.

@@ -63,6 +63,8 @@ pub struct Sighting {
     pub scores: ClassScores,
     /// A guess of its range.
     pub guess: Option<RangeGuess>,
+    /// How large it looks: its longer side in radians, if the sensor says.
+    pub size_rad: Option<f64>,
 }
 
 /// A vehicle of the swarm, which is no track.
@@ -116,6 +118,9 @@ impl Sighting {
         if self.guess.is_some_and(|guess| {
             !(0.1..FARTHEST_M).contains(&guess.range_m) || !(1.0..100.0).contains(&guess.range_factor)
         }) {
+            return Err(Unsound::Number);
+        }
+        if self.size_rad.is_some_and(|size_rad| !(1e-6..3.2).contains(&size_rad)) {
             return Err(Unsound::Number);
         }
         let place = |at: &Vector3<f64>| at.iter().all(|part| part.abs() <= FARTHEST_M);

@@ -56,6 +56,7 @@ fn seen(camera: &str, name: Option<u64>, time_s: f64, from: [f64; 3], at: [f64; 
         },
         scores: ClassScores::one("drone", 0.8),
         guess: None,
+        size_rad: None,
     }
 }
 
@@ -70,6 +71,7 @@ fn radar(name: Option<u64>, time_s: f64, at: [f64; 3]) -> Sighting {
         },
         scores: ClassScores::default(),
         guess: None,
+        size_rad: None,
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::{Observation, RangeGuess, Sensor, Sighting, evidence};
 use crate::ClassScores;
+use nalgebra::Vector3;
 use skein_domain::{NodeTime, VehicleId};
 use std::collections::VecDeque;
 
@@ -9,6 +10,8 @@ use std::collections::VecDeque;
 pub(super) const FORGOTTEN_AFTER_S: f64 = 2.0;
 /// So many sightings are remembered.
 const MOST: usize = 12;
+/// How a tracklet's size follows the newest.
+const SIZE_SHARE: f64 = 0.2;
 /// At most every so many seconds one is remembered.
 const EVERY_S: f64 = 0.095;
 /// So many sightings that do not fit, one after the other, take it from its track.
@@ -32,6 +35,8 @@ pub(super) struct Tracklet {
     pub(super) sightings: VecDeque<(NodeTime, Observation)>,
     pub(super) scores: ClassScores,
     pub(super) guess: Option<RangeGuess>,
+    /// How large it looks, in radians.
+    pub(super) size_rad: Option<f64>,
     began: NodeTime,
     seen: NodeTime,
     misses: u32,
@@ -46,6 +51,7 @@ impl Tracklet {
             sightings: VecDeque::new(),
             scores: ClassScores::default(),
             guess: None,
+            size_rad: None,
             began: NodeTime(0),
             seen: NodeTime(0),
             misses: 0,
@@ -64,6 +70,10 @@ impl Tracklet {
         self.seen = sighting.time;
         self.scores.blend(&sighting.scores, 0.1);
         self.guess = sighting.guess.or(self.guess);
+        self.size_rad = match (self.size_rad, sighting.size_rad) {
+            (Some(before), Some(now)) => Some(before.powf(1.0 - SIZE_SHARE) * now.powf(SIZE_SHARE)),
+            (before, now) => now.or(before),
+        };
         let due = self
             .sightings
             .back()
@@ -93,6 +103,14 @@ impl Tracklet {
     /// How long it has been seen, in seconds.
     pub(super) fn age_s(&self) -> f64 {
         self.seen.seconds_since(self.began)
+    }
+
+    /// How large it would be at a place, in metres; `None` if nobody says how large it looks.
+    pub(super) fn size_at_m(&self, place: &Vector3<f64>) -> Option<f64> {
+        match &self.sightings.back()?.1 {
+            Observation::Bearing { origin, .. } => Some(self.size_rad? * (place - origin).norm()),
+            Observation::Position { .. } => None,
+        }
     }
 
     pub(super) fn is_bearing(&self) -> bool {

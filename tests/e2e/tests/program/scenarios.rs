@@ -67,13 +67,14 @@ async fn video_is_received_while_the_cameras_follow_the_leader() {
 
 #[tokio::test]
 #[ignore = "long: part of `cargo xtask test e2e`"]
-async fn an_intruder_is_observed_from_two_sides_and_who_falls_silent_is_relieved() {
+async fn an_intruder_is_observed_from_two_sides_and_who_must_return_is_relieved() {
     let criteria = fly("observe", 4).await;
     judged_by(
         &criteria,
         &[
             "intruder's track off the intruder, root mean square",
-            "silent observer until another one looks",
+            "intruder in the middle third of the pictures",
+            "low battery until another one looks",
             "tracks of what is not there",
         ],
     );

@@ -4,7 +4,7 @@ export const observed = {
   // the list, and what is known of one
   'Nothing is tracked now.': 'Zurzeit ist nichts gefunden.', 'class not known': 'Art nicht bekannt', pinned: 'angeheftet', 'seen {age} ago': 'vor {age} gesehen', '{count} more on the map': '{count} weitere auf der Karte',
   'Track {track} has ended.': 'Fund {track} ist beendet.', 'Select a track here or on the map.': 'Hier oder auf der Karte einen Fund auswählen.',
-  Class: 'Art', 'Known to': 'Genauigkeit', Velocity: 'Tempo', 'Seen by': 'Gesehen von', Source: 'Quelle', 'nobody says': 'niemand sagt es', 'nobody now': 'zurzeit niemand', '{age}, last seen {seen} ago': '{age}, zuletzt vor {seen} gesehen',
+  Class: 'Art', 'Known to': 'Genauigkeit', Confidence: 'Gewissheit', Velocity: 'Tempo', 'Seen by': 'Gesehen von', Source: 'Quelle', 'nobody says': 'niemand sagt es', 'nobody now': 'zurzeit niemand', '{age}, last seen {seen} ago': '{age}, zuletzt vor {seen} gesehen',
   'fused from what is seen': 'zusammengeführt aus dem, was gesehen wird', 'told over the API': 'über die API gemeldet', 'height {height}': 'Höhe {height}', '{speed} to {bearing}': '{speed} nach {bearing}',
   'climbs {rate}': 'steigt {rate}', 'descends {rate}': 'sinkt {rate}', '± {ground}, height ± {height}': '± {ground}, Höhe ± {height}', 'range only guessed from its size': 'Entfernung nur aus der Größe geschätzt',
   // what is done with it

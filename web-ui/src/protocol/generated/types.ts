@@ -3372,6 +3372,10 @@ pinned: boolean,
  */
 guessed_range: boolean, 
 /**
+ * How sure it is that something is there at all, 0..=1, from how surely it is seen again and again. What was told is sure.
+ */
+confidence: number, 
+/**
  * Since it began, in seconds.
  */
 age_s: number, 

@@ -97,3 +97,21 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn what_would_be_a_grain_to_one_camera_and_a_barn_to_the_other_is_not_one_thing() {
+    let sized = |sighting: Sighting, size_rad: f64| Sighting {
+        size_rad: Some(size_rad),
+        ..sighting
+    };
+    for (south_rad, told) in [(0.02, 1), (0.04, 1), (0.2, 0), (0.002, 0)] {
+        let mut tracker = SwarmTracker::new(SwarmSettings::default());
+        let tracks = run(&mut tracker, 1.0, 6.0, |t| {
+            vec![
+                sized(seen("west", Some(1), t, WEST, target(t)), 0.02),
+                sized(seen("south", Some(1), t, SOUTH, target(t)), south_rad),
+            ]
+        });
+        assert_eq!(tracks.len(), told, "{south_rad} rad");
+    }
+}

@@ -191,6 +191,7 @@ impl World {
                     range_m: range_m * (0.3 * size).exp(),
                     range_factor: 1.35,
                 }),
+                size_rad: Some(0.5 / range_m),
             });
         }
         sightings
