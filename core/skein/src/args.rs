@@ -245,6 +245,24 @@ pub enum Bench {
         #[arg(long)]
         json: bool,
     },
+    /// What a detector takes for a picture, part by part, on one core: beside FFmpeg's decoding and onnxruntime in the same run.
+    Vision {
+        /// A folder of labelled clips, as `skein vision evaluate` takes it; the first clip of each camera is shown.
+        #[arg(long, value_name = "DIR")]
+        clips: PathBuf,
+        /// A Python that has onnxruntime (`python3 -m venv DIR && DIR/bin/pip install onnxruntime`, then `DIR/bin/python`).
+        #[arg(long, default_value = "python3", value_name = "PROGRAM")]
+        python: PathBuf,
+        /// FFmpeg.
+        #[arg(long, default_value = "ffmpeg", value_name = "PROGRAM")]
+        ffmpeg: PathBuf,
+        /// The folder of the detector's own models.
+        #[arg(long, default_value = "plugins/detector/models", value_name = "DIR")]
+        models: PathBuf,
+        /// Print the report as JSON.
+        #[arg(long)]
+        json: bool,
+    },
     /// Part of `video`: a viewer, as its own process.
     #[command(hide = true)]
     VideoViewer {

@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 use skein_bench::{
-    AssignmentBenchArgs, BusBenchArgs, FleetBenchArgs, Ros2BenchArgs, SwarmBenchArgs, VideoBenchArgs,
+    AssignmentBenchArgs, BusBenchArgs, FleetBenchArgs, Ros2BenchArgs, SwarmBenchArgs, VideoBenchArgs, VisionBenchArgs,
     run_assignment_bench, run_bus_bench, run_fleet_bench, run_ros2_bench, run_swarm_bench, run_video_bench,
+    run_vision_bench,
 };
 use std::fmt::Display;
 use std::path::PathBuf;
@@ -63,6 +64,26 @@ pub fn ros2(python: PathBuf, seconds: u32, json: bool) -> anyhow::Result<ExitCod
 pub fn video(ffmpeg: PathBuf, seconds: u32, json: bool) -> anyhow::Result<ExitCode> {
     let program = std::env::current_exe()?;
     let report = run_video_bench(&VideoBenchArgs::new(ffmpeg, seconds, program))?;
+    show(&report, json)
+}
+
+/// What a detector takes, beside FFmpeg and onnxruntime. The programs are Python and FFmpeg, and the folder that of the models.
+///
+/// # Errors
+/// When a child process cannot be started, or says something else than it should.
+pub fn vision(
+    clips: PathBuf,
+    (python, ffmpeg, models): (PathBuf, PathBuf, PathBuf),
+    json: bool,
+) -> anyhow::Result<ExitCode> {
+    let program = std::env::current_exe()?;
+    let report = run_vision_bench(&VisionBenchArgs {
+        program,
+        python,
+        ffmpeg,
+        clips,
+        models,
+    })?;
     show(&report, json)
 }
 

@@ -77,6 +77,13 @@ fn bench(what: Bench) -> anyhow::Result<ExitCode> {
         Bench::Bus { nodes, seconds, json } => skein::bench::bus(nodes, seconds, json),
         Bench::Ros2 { python, seconds, json } => skein::bench::ros2(python, seconds, json),
         Bench::Video { ffmpeg, seconds, json } => skein::bench::video(ffmpeg, seconds, json),
+        Bench::Vision {
+            clips,
+            python,
+            ffmpeg,
+            models,
+            json,
+        } => skein::bench::vision(clips, (python, ffmpeg, models), json),
         Bench::VideoViewer { settings } => skein::bench::video_viewer(&settings),
         Bench::LoadGenerator { settings } => skein::bench::load_generator(&settings),
         Bench::BareLoop { settings } => skein::bench::bare_loop(&settings),

@@ -66,6 +66,7 @@ impl Payload for Detector {
         settings.check().map_err(CreateError::new)?;
         let core: Core = saved::restored(SNAPSHOT_VERSION, create.snapshot.as_deref()).unwrap_or_default();
         let model = OnnxModel::of(&settings).map_err(|fault| CreateError::new(fault.to_string()))?;
+        let runtime = model.runtime().to_owned();
         let eye = Eye::new(&settings, model, core.last_id).map_err(|fault| CreateError::new(fault.to_string()))?;
         let worker =
             Worker::start(eye).map_err(|error| CreateError::new(format!("no thread to look with: {error}")))?;
@@ -73,7 +74,10 @@ impl Payload for Detector {
             settings,
             worker,
             core,
-            report: DetectorReport::default(),
+            report: DetectorReport {
+                runtime,
+                ..DetectorReport::default()
+            },
             heard: None,
         })
     }
@@ -122,6 +126,7 @@ impl Detector {
         report.looked += 1;
         let share = TAKES_SHARE.max(1.0 / report.looked as f64);
         report.takes_s += share * (look.took_s - report.takes_s);
+        report.stages.blend(&look.stages, share);
         report.found = look.found;
         report.picture_fault = look.picture_fault;
         report.fault = look.fault.map(|fault| fault.to_string()).unwrap_or_default();

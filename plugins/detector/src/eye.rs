@@ -4,13 +4,14 @@ use crate::classifier::{Light, TrackClassifier};
 use crate::joining;
 use crate::model::{ModelFault, OnnxModel};
 use crate::picture::Picture;
-use crate::report::PictureFault;
+use crate::report::{PictureFault, Stages};
 use crate::settings::{Model, Settings};
 use skein_domain::NodeTime;
 use skein_domain::payload::{DetectorState, Finding, FrameHeader};
-use skein_vision::{MotionDetector, PictureTrack, PictureTracker};
+use skein_vision::{Gray, MotionDetector, PictureTrack, PictureTracker};
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
+use std::time::Instant;
 
 /// A camera that gives the same picture for so long is frozen, in seconds. One that stands still has noise all the same.
 const FROZEN_AFTER_S: f64 = 2.0;
@@ -28,6 +29,7 @@ pub(crate) struct Look {
     pub(crate) fault: Option<ModelFault>,
     pub(crate) last_id: u64,
     pub(crate) took_s: f64,
+    pub(crate) stages: Stages,
 }
 
 /// What looks.
@@ -73,7 +75,7 @@ impl Eye {
             Some(picture) => {
                 look.picture_fault = self.picture_fault(header.time, &picture);
                 // Where the model fails nothing is told: what was followed before would stand there as if it had been found in this picture.
-                match self.follow(header.time, &picture) {
+                match self.follow(header.time, &picture, &mut look.stages) {
                     Ok(tracks) => look.found.findings = tracks.iter().map(finding).collect(),
                     Err(fault) => look.fault = Some(fault),
                 }
@@ -88,31 +90,48 @@ impl Eye {
         look
     }
 
-    fn follow(&mut self, time: NodeTime, picture: &Picture) -> Result<Vec<PictureTrack>, ModelFault> {
-        let gray = picture.gray();
+    fn follow(
+        &mut self,
+        time: NodeTime,
+        picture: &Picture,
+        stages: &mut Stages,
+    ) -> Result<Vec<PictureTrack>, ModelFault> {
+        let begun = Instant::now();
         let found = self.model.find(picture, self.doubtful_score)?;
+        stages.model_s = begun.elapsed().as_secs_f64();
+        let begun = Instant::now();
+        let gray = picture.gray();
         let motion = self
             .motion
             .as_mut()
             .map(|motion| motion.take(gray.clone()))
             .unwrap_or_default();
+        stages.motion_s = begun.elapsed().as_secs_f64();
+        let begun = Instant::now();
         let found = joining::join(found, &motion.moving);
         self.tracker.take(time, motion.shift_px.unwrap_or_default(), found);
         let mut tracks: Vec<PictureTrack> = self.tracker.tracks().collect();
+        self.name(time, &gray, &mut tracks)?;
+        stages.tracks_s = begun.elapsed().as_secs_f64();
+        Ok(tracks)
+    }
+
+    /// Says what tracks are taken for.
+    fn name(&mut self, time: NodeTime, gray: &Gray, tracks: &mut [PictureTrack]) -> Result<(), ModelFault> {
         // How sure the model is that there is something at all; the classifier shares that out.
         let sure = tracks
             .iter()
             .map(|track| track.scores.best().map_or(0.0, |(_, score)| score));
         let sure: Vec<f64> = sure.collect();
         if let Some(classifier) = &mut self.classifier {
-            classifier.look(time, &gray, &mut tracks)?;
+            classifier.look(time, gray, tracks)?;
         }
         for (track, sure) in tracks.iter_mut().zip(sure) {
             if sure < self.drone_score {
                 track.scores = track.scores.renamed(DRONE, joining::UNKNOWN);
             }
         }
-        Ok(tracks)
+        Ok(())
     }
 
     fn picture_fault(&mut self, time: NodeTime, picture: &Picture) -> Option<PictureFault> {

@@ -10,6 +10,7 @@ mod detector;
 mod eye;
 mod joining;
 mod model;
+mod net;
 mod picture;
 mod report;
 mod settings;

@@ -5,16 +5,15 @@
 //!
 //! Must never do: trust a shape or a number that a model gives.
 
+use crate::net::Net;
 use crate::picture::Picture;
 use crate::settings::{Model, Settings};
 use fast_image_resize::images::{TypedImage, TypedImageRef};
 use fast_image_resize::pixels::U8x3;
 use fast_image_resize::{FilterType, ResizeAlg, ResizeOptions, Resizer};
-use rten::{Dimension, RunOptions, ThreadPool};
 use rten_tensor::NdTensor;
 use rten_tensor::prelude::*;
 use skein_vision::{Bounds, ClassScores, Found};
-use std::sync::Arc;
 use thiserror::Error;
 
 /// Boxes that share more of their area than this are one thing.
@@ -56,6 +55,12 @@ pub(crate) enum ModelFault {
         /// How many classes are named.
         classes: usize,
     },
+    /// Its output has another shape than one of boxes.
+    #[error("the model's output is {0}, not three-dimensional")]
+    Shape(String),
+    /// The runtime that is asked for is not there.
+    #[error("ONNX Runtime cannot be loaded: {0}")]
+    Runtime(String),
     /// It gives no numbers.
     #[error("the model gives numbers that are none")]
     NotNumbers,
@@ -66,9 +71,7 @@ pub(crate) enum ModelFault {
 
 /// A model that is ready to run.
 pub(crate) struct OnnxModel {
-    net: rten::Model,
-    /// One thread: the others of the computer fly.
-    threads: Arc<ThreadPool>,
+    net: Net,
     width: usize,
     height: usize,
     classes: Vec<String>,
@@ -102,30 +105,25 @@ impl OnnxModel {
             }
             std::fs::read(&settings.path).map_err(|error| fault(error.to_string()))?
         };
-        Self::new(bytes, &settings.classes)
+        Self::new(bytes, settings)
     }
 
     /// # Errors
     ///
     /// As above.
-    pub(crate) fn new(onnx: Vec<u8>, classes: &[String]) -> Result<Self, ModelFault> {
-        let net = rten::Model::load(onnx).map_err(|error| ModelFault::Unreadable(error.to_string()))?;
-        let shape = net.input_shape(0).unwrap_or_default();
-        let fixed = |dimension: &Dimension| match dimension {
-            Dimension::Fixed(size) => Some(*size),
-            Dimension::Symbolic(_) => None,
-        };
-        let sizes: Option<Vec<usize>> = shape.iter().map(fixed).collect();
+    pub(crate) fn new(onnx: Vec<u8>, settings: &Settings) -> Result<Self, ModelFault> {
+        let net = Net::load(onnx, settings)?;
+        let shape = net.input_sizes();
+        let sizes: Option<Vec<usize>> = shape.iter().copied().collect();
         let (width, height) = match sizes.as_deref() {
             Some([1, 3, height, width]) if (1..=MOST_PIXELS).contains(&(height * width)) => (*width, *height),
             _ => return Err(ModelFault::Input(format!("{shape:?}"))),
         };
-        let model = Self {
+        let mut model = Self {
             net,
-            threads: Arc::new(ThreadPool::with_num_threads(1)),
             width,
             height,
-            classes: classes.to_vec(),
+            classes: settings.classes.clone(),
         };
         // Whether its output is of the right shape shows when it is run.
         model.boxes(NdTensor::zeros([1, 3, height, width]), 1.0)?;
@@ -137,22 +135,24 @@ impl OnnxModel {
     /// # Errors
     ///
     /// The model fails, or gives what cannot be true.
-    pub(crate) fn find(&self, picture: &Picture, least: f64) -> Result<Vec<Found>, ModelFault> {
+    pub(crate) fn find(&mut self, picture: &Picture, least: f64) -> Result<Vec<Found>, ModelFault> {
         let fitted = Fitted::new(picture, self.width, self.height);
         let found = self.boxes(fitted.input(picture, self.width, self.height)?, least)?;
         let found = found.into_iter().map(|found| fitted.back(found));
         Ok(apart(found.collect()))
     }
 
-    fn boxes(&self, input: NdTensor<f32, 4>, least: f64) -> Result<Vec<Found>, ModelFault> {
-        let options = RunOptions::default().with_thread_pool(Some(self.threads.clone()));
-        let output = self.net.run_one(input.into(), Some(options));
-        let output = output.map_err(|error| ModelFault::Failed(error.to_string()))?;
+    /// What runs it.
+    pub(crate) fn runtime(&self) -> &'static str {
+        self.net.runtime()
+    }
+
+    fn boxes(&mut self, input: NdTensor<f32, 4>, least: f64) -> Result<Vec<Found>, ModelFault> {
+        let output = self.net.run(input)?;
         let wrong = |output: String| ModelFault::Output {
             output,
             classes: self.classes.len(),
         };
-        let output: NdTensor<f32, 3> = output.try_into().map_err(|error| wrong(format!("{error}")))?;
         let [one, rows, boxes] = output.shape();
         if one != 1 || rows != 4 + self.classes.len() || boxes > MOST_BOXES {
             return Err(wrong(format!("{:?}", output.shape())));

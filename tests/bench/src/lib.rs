@@ -9,6 +9,8 @@
 //!
 //! What it takes to relay live video, beside FFmpeg ([`run_video_bench`]).
 //!
+//! What a detector takes for a picture, part by part, beside FFmpeg and ONNX Runtime ([`run_vision_bench`]).
+//!
 //! The cost of plugins' calls is measured from inside, in a program of their own ([`run_plugin_bench`]).
 //!
 //! Must never do: reach into the program measured. What counts is what leaves its sockets and what the system charges it.
@@ -29,6 +31,7 @@ mod report;
 mod ros2;
 mod swarm;
 mod video;
+mod vision;
 mod wire;
 
 pub use assignment::{AssignmentBenchArgs, AssignmentBenchReport, AssignmentFigures, run_assignment_bench};
@@ -44,3 +47,4 @@ pub use report::{FleetBenchReport, Gaps, LoadFigures, SideFigures, Spread, Windo
 pub use ros2::{CostFigures, Latency, Ros2BenchArgs, Ros2BenchReport, Shown, run_ros2_bench};
 pub use swarm::{SwarmBenchArgs, SwarmBenchReport, run_swarm_bench};
 pub use video::{VideoBenchArgs, VideoBenchReport, run_video_bench, run_video_viewer};
+pub use vision::{VisionBenchArgs, VisionBenchReport, VisionFigures, run_vision_bench};

@@ -137,8 +137,11 @@ impl Showing {
         };
         let frame = self.source.frame(header, &picture.rgb)?;
         let begun = Instant::now();
-        let said = look(&self.instance, frame).await?;
+        let (said, stages) = look(&self.instance, frame).await?;
         watched.looking_s += begun.elapsed().as_secs_f64();
+        for (stage, took_s) in stages {
+            *watched.stages_s.entry(stage).or_default() += took_s;
+        }
         let truth = self.clip.truth.get(&number).map(|bounds| TrueBox {
             thing: 0,
             class: self.clip.label.clone(),
@@ -150,8 +153,11 @@ impl Showing {
     }
 }
 
+/// How long each part of looking takes, as a detector says itself, in seconds.
+type Stages = BTreeMap<String, f64>;
+
 /// Shows one picture, and waits for what is said of it.
-async fn look(instance: &Instance, frame: Arc<Frame>) -> anyhow::Result<DetectorState> {
+async fn look(instance: &Instance, frame: Arc<Frame>) -> anyhow::Result<(DetectorState, Stages)> {
     let time = frame.header.time;
     let begun = Instant::now();
     let mut events = vec![Event::Frame(frame.header.clone()), Event::Tick];
@@ -170,9 +176,11 @@ async fn look(instance: &Instance, frame: Arc<Frame>) -> anyhow::Result<Detector
             let said: serde_json::Value = serde_json::from_str(&state_json)?;
             let fault = said.get("fault").and_then(|fault| fault.as_str()).unwrap_or_default();
             ensure!(fault.is_empty(), "the detector says: {fault}");
+            let stages = said.get("stages").cloned();
+            let stages = stages.and_then(|stages| serde_json::from_value(stages).ok());
             let said: DetectorState = serde_json::from_value(said).context("its state is not a detector's")?;
             if said.time == time {
-                return Ok(said);
+                return Ok((said, stages.unwrap_or_default()));
             }
         }
         tokio::time::sleep(ASK_EVERY).await;

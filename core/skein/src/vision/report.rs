@@ -20,6 +20,7 @@ pub(super) struct Watched {
     pub(super) names: Names,
     pub(super) decoding_s: f64,
     pub(super) looking_s: f64,
+    pub(super) stages_s: BTreeMap<String, f64>,
     /// Pictures of the file that could not be decoded.
     pub(super) undecoded: u64,
 }
@@ -35,6 +36,7 @@ impl Watched {
             names: Names::default(),
             decoding_s: 0.0,
             looking_s: 0.0,
+            stages_s: BTreeMap::new(),
             undecoded: 0,
         }
     }
@@ -82,6 +84,7 @@ struct OfCamera {
     undecoded: u64,
     decoding_s: f64,
     looking_s: f64,
+    stages_s: BTreeMap<String, f64>,
     classes: BTreeMap<String, Scorer>,
     /// For each label, what its clips were called: how many.
     called: BTreeMap<String, BTreeMap<String, u64>>,
@@ -104,6 +107,9 @@ impl Report {
         of.undecoded += watched.undecoded;
         of.decoding_s += watched.decoding_s;
         of.looking_s += watched.looking_s;
+        for (stage, took_s) in &watched.stages_s {
+            *of.stages_s.entry(stage.clone()).or_default() += took_s;
+        }
         let called = watched.called().unwrap_or("nothing").to_owned();
         let votes = of.called.entry(watched.label.clone()).or_default();
         *votes.entry(called).or_default() += 1;
@@ -163,6 +169,11 @@ impl OfCamera {
             pictures_not_decoded: self.undecoded,
             frames_per_s: rate(self.looking_s),
             decoded_per_s: rate(self.decoding_s),
+            stages_s: self
+                .stages_s
+                .iter()
+                .map(|(stage, took_s)| (stage.clone(), took_s / self.pictures.max(1) as f64))
+                .collect(),
             classes: self
                 .classes
                 .iter()
@@ -193,6 +204,8 @@ struct CameraFigures {
     frames_per_s: f64,
     /// Pictures that are decoded in a second, one at a time.
     decoded_per_s: f64,
+    /// What each part of looking at a picture takes, as the detector says itself, in seconds.
+    stages_s: BTreeMap<String, f64>,
     classes: BTreeMap<String, ClassFigures>,
     /// For each label, as what its clips were seen most of the time: how many clips.
     clips_called: BTreeMap<String, BTreeMap<String, u64>>,

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::picture::Picture;
+use crate::settings::Runtime;
 
 #[test]
 fn a_wrong_model_is_refused_with_what_is_wrong() {
@@ -17,13 +18,13 @@ fn a_wrong_model_is_refused_with_what_is_wrong() {
         why("five-rows")
     );
     assert!(why("nowhere").contains("nowhere.onnx"), "{}", why("nowhere"));
-    let text = OnnxModel::new(b"no model".to_vec(), &Settings::default().classes);
+    let text = OnnxModel::new(b"no model".to_vec(), &Settings::default());
     assert!(matches!(text.err(), Some(ModelFault::Unreadable(_))));
 }
 
 #[test]
 fn boxes_come_back_to_the_pictures_own_pixels() {
-    let model = model("constant").expect("is a model");
+    let mut model = model("constant").expect("is a model");
     // Twice as large as the model's input, and with room above and below: 128 by 80 lies at 64 by 40, four pixels down.
     let picture = Picture {
         width: 128,
@@ -44,7 +45,7 @@ fn our_own_models_see_nothing_in_an_empty_picture_and_take_any_size() {
             model: own,
             ..Settings::default()
         };
-        let model = OnnxModel::of(&settings).expect("comes with the plugin");
+        let mut model = OnnxModel::of(&settings).expect("comes with the plugin");
         for (width, height) in [(320, 256), (640, 512), (1280, 720), (33, 200)] {
             let picture = Picture {
                 width,
@@ -55,4 +56,23 @@ fn our_own_models_see_nothing_in_an_empty_picture_and_take_any_size() {
             assert_eq!(found, Vec::new(), "{own:?} {width} {height}");
         }
     }
+}
+
+#[test]
+fn a_runtime_that_is_not_there_is_named_and_automatically_the_other_one_runs() {
+    let elsewhere = |runtime: Runtime| {
+        let settings = Settings {
+            runtime,
+            library: "/nowhere/libonnxruntime.so".into(),
+            ..settings("constant")
+        };
+        OnnxModel::of(&settings)
+    };
+    let fault = elsewhere(Runtime::Onnx).err();
+    let named = |why: &String| why.contains("/nowhere/libonnxruntime.so");
+    assert!(
+        matches!(&fault, Some(ModelFault::Runtime(why)) if named(why)),
+        "{fault:?}"
+    );
+    assert_eq!(elsewhere(Runtime::Auto).expect("is run").runtime(), "rten");
 }
