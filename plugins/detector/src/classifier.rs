@@ -8,7 +8,7 @@
 mod boxes;
 mod window;
 
-use crate::model::ModelFault;
+use crate::fault::ModelFault;
 use rten::{RunOptions, ThreadPool, ValueOrView};
 use rten_tensor::NdTensor;
 use rten_tensor::prelude::*;

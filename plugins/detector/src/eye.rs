@@ -1,8 +1,9 @@
 //! One picture after another to what is in it: model, motion, the rule that joins them, and tracks.
 
 use crate::classifier::{Light, TrackClassifier};
+use crate::fault::ModelFault;
 use crate::joining;
-use crate::model::{ModelFault, OnnxModel};
+use crate::model::OnnxModel;
 use crate::picture::Picture;
 use crate::report::{PictureFault, Stages};
 use crate::settings::{Model, Settings};

@@ -8,6 +8,7 @@
 mod classifier;
 mod detector;
 mod eye;
+mod fault;
 mod joining;
 mod model;
 mod net;

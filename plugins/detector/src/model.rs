@@ -5,6 +5,7 @@
 //!
 //! Must never do: trust a shape or a number that a model gives.
 
+use crate::fault::ModelFault;
 use crate::net::Net;
 use crate::picture::Picture;
 use crate::settings::{Model, Settings};
@@ -14,7 +15,6 @@ use fast_image_resize::{FilterType, ResizeAlg, ResizeOptions, Resizer};
 use rten_tensor::NdTensor;
 use rten_tensor::prelude::*;
 use skein_vision::{Bounds, ClassScores, Found};
-use thiserror::Error;
 
 /// Boxes that share more of their area than this are one thing.
 const SAME_OVERLAP: f64 = 0.5;
@@ -29,45 +29,6 @@ const AROUND: f32 = 114.0 / 255.0;
 /// Of our own, by camera.
 const VISIBLE: &[u8] = include_bytes!("../models/visible.onnx");
 const INFRARED: &[u8] = include_bytes!("../models/infrared.onnx");
-
-/// Why a model is of no use.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-pub(crate) enum ModelFault {
-    /// There is no such file, or none that can be read.
-    #[error("the model at {path} cannot be read: {why}")]
-    File {
-        /// Where.
-        path: String,
-        /// Why not.
-        why: String,
-    },
-    /// It is no model that can be run.
-    #[error("the model cannot be read: {0}")]
-    Unreadable(String),
-    /// Its input is not a picture.
-    #[error("the model's input is {0}, not [1, 3, height, width]")]
-    Input(String),
-    /// Its output is not boxes.
-    #[error("the model's output is {output}, not [1, 4 + {classes} classes, boxes]")]
-    Output {
-        /// What it is.
-        output: String,
-        /// How many classes are named.
-        classes: usize,
-    },
-    /// Its output has another shape than one of boxes.
-    #[error("the model's output is {0}, not three-dimensional")]
-    Shape(String),
-    /// The runtime that is asked for is not there.
-    #[error("ONNX Runtime cannot be loaded: {0}")]
-    Runtime(String),
-    /// It gives no numbers.
-    #[error("the model gives numbers that are none")]
-    NotNumbers,
-    /// It could not be run.
-    #[error("the model failed: {0}")]
-    Failed(String),
-}
 
 /// A model that is ready to run.
 pub(crate) struct OnnxModel {

@@ -2,7 +2,7 @@
 //!
 //! Must never do: load a library from anywhere but where the settings, `ORT_DYLIB_PATH` or the system's own search say it is.
 
-use crate::model::ModelFault;
+use crate::fault::ModelFault;
 use crate::settings::{Runtime, Settings};
 use ort::environment::Environment;
 use ort::session::Session;

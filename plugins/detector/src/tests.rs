@@ -7,7 +7,8 @@ mod pictures;
 mod workers;
 
 use crate::eye::Eye;
-use crate::model::{ModelFault, OnnxModel};
+use crate::fault::ModelFault;
+use crate::model::OnnxModel;
 use crate::settings::Settings;
 use skein_domain::NodeTime;
 use skein_domain::payload::{FrameHeader, PixelFormat};
