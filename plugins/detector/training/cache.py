@@ -14,6 +14,8 @@ from clips import SIZES_PX, Clip, read_boxes, read_extra_boxes, read_pictures, r
 # Neighbouring pictures are nearly the same: each second one, and each fifth, are plenty.
 PICTURE_STEP = {"infrared": 2, "visible": 5}
 CHANNELS = {"infrared": 1, "visible": 3}
+# The labels lie so far right of what they label. Pictures are mirrored in training: it would be learned as a doubt about where the sides are.
+LABELS_RIGHT_PX = {"infrared": 1.2, "visible": 0.0}
 
 
 @dataclass(frozen=True)
@@ -71,5 +73,6 @@ def load(data: Path, camera: str, directory: Path) -> Cache:
     index = np.load(directory / f"{camera}.npz")
     shape = (len(index["counts"]), height, width, CHANNELS[camera])
     pictures = np.memmap(path, np.uint8, "r", shape=shape)
-    boxes = np.split(index["boxes"], np.cumsum(index["counts"])[:-1])
+    labelled = index["boxes"] - np.float32([LABELS_RIGHT_PX[camera], 0, 0, 0])
+    boxes = np.split(labelled, np.cumsum(index["counts"])[:-1])
     return Cache(pictures, boxes, index["clip_ids"], read_split(camera))
