@@ -89,11 +89,12 @@ impl Observed {
         if !self.fused.load().iter().any(|known| known.track.track == track) {
             return Err(Refusal::UnknownTrack { track });
         }
-        Err(Refusal::invalid(if self.steer_by_fused {
-            format!("where track {track} is is not known well enough yet")
-        } else {
-            "tracks that this swarm makes are only shown here: tracking.steer_by_fused is off".to_owned()
-        }))
+        if !self.steer_by_fused {
+            let why = "tracks that this swarm makes are only shown here: tracking.steer_by_fused is off";
+            return Err(Refusal::not_permitted(why));
+        }
+        let why = format!("the place of track {track} is not known well enough yet");
+        Err(Refusal::invalid(why))
     }
 
     /// The same, if it was made here last.

@@ -37,7 +37,7 @@ describe('a track in words', () => {
 describe('why something was not done', () => {
   it('is the reason that the node gives, or what was wrong with the call', () => {
     const only = 'tracks that this swarm makes are only shown here';
-    expect(whyText(new ApiError(409, 'invalid_value', `invalid value: ${only}`, { reason: 'invalid_value', detail: only }))).toBe(only);
+    expect(whyText(new ApiError(409, 'not_permitted', `not permitted: ${only}`, { reason: 'not_permitted', detail: only }))).toBe(only);
     expect(whyText(new ApiError(404, 'unknown_track', 'x', { reason: 'unknown_track', track: 7 }))).toBe('there is no track 7');
     expect(whyText(new ApiError(0, 'timeout', 'no answer from the server'))).toBe('no answer from the server');
     expect(whyText(new TypeError('odd'))).toBe('odd');

@@ -66,7 +66,7 @@ export function whyText(error: unknown): string {
   const { detail } = error;
   if (typeof detail !== 'object' || detail === null || !('reason' in detail)) return error.message;
   const refusal = detail as Refusal;
-  return refusal.reason === 'invalid_value' ? refusal.detail : refusalText(refusal);
+  return refusal.reason === 'invalid_value' || refusal.reason === 'not_permitted' ? refusal.detail : refusalText(refusal);
 }
 
 /** Why a vehicle is proposed where it is in the row: `120 m away, 85 % charge, flies, camera on a gimbal`. */
