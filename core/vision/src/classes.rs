@@ -2,6 +2,9 @@
 
 use std::collections::BTreeMap;
 
+/// The class of what is there and looks like nothing that is known.
+pub const UNKNOWN_CLASS: &str = "unknown";
+
 /// Scores by class, each 0..=1.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ClassScores(BTreeMap<String, f64>);

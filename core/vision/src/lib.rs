@@ -25,7 +25,7 @@ mod scoring;
 
 pub use bearing::Lens;
 pub use bounds::Bounds;
-pub use classes::ClassScores;
+pub use classes::{ClassScores, UNKNOWN_CLASS};
 pub use fusion::{
     Observation, OwnVehicle, RangeGuess, Sensor, Sighting, SwarmSettings, SwarmTrack, SwarmTracker, Unsound,
 };

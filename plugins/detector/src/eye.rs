@@ -9,7 +9,7 @@ use crate::report::{PictureFault, Stages};
 use crate::settings::{Model, Settings};
 use skein_domain::NodeTime;
 use skein_domain::payload::{DetectorState, Finding, FrameHeader};
-use skein_vision::{Gray, MotionDetector, PictureTrack, PictureTracker};
+use skein_vision::{Gray, MotionDetector, PictureTrack, PictureTracker, UNKNOWN_CLASS};
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::time::Instant;
@@ -129,7 +129,7 @@ impl Eye {
         }
         for (track, sure) in tracks.iter_mut().zip(sure) {
             if sure < self.drone_score {
-                track.scores = track.scores.renamed(DRONE, joining::UNKNOWN);
+                track.scores = track.scores.renamed(DRONE, UNKNOWN_CLASS);
             }
         }
         Ok(())

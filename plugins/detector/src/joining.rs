@@ -1,12 +1,10 @@
 //! The rule that joins what the model finds with what moves.
 //!
 //! 1. What the model finds where something moves is surer than what it finds where nothing does.
-//! 2. What moves where the model finds nothing is told as [`UNKNOWN`], if it is small: what is large and has no box is a cloud, a tree or a shadow.
+//! 2. What moves where the model finds nothing is told as [`UNKNOWN_CLASS`], if it is small: what is large and has no box is a cloud, a tree or a shadow.
 
-use skein_vision::{ClassScores, Found, Moving};
+use skein_vision::{ClassScores, Found, Moving, UNKNOWN_CLASS};
 
-/// The class of what moves and looks like nothing that is known.
-pub(crate) const UNKNOWN: &str = "unknown";
 /// How much surer a box is in which something moves: see [`ClassScores::raised`].
 const SURER: f64 = 0.2;
 /// Something that moves belongs to a box if its middle is no farther from the box's than this share of its size.
@@ -33,7 +31,7 @@ pub(crate) fn join(mut found: Vec<Found>, moving: &[Moving]) -> Vec<Found> {
             let score = one.contrast / (one.contrast + CONTRAST_HALF);
             alone.push(Found {
                 bounds: one.bounds,
-                scores: ClassScores::one(UNKNOWN, score),
+                scores: ClassScores::one(UNKNOWN_CLASS, score),
             });
         }
     }

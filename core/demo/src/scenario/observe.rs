@@ -270,10 +270,11 @@ impl Flight for Observe {
     }
 
     async fn fly(&mut self, runner: &ScenarioRunner<'_>) -> anyhow::Result<()> {
-        runner.take_off_all(HEIGHT_M).await?;
+        runner.find_all().await?;
         if runner.ids().len() <= OBSERVERS {
             bail!("this is flown with {} vehicles at least: add --vehicles", OBSERVERS + 1);
         }
+        runner.take_off_all(HEIGHT_M).await?;
         let sent = self.send(runner).await?;
         self.watch(runner, &sent, LOOKED_AT_S).await;
         let then = self.relieve(runner, &sent).await?;

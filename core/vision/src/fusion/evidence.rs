@@ -4,7 +4,7 @@
 //! Must never do: say where something is.
 
 use super::{Observation, Sighting};
-use crate::ClassScores;
+use crate::{ClassScores, UNKNOWN_CLASS};
 use skein_domain::NodeTime;
 
 /// In this time, in seconds, what was seen counts half.
@@ -20,7 +20,6 @@ const POSITION: f64 = 0.8;
 const BEARING: f64 = 0.5;
 /// What a bearing says of which nobody knows what it is of, such as a direction finder's, or of something that only moves.
 const UNKNOWN_BEARING: f64 = 0.02;
-const UNKNOWN: &str = "unknown";
 
 /// What speaks for a track.
 #[derive(Debug, Clone, Copy)]
@@ -82,7 +81,7 @@ pub(super) fn worth(seen: &Observation, scores: &ClassScores) -> f64 {
     match seen {
         Observation::Position { .. } => POSITION,
         Observation::Bearing { .. } => {
-            let known = scores.iter().filter(|(class, _)| *class != UNKNOWN);
+            let known = scores.iter().filter(|(class, _)| *class != UNKNOWN_CLASS);
             let score = known.fold(0.0, |best: f64, (_, score)| best.max(score));
             (BEARING * score * score).max(UNKNOWN_BEARING)
         }

@@ -1,7 +1,7 @@
 //! The rule that joins model and motion.
 
-use crate::joining::{UNKNOWN, join};
-use skein_vision::{Bounds, ClassScores, Found, Moving};
+use crate::joining::join;
+use skein_vision::{Bounds, ClassScores, Found, Moving, UNKNOWN_CLASS};
 
 fn bounds(x_px: f64, size_px: f64) -> Bounds {
     Bounds {
@@ -38,6 +38,6 @@ fn what_moves_makes_the_box_around_it_surer_and_no_other() {
 fn something_small_that_moves_alone_is_unknown_and_something_large_is_nothing() {
     let joined = join(Vec::new(), &[moving(20.0, 4.0, 12.0), moving(60.0, 40.0, 50.0)]);
     let [one] = joined.as_slice() else { panic!("{joined:?}") };
-    assert_eq!(one.scores.best(), Some((UNKNOWN, 0.5)));
+    assert_eq!(one.scores.best(), Some((UNKNOWN_CLASS, 0.5)));
     assert_eq!(one.bounds, bounds(20.0, 4.0));
 }
