@@ -4,7 +4,6 @@ use super::joining::ENOUGH;
 use super::tracklet::{Belongs, Tracklet};
 use super::{Observation, OwnVehicle, SwarmTracker};
 use nalgebra::Matrix3;
-use skein_domain::VehicleId;
 
 /// Share of sightings that a vehicle of the swarm has to explain.
 const OWN_SHARE: f64 = 0.7;
@@ -12,8 +11,7 @@ const OWN_SHARE: f64 = 0.7;
 const OWN_DEVIATIONS: f64 = 3.5;
 /// And how far at most, in radians: one that is near could be anywhere else.
 const WIDEST_RAD: f64 = 0.5;
-/// What a track took is a vehicle of ours if it is nearer to it than this, in standard deviations of this share of the vehicle's error.
-const SURELY_DEVIATIONS: f64 = 1.5;
+/// What a track took is a vehicle of ours if it is within this share of the vehicle's error.
 const SURELY: f64 = 0.4;
 /// A vehicle so near to a sensor carries it, in metres: it explains nothing, or it would explain everything.
 const CARRIES_M: f64 = 2.5;
@@ -21,24 +19,24 @@ const CARRIES_M: f64 = 2.5;
 impl SwarmTracker {
     /// What vehicles of the swarm explain belongs to them, for as long as they do.
     pub(super) fn leave_out_own(&mut self, own: &[OwnVehicle]) {
-        let stolen = self.of_ours_alone(own);
         for tracklet in &mut self.tracklets {
             match tracklet.belongs {
-                // What a track took by mistake is given back.
-                Belongs::Track(track) => {
-                    if let Some((_, vehicle)) = stolen.iter().find(|(id, _)| *id == track) {
-                        tracklet.belongs = Belongs::Own(*vehicle);
+                Belongs::Nothing if tracklet.sightings.len() >= ENOUGH => {
+                    if let Some(vehicle) = own.iter().find(|vehicle| explains(vehicle, tracklet, vehicle.error_m)) {
+                        tracklet.belongs = Belongs::Own(vehicle.id);
                     }
                 }
-                Belongs::Nothing if tracklet.sightings.len() >= ENOUGH => {
-                    if let Some(vehicle) = own.iter().find(|vehicle| explains(vehicle, tracklet)) {
+                // A track that a sensor's sightings of a vehicle of ours went to by mistake gives them back.
+                Belongs::Track(_) if tracklet.sightings.len() >= ENOUGH => {
+                    let nearly = |vehicle: &&OwnVehicle| explains(vehicle, tracklet, SURELY * vehicle.error_m);
+                    if let Some(vehicle) = own.iter().find(nearly) {
                         tracklet.belongs = Belongs::Own(vehicle.id);
                     }
                 }
                 Belongs::Own(id)
                     if !own
                         .iter()
-                        .any(|vehicle| vehicle.id == id && explains(vehicle, tracklet)) =>
+                        .any(|vehicle| vehicle.id == id && explains(vehicle, tracklet, vehicle.error_m)) =>
                 {
                     tracklet.belongs = Belongs::Nothing;
                 }
@@ -46,35 +44,10 @@ impl SwarmTracker {
             }
         }
     }
-
-    /// Tracks of which every sensor sees a vehicle of ours, each with one of these. A thing before which one of ours flies past is seen beside it by another
-    /// camera.
-    fn of_ours_alone(&self, own: &[OwnVehicle]) -> Vec<(u64, VehicleId)> {
-        let of_ours = |id: u64| {
-            let seen = self
-                .tracklets
-                .iter()
-                .filter(|tracklet| tracklet.belongs == Belongs::Track(id));
-            let mut vehicle = None;
-            for tracklet in seen {
-                let surely = |of: &&OwnVehicle| explains_within(of, tracklet, SURELY * of.error_m, SURELY_DEVIATIONS);
-                let enough = tracklet.sightings.len() >= ENOUGH;
-                vehicle = Some(own.iter().find(surely).filter(|_| enough)?.id);
-            }
-            vehicle
-        };
-        let tracks = self.tracks.iter().map(|track| track.id);
-        tracks.filter_map(|id| Some((id, of_ours(id)?))).collect()
-    }
-}
-
-/// Whether a vehicle of the swarm is what most of the sightings saw.
-fn explains(vehicle: &OwnVehicle, tracklet: &Tracklet) -> bool {
-    explains_within(vehicle, tracklet, vehicle.error_m, OWN_DEVIATIONS)
 }
 
 /// Whether a vehicle of the swarm, which may be so far from where its telemetry says it is, is what most of the sightings saw.
-fn explains_within(vehicle: &OwnVehicle, tracklet: &Tracklet, error_m: f64, deviations: f64) -> bool {
+fn explains(vehicle: &OwnVehicle, tracklet: &Tracklet, error_m: f64) -> bool {
     let fits = tracklet.sightings.iter().filter(|(time, seen)| {
         let place = vehicle.position + vehicle.velocity * time.seconds_since(vehicle.time);
         let off = match seen {
@@ -101,7 +74,7 @@ fn explains_within(vehicle: &OwnVehicle, tracklet: &Tracklet, error_m: f64, devi
                     .map_or(f64::INFINITY, |whole| off.dot(&whole.solve(&off)).sqrt())
             }
         };
-        off < deviations
+        off < OWN_DEVIATIONS
     });
     fits.count() as f64 >= OWN_SHARE * tracklet.sightings.len() as f64
 }

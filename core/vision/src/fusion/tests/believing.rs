@@ -115,34 +115,3 @@ fn what_would_be_a_grain_to_one_camera_and_a_barn_to_the_other_is_not_one_thing(
         assert_eq!(tracks.len(), told, "{south_rad} rad");
     }
 }
-
-#[test]
-fn a_vehicle_of_ours_that_flies_past_before_a_camera_takes_no_track_with_it() {
-    let mut tracker = SwarmTracker::new(SwarmSettings::default());
-    let both = |t: f64| {
-        vec![
-            seen("west", Some(1), t, WEST, target(t)),
-            seen("south", Some(1), t, SOUTH, target(t)),
-        ]
-    };
-    let [before] = run(&mut tracker, 1.0, 4.0, both).try_into().expect("is one track");
-    // On the way from one camera to the target, for two seconds.
-    for step in 0..20 {
-        let time_s = 4.0 + f64::from(step) * 0.1;
-        let (from, at) = (Vector3::from(WEST), Vector3::from(target(time_s)));
-        let own = [OwnVehicle {
-            id: VehicleId(4),
-            time: NodeTime::from_seconds(time_s),
-            position: from + (at - from) * 0.5,
-            velocity: Vector3::zeros(),
-            error_m: 1.5,
-        }];
-        both(time_s)
-            .into_iter()
-            .for_each(|sighting| tracker.take(sighting).expect("is sound"));
-        tracker.step(NodeTime::from_seconds(time_s), &own);
-        let now: Vec<_> = tracker.tracks(NodeTime::from_seconds(time_s)).collect();
-        assert_eq!(now.len(), 1);
-        assert_eq!((now[0].id, now[0].sensors.len()), (before.id, 2));
-    }
-}
