@@ -87,7 +87,8 @@ fn payload(name: &str, vehicles: u8) -> PayloadRule {
     let cameras = f64::from(vehicles / 3).max(1.0);
     let config = match name {
         "camera" => {
-            serde_json::json!({ "source": "synthetic", "rate_hz": PICTURES_HZ.min(ALL_PICTURES_HZ / cameras) })
+            // The page tells how old the pictures are that it shows.
+            serde_json::json!({ "source": "synthetic", "rate_hz": PICTURES_HZ.min(ALL_PICTURES_HZ / cameras), "clock": true })
         }
         _ => serde_json::json!({}),
     };

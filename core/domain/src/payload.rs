@@ -15,7 +15,7 @@ pub use detector::{DetectorState, Finding};
 pub use frame::{CameraPose, FrameHeader, PixelFormat};
 pub use gimbal::{GimbalCommand, GimbalMode, GimbalOwner, GimbalState, GimbalYawFrame};
 pub use radio::{RadioCommand, RadioState};
-pub use tracks::{FIRST_FUSED_TRACK, Track, TrackEstimate, TrackSource, symmetric, upper_triangle};
+pub use tracks::{FIRST_FUSED_TRACK, Track, TrackEstimate, TrackSource, largest_error_m, symmetric, upper_triangle};
 
 use crate::{PositionNed, VehicleId};
 use minicbor::{Decode, Encode};

@@ -160,7 +160,7 @@ impl Default for Settings {
             sway_rad: 0.0,
             pose_error_rad: 0.0,
             truth: false,
-            clock: true,
+            clock: false,
             ack_timeout_s: 0.7,
             attempts: 4,
             lost_after_s: 5.0,

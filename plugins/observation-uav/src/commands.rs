@@ -95,6 +95,7 @@ impl ObservationUav {
             on_station: false,
             since: self.now,
             asked_bearing_rad: asked.bearing_rad,
+            waits: false,
             lowest_down_m: None,
         });
     }

@@ -19,6 +19,11 @@ const REACH_PATIENCE_S: f64 = 3.0;
 /// A gimbal that has not answered within so long will not, in seconds.
 const ANSWER_PATIENCE_S: f64 = 5.0;
 
+/// How high pictures are, as a share of their width: most are 4:3 or wider, so the lower ones count.
+const HEIGHT_PER_WIDTH: f64 = 0.7;
+/// As long as the target is within this share of the height of view, the speed is not limited.
+const FULL_SPEED_VIEW: f64 = 0.6;
+
 impl ObservationUav {
     /// One period of looking.
     pub(crate) fn look(&mut self, dt_s: f64, out: &mut Effects) {
@@ -121,11 +126,36 @@ impl ObservationUav {
         self.uav.look_along(wrap_angle_rad(asked_rad + turn_rad));
     }
 
+    /// With which share of its speed the vehicle may fly: a camera that is fixed to it looks at the ground when it leans forward, and the faster it flies, the more
+    /// it leans. 1 where a gimbal keeps the picture level, where there is no camera, or nobody says how the vehicle leans.
+    pub(crate) fn speed_share(&self, at: &PositionNed) -> f64 {
+        let fixed = self.payloads.gimbal().is_none() && self.payloads.camera().is_some();
+        let lean_rad = self.uav.own_state().and_then(|own| own.pitch_rad).filter(|_| fixed);
+        let wanted = self.uav.position().and_then(|here| Direction::from_to(&here, at));
+        let (Some(lean_rad), Some(wanted)) = (lean_rad, wanted) else {
+            return 1.0;
+        };
+        let level_rad = wanted.pitch_rad - self.settings.fixed_camera_pitch_rad;
+        let view_rad = self.field_rad() / 2.0 * HEIGHT_PER_WIDTH;
+        if level_rad.abs() > view_rad {
+            return 1.0; // No slower flight would bring it into view.
+        }
+        let share_of_view = (level_rad - lean_rad).abs() / view_rad;
+        ((1.0 - share_of_view) / (1.0 - FULL_SPEED_VIEW)).clamp(0.0, 1.0)
+    }
+
+    fn field_rad(&self) -> f64 {
+        let told = self.payloads.camera().and_then(|(_, camera)| camera.field_of_view_rad);
+        told.unwrap_or(self.settings.field_of_view_rad)
+    }
+
     /// Whether a place is within the camera's field of view.
     pub(crate) fn sees(&self, at: &PositionNed) -> bool {
-        let Some(own) = self.uav.own_state().and_then(|own| own.kinematics) else {
+        let Some(state) = self.uav.own_state() else {
             return false;
         };
+        let Some(own) = state.kinematics else { return false };
+        let lean_rad = state.pitch_rad.unwrap_or(0.0);
         let Some(wanted) = self.uav.position().and_then(|here| Direction::from_to(&here, at)) else {
             return false;
         };
@@ -136,12 +166,10 @@ impl ObservationUav {
             },
             None => Direction {
                 yaw_rad: own.yaw_rad,
-                pitch_rad: self.settings.fixed_camera_pitch_rad,
+                pitch_rad: lean_rad + self.settings.fixed_camera_pitch_rad,
             },
         };
-        let told = self.payloads.camera().and_then(|(_, camera)| camera.field_of_view_rad);
-        let field_rad = told.unwrap_or(self.settings.field_of_view_rad);
-        looking.angle_to_rad(&wanted) <= field_rad / 2.0
+        looking.angle_to_rad(&wanted) <= self.field_rad() / 2.0
     }
 
     /// A payload answered.

@@ -18,6 +18,8 @@ use skein_plugin_sdk::{CreateError, Effects, UavManifest, UavModel, log};
 const REPORT_INTERVAL_S: f64 = 0.5;
 /// On station when no farther from it than this, in metres.
 const ON_STATION_M: f64 = 1.5;
+/// With a camera that is fixed it closes in on its target by this speed at least, in metres per second.
+const SLOWEST_M_S: f64 = 1.0;
 /// A period longer than this is none: the vehicle was held meanwhile, in seconds.
 const LONGEST_PERIOD_S: f64 = 0.25;
 
@@ -190,6 +192,7 @@ impl ObservationUav {
             self.lose_target(out);
             return;
         }
+        let (waited, waits) = (observation.waits, observation.waits());
         let (Some((at, velocity)), Some(place)) = (observation.aimed.motion(now, settings), place) else {
             return; // Stands until it is seen.
         };
@@ -218,17 +221,25 @@ impl ObservationUav {
             Some(asked_rad) => geometry::on_circle(&at, asked_rad, observation.stand_off_m, height_m),
             None => position,
         };
-        let near = here.is_some_and(|here| here.distance_m(&station) <= ON_STATION_M);
+        let near = !waits && here.is_some_and(|here| here.distance_m(&station) <= ON_STATION_M);
         let arrived = near && !observation.on_station;
         observation.on_station |= near;
         let late = !observation.on_station && now.seconds_since(observation.since) > settings.approach_timeout_s;
         let after_s = now.seconds_since(observation.since);
-        self.uav.guide(Some(Goal {
+        let error_m = observation.aimed.error_m();
+        // As fast as the target at least, or it would never be reached.
+        let speed_m_s = settings.speed_m_s * self.speed_share(&at);
+        let speed_m_s = speed_m_s.max(velocity.vector().xy().norm() + SLOWEST_M_S);
+        self.uav.guide((!waits).then_some(Goal {
             position,
             velocity,
             time: now,
-            speed_m_s: settings.speed_m_s,
+            speed_m_s: speed_m_s.min(self.settings.speed_m_s),
         }));
+        if waits && !waited {
+            let text = format!("its target is known to {error_m:.0} m only: it stands until that is better");
+            out.notice(Severity::Advisory, text);
+        }
         if arrived {
             self.uav.guided_command_done(out);
         }
@@ -332,6 +343,7 @@ impl ObservationUav {
             distance_m: both.map(distance).filter(finite),
             stand_off_m: observation.map(|observation| observation.stand_off_m),
             height_m: both.map(|(at, here)| tenth(at.down_m - here.down_m)).filter(finite),
+            waits: observation.is_some_and(|observation| observation.waits),
             in_view: at.is_some_and(|at| self.sees(&at)),
             gimbal: self.payloads.gimbal().map(|(name, _)| name.to_owned()),
             camera: camera.map(|(name, _)| name.to_owned()),

@@ -17,6 +17,8 @@ pub struct ObservationState {
     pub stand_off_m: Option<f64>,
     /// Height over it in metres, to a tenth.
     pub height_m: Option<f64>,
+    /// It stands still, since its target is not known well enough to fly by.
+    pub waits: bool,
     /// It is within the camera's field of view. Nothing is known of what may stand in between.
     pub in_view: bool,
     /// The gimbal that is used.

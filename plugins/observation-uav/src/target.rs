@@ -18,10 +18,13 @@ pub(crate) struct Sighting {
     pub velocity: VelocityNed,
     #[n(2)]
     pub time: NodeTime,
+    /// Standard deviation of the position in metres, if somebody says.
+    #[n(3)]
+    pub error_m: Option<f64>,
 }
 
 impl Sighting {
-    fn usable(position: PositionNed, velocity: VelocityNed, time: NodeTime) -> Option<Self> {
+    fn usable(position: PositionNed, velocity: VelocityNed, time: NodeTime, error_m: Option<f64>) -> Option<Self> {
         let velocity = if velocity.is_finite() {
             velocity
         } else {
@@ -31,6 +34,7 @@ impl Sighting {
             position,
             velocity,
             time,
+            error_m: error_m.filter(|error_m| error_m.is_finite()),
         })
     }
 
@@ -52,14 +56,14 @@ impl Sightings {
     /// Where the target was last, if it is known at all.
     pub(crate) fn of(&self, target: &Target, now: NodeTime) -> Option<Sighting> {
         match target {
-            Target::Place { position } => Sighting::usable(*position, VelocityNed::default(), now),
+            Target::Place { position } => Sighting::usable(*position, VelocityNed::default(), now, None),
             Target::Vehicle { vehicle } => {
                 let peer = self.peers.iter().find(|peer| peer.id == *vehicle)?.kinematics;
-                Sighting::usable(peer.position, peer.velocity, peer.measured)
+                Sighting::usable(peer.position, peer.velocity, peer.measured, None)
             }
             Target::Track { track } => {
                 let track = self.tracks.iter().find(|known| known.track == *track)?;
-                Sighting::usable(track.position, track.velocity, track.time)
+                Sighting::usable(track.position, track.velocity, track.time, track.error_m)
             }
         }
     }
@@ -135,6 +139,11 @@ impl Aimed {
     pub(crate) fn motion(&self, now: NodeTime, settings: &Settings) -> Option<(PositionNed, VelocityNed)> {
         let planned = self.planned?;
         Some((planned.at(now, settings.target_timeout_s), planned.velocity))
+    }
+
+    /// How well it is known where it is: a standard deviation in metres, 0 where nobody says.
+    pub(crate) fn error_m(&self) -> f64 {
+        self.seen.and_then(|seen| seen.error_m).unwrap_or(0.0)
     }
 
     /// Where it is as far as is known.

@@ -72,12 +72,27 @@ pub(crate) struct Observation {
     /// The side that the command named.
     #[n(7)]
     pub asked_bearing_rad: Option<f64>,
+    /// It stands still, for it is not known well enough where the target is.
+    #[n(9)]
+    #[cbor(default)]
+    pub waits: bool,
     /// It goes no lower than this, along down in the swarm frame; absent until the target was first seen.
     #[n(8)]
     pub lowest_down_m: Option<f64>,
 }
 
+/// Whoever is to stand this far off a target does not fly by an error of more than this share of it, and then not before it is this small again.
+const WAITS_FROM_SHARE: f64 = 0.25;
+const FLIES_FROM_SHARE: f64 = 0.15;
+
 impl Observation {
+    /// Whether to stand still, since the target may be anywhere around where it is thought to be: whoever flies by that may fly into it, or away from it.
+    pub(crate) fn waits(&mut self) -> bool {
+        let share = self.aimed.error_m() / self.stand_off_m;
+        self.waits = share > if self.waits { FLIES_FROM_SHARE } else { WAITS_FROM_SHARE };
+        self.waits
+    }
+
     /// How far over the target to stand, for a vehicle that is at `place` now; and whether that is so as not to go lower. Something that goes down, or
     /// was never there, does not take the vehicle down with it.
     pub(crate) fn height_over(&mut self, target: &PositionNed, place: &PositionNed, lowest_m: f64) -> (f64, bool) {

@@ -249,6 +249,7 @@ impl<'a> World<'a> {
                 position: place.into(),
                 velocity: foreign.velocity.into(),
                 time: now,
+                error_m: None,
             }));
         }
         self.ground.see(&self.case.moving, self.now_s, PERIOD_S, now);

@@ -61,6 +61,7 @@ fn tracks_are_counted_by_who_says_so() {
         position: skein_domain::PositionNed::default(),
         velocity: skein_domain::VelocityNed::default(),
         time: skein_domain::NodeTime::default(),
+        error_m: None,
     });
     let snapshot = FleetSnapshot {
         tracks: vec![told],

@@ -123,6 +123,7 @@ fn a_track_of_our_own_making_is_kept_away_from_as_far_as_it_is_known() {
         position: PositionNed::new(1.0, 2.0, -3.0),
         velocity: VelocityNed::default(),
         time: at_s(HEARD_S),
+        error_m: None,
     });
     assert_eq!(estimated(&told), Some(track(&told.track)), "as it always was");
     let fused = |error_m: f64| TrackEstimate {

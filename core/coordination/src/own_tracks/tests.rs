@@ -32,6 +32,7 @@ fn track(north_m: f64, east_m: f64, speed_m_s: f64, at_s: f64) -> Track {
         position: PositionNed::new(north_m, east_m, -20.0),
         velocity: VelocityNed::new(speed_m_s, 0.0, 0.0),
         time: NodeTime::from_seconds(at_s),
+        error_m: None,
     }
 }
 

@@ -29,6 +29,10 @@ pub struct Track {
     /// When that was, on the node's clock.
     #[n(3)]
     pub time: NodeTime,
+    /// Standard deviation of the position in metres, along the direction in which it is known worst; null if nobody says.
+    #[n(4)]
+    #[serde(default)]
+    pub error_m: Option<f64>,
 }
 
 /// Who says that something is there.
@@ -104,9 +108,15 @@ impl TrackEstimate {
     /// Standard deviation of its position in metres, along the direction in which it is known worst.
     #[must_use]
     pub fn largest_error_m(&self) -> Option<f64> {
-        let largest = self.position_covariance()?.symmetric_eigenvalues().max();
-        (largest >= 0.0).then(|| largest.sqrt())
+        largest_error_m(&self.position_covariance()?)
     }
+}
+
+/// Standard deviation along the direction in which a position of this covariance in square metres is known worst, in metres.
+#[must_use]
+pub fn largest_error_m(covariance: &Matrix3<f64>) -> Option<f64> {
+    let largest = covariance.symmetric_eigenvalues().max();
+    (largest >= 0.0).then(|| largest.sqrt())
 }
 
 /// A symmetric matrix of its upper triangle, row by row.
@@ -138,6 +148,7 @@ mod tests {
             position: PositionNed::new(1.0, 2.0, -3.0),
             velocity: VelocityNed::new(0.5, 0.0, 0.0),
             time: NodeTime(7),
+            error_m: None,
         };
         TrackEstimate {
             covariance_m2,

@@ -142,6 +142,7 @@ fn a_track_says_what_it_may_be_and_how_well_it_is_known() {
         position: PositionNed::new(1.0, 2.0, -3.0),
         velocity: VelocityNed::default(),
         time: NodeTime::from_seconds(99.0),
+        error_m: None,
     });
     let plain = track(&told, &stamps());
     assert_eq!((plain.id.as_str(), plain.results.len()), ("4", 1));

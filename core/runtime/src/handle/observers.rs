@@ -229,7 +229,12 @@ pub(crate) fn candidates(snapshot: &FleetSnapshot) -> Vec<Candidate> {
 
 fn candidate(vehicle: &VehicleSnapshot, members: &[VehicleId]) -> Candidate {
     let flies = vehicle.landed == LandedState::InAir && vehicle.armed;
-    let has = |kind: PayloadKind| vehicle.payloads.iter().any(|payload| payload.kind == kind);
+    let is_there =
+        |state: &serde_json::Value| state.get("connected").and_then(serde_json::Value::as_bool) != Some(false);
+    let has = |kind: PayloadKind| {
+        let mut of_kind = vehicle.payloads.iter().filter(|payload| payload.kind == kind);
+        of_kind.any(|payload| payload.state.as_ref().is_none_or(is_there))
+    };
     let unfit = match vehicle.flight_state {
         _ if !vehicle.link.connected => Some("it is not heard".to_owned()),
         FlightState::PilotControl => Some("a pilot flies it".to_owned()),

@@ -4,7 +4,7 @@
 
 use nalgebra::{Matrix3, Matrix6};
 use skein_domain::NodeTime;
-use skein_domain::payload::{FIRST_FUSED_TRACK, Track, TrackEstimate, TrackSource, upper_triangle};
+use skein_domain::payload::{FIRST_FUSED_TRACK, Track, TrackEstimate, TrackSource, largest_error_m, upper_triangle};
 use skein_vision::{ClassScores, Sensor, SwarmSettings, SwarmTrack};
 
 /// How well a velocity is known that another tracker showed, along each axis in m/s: one standard deviation. Covariances of positions are shown, these are not.
@@ -34,6 +34,7 @@ pub(super) fn estimate(track: SwarmTrack) -> TrackEstimate {
             position: track.position.into(),
             velocity: track.velocity.into(),
             time: track.time,
+            error_m: largest_error_m(&covariance),
         },
         class: track
             .scores
@@ -99,12 +100,13 @@ mod tests {
     use std::collections::BTreeMap;
 
     fn shown() -> TrackEstimate {
-        TrackEstimate {
+        let mut shown = TrackEstimate {
             track: Track {
                 track: FIRST_FUSED_TRACK + 4,
                 position: PositionNed::new(10.0, -20.0, -30.0),
                 velocity: VelocityNed::new(1.0, 2.0, 0.0),
                 time: NodeTime::from_seconds(60.0),
+                error_m: None,
             },
             name: "visitor".to_owned(),
             class: "drone".to_owned(),
@@ -117,7 +119,9 @@ mod tests {
             seen: NodeTime::from_seconds(59.5),
             sensors: vec!["1/camera".to_owned(), "radar".to_owned()],
             source: TrackSource::Fused,
-        }
+        };
+        shown.track.error_m = shown.largest_error_m();
+        shown
     }
 
     #[test]

@@ -130,6 +130,7 @@ mod tests {
             position: PositionNed::default(),
             velocity: VelocityNed::default(),
             time: NodeTime(0),
+            error_m: None,
         })
     }
 

@@ -11,6 +11,7 @@ fn track(number: u64) -> Track {
         position: PositionNed::new(number as f64, 0.0, -20.0),
         velocity: VelocityNed::default(),
         time: NodeTime::from_seconds(1.0),
+        error_m: None,
     }
 }
 

@@ -3,7 +3,7 @@
 use super::birth::{self, Explained};
 use super::estimate::Estimate;
 use super::tracklet::{Belongs, Tracklet};
-use super::{BELIEVED_AFTER, Observation, Sensor, SwarmTracker, Track};
+use super::{BELIEVED_AFTER, FARTHEST, Observation, Sensor, SwarmTracker, Track};
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
@@ -27,38 +27,69 @@ impl SwarmTracker {
     /// Tracklets that a track predicted go to it.
     pub(super) fn join_tracks(&mut self) {
         let mut fits: Vec<(f64, usize, u64)> = Vec::new();
-        for (index, tracklet) in self.tracklets.iter().enumerate() {
-            if tracklet.belongs != Belongs::Nothing || !is_enough(tracklet) {
-                continue;
-            }
-            let known = self
-                .tracks
-                .iter()
-                .filter(|track| track.sightings >= BELIEVED_AFTER)
-                .filter(|track| !track.guessed_range || self.goes_on_with(track, tracklet));
-            let free = known.filter(|track| !self.sees(tracklet, track));
-            let mut costs: Vec<(f64, u64)> = free
-                .filter_map(|track| Some((self.cost(tracklet, &track.estimate)?, track.id)))
-                .collect();
-            costs.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let wanted = if tracklet.age_s() > PATIENCE_S {
-                LESS_CLEARLY
-            } else {
-                CLEARLY
-            };
-            let clear = costs.get(1).is_none_or(|second| second.0 - costs[0].0 > wanted);
-            if let (Some((cost, id)), true) = (costs.first(), clear) {
-                fits.push((*cost, index, *id));
+        for index in 0..self.tracklets.len() {
+            let best = self.best_track(&self.tracklets[index]);
+            let tracklet = &mut self.tracklets[index];
+            // Things cross: what has a track with a guessed range goes to a known one only if it stays where that is.
+            let since = tracklet
+                .fits
+                .filter(|(id, _)| best.is_some_and(|(_, best)| best == *id));
+            tracklet.fits = since.or(best.map(|(_, id)| (id, tracklet.seen())));
+            let lasts_s = tracklet
+                .fits
+                .map_or(0.0, |(_, since)| tracklet.seen().seconds_since(since));
+            if let Some((cost, id)) = best.filter(|_| tracklet.belongs == Belongs::Nothing || lasts_s > PATIENCE_S) {
+                fits.push((cost, index, id));
             }
         }
         fits.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (_, index, id) in fits {
             let sensor = self.tracklets[index].sensor.clone();
             let now = self.tracklets[index].seen();
-            if !self.sensors_of(id, now).contains(&sensor) {
+            if self.tracks.iter().any(|track| track.id == id) && !self.sensors_of(id, now).contains(&sensor) {
+                let id = match self.tracklets[index].belongs {
+                    Belongs::Track(guessed) => self.unite(id, guessed),
+                    _ => id,
+                };
                 self.tracklets[index].belongs = Belongs::Track(id);
                 self.learn(index, id);
             }
+        }
+    }
+
+    /// The track that predicts what a tracklet saw, if it may go to one and no other track does nearly as well; and how badly.
+    fn best_track(&self, tracklet: &Tracklet) -> Option<(f64, u64)> {
+        if !self.is_free(tracklet) || !is_enough(tracklet) {
+            return None;
+        }
+        let known = self
+            .tracks
+            .iter()
+            .filter(|track| track.sightings >= BELIEVED_AFTER && tracklet.belongs != Belongs::Track(track.id))
+            .filter(|track| !track.guessed_range || self.goes_on_with(track, tracklet));
+        let free = known.filter(|track| !self.sees(tracklet, track));
+        let mut costs: Vec<(f64, u64)> = free
+            .filter_map(|track| Some((self.cost(tracklet, &track.estimate)?, track.id)))
+            .collect();
+        costs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let wanted = if tracklet.age_s() > PATIENCE_S {
+            LESS_CLEARLY
+        } else {
+            CLEARLY
+        };
+        let clear = costs.get(1).is_none_or(|second| second.0 - costs[0].0 > wanted);
+        costs.first().copied().filter(|_| clear)
+    }
+
+    /// Whether a track is looked for that a tracklet belongs to: it belongs to none, or alone to one whose range is only guessed.
+    fn is_free(&self, tracklet: &Tracklet) -> bool {
+        match tracklet.belongs {
+            Belongs::Nothing => true,
+            Belongs::Track(id) => {
+                let alone = self.sensors_of(id, tracklet.seen()).len() == 1;
+                alone && self.tracks.iter().any(|track| track.id == id && track.guessed_range)
+            }
+            Belongs::Own(_) | Belongs::Dropped => false,
         }
     }
 
@@ -70,6 +101,15 @@ impl SwarmTracker {
     /// Whether this tracklet's sensor sees the track under another name.
     fn sees(&self, tracklet: &Tracklet, track: &Track) -> bool {
         self.sensors_of(track.id, tracklet.seen()).contains(&tracklet.sensor)
+    }
+
+    /// Whether a track that is known predicts what a tracklet saw.
+    pub(super) fn is_predicted(&self, tracklet: &Tracklet) -> bool {
+        let mut known = self
+            .tracks
+            .iter()
+            .filter(|track| track.sightings >= BELIEVED_AFTER && !track.guessed_range);
+        known.any(|track| self.cost(tracklet, &track.estimate).is_some())
     }
 
     /// How badly an estimate predicts what a tracklet saw; `None` if it does not.
@@ -133,7 +173,11 @@ impl SwarmTracker {
                     b.sightings.iter().cloned().collect(),
                 );
                 let explained = birth::explain(a.seen().max(b.seen()), &a_seen, &b_seen);
-                let fits = |explained: &Explained| explained.ratio() < FITS && are_as_large(a, b, &explained.estimate);
+                let fits = |explained: &Explained| {
+                    explained.ratio() < FITS
+                        && are_as_large(a, b, &explained.estimate)
+                        && [a, b].into_iter().all(|one| self.agrees(one, &explained.estimate))
+                };
                 if let Some(explained) = explained.filter(fits) {
                     let witnesses = self.witnesses(&open, first, second, &explained.estimate);
                     pairs.push(Pair {
@@ -146,6 +190,17 @@ impl SwarmTracker {
             }
         }
         pairs
+    }
+
+    /// Whether the track that a tracklet belongs to, if it is known where that is, may be there too: a pair moves no track to somewhere else.
+    fn agrees(&self, tracklet: &Tracklet, estimate: &Estimate) -> bool {
+        let of_it = |track: &&Track| tracklet.belongs == Belongs::Track(track.id) && !track.guessed_range;
+        self.tracks.iter().find(of_it).is_none_or(|track| {
+            let known = track.estimate.at(estimate.time, self.settings.acceleration_m2_s3);
+            let off = known.position() - estimate.position();
+            let whole = (known.position_covariance() + estimate.position_covariance()).cholesky();
+            whole.is_some_and(|whole| off.dot(&whole.solve(&off)) < FARTHEST[3])
+        })
     }
 
     /// How many other sensors see something there.
@@ -213,6 +268,26 @@ impl SwarmTracker {
         }
     }
 
+    /// Two tracks are one, and it is where the first is: the number that is kept.
+    fn unite(&mut self, placed: u64, other: u64) -> u64 {
+        let (kept, gone) = self.older(placed, other);
+        let place = self.tracks.iter().find(|track| track.id == placed);
+        let place = place.map(|track| (track.estimate.clone(), track.guessed_range));
+        if let (Some(kept), Some((estimate, guessed_range))) =
+            (self.tracks.iter_mut().find(|track| track.id == kept), place)
+        {
+            kept.estimate = estimate;
+            kept.guessed_range = guessed_range;
+        }
+        self.swallow(kept, gone);
+        for tracklet in &mut self.tracklets {
+            if tracklet.belongs == Belongs::Track(gone) {
+                tracklet.belongs = Belongs::Track(kept);
+            }
+        }
+        kept
+    }
+
     /// Which of two tracks is kept when they are one: the pinned, the named, the older.
     fn older(&self, first: u64, second: u64) -> (u64, u64) {
         let rank = |id: u64| {
@@ -246,13 +321,8 @@ impl SwarmTracker {
     /// Two tracks that are one become one.
     pub(super) fn merge(&mut self) {
         while let Some((first, second)) = self.same() {
-            let (kept, gone) = self.older(first, second);
-            self.swallow(kept, gone);
-            for tracklet in &mut self.tracklets {
-                if tracklet.belongs == Belongs::Track(gone) {
-                    tracklet.belongs = Belongs::Track(kept);
-                }
-            }
+            let placed = self.older(first, second).0;
+            self.unite(placed, if placed == first { second } else { first });
         }
     }
 

@@ -82,6 +82,13 @@ pub struct OwnVehicle {
     pub error_m: f64,
 }
 
+impl OwnVehicle {
+    /// Where it is at a moment if it goes on as it did.
+    pub(super) fn at(&self, time: NodeTime) -> Vector3<f64> {
+        self.position + self.velocity * time.seconds_since(self.time)
+    }
+}
+
 /// Why a sighting cannot be true.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unsound {

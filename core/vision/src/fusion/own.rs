@@ -16,40 +16,87 @@ const SURELY: f64 = 0.4;
 /// A vehicle so near to a sensor carries it, in metres: it explains nothing, or it would explain everything.
 const CARRIES_M: f64 = 2.5;
 
+/// One that explains what a sensor calls by one name does not explain what the same sensor calls by another and sees farther from it by so many standard
+/// deviations of a sighting: a vehicle is one thing.
+const CLEARLY_FARTHER: f64 = 3.0;
+
 impl SwarmTracker {
     /// What vehicles of the swarm explain belongs to them, for as long as they do.
     pub(super) fn leave_out_own(&mut self, own: &[OwnVehicle]) {
-        for tracklet in &mut self.tracklets {
-            match tracklet.belongs {
-                Belongs::Nothing if tracklet.sightings.len() >= ENOUGH => {
-                    if let Some(vehicle) = own.iter().find(|vehicle| explains(vehicle, tracklet, vehicle.error_m)) {
-                        tracklet.belongs = Belongs::Own(vehicle.id);
-                    }
-                }
-                // A track that a sensor's sightings of a vehicle of ours went to by mistake gives them back.
-                Belongs::Track(_) if tracklet.sightings.len() >= ENOUGH => {
-                    let nearly = |vehicle: &&OwnVehicle| explains(vehicle, tracklet, SURELY * vehicle.error_m);
-                    if let Some(vehicle) = own.iter().find(nearly) {
-                        tracklet.belongs = Belongs::Own(vehicle.id);
-                    }
-                }
-                Belongs::Own(id)
-                    if !own
-                        .iter()
-                        .any(|vehicle| vehicle.id == id && explains(vehicle, tracklet, vehicle.error_m)) =>
-                {
-                    tracklet.belongs = Belongs::Nothing;
-                }
-                _ => {}
-            }
+        for index in 0..self.tracklets.len() {
+            let belongs = self.with_own(index, own);
+            self.tracklets[index].belongs = belongs;
         }
     }
+
+    /// To what a tracklet belongs if the swarm's vehicles are looked at.
+    fn with_own(&self, index: usize, own: &[OwnVehicle]) -> Belongs {
+        let tracklet = &self.tracklets[index];
+        let is = |vehicle: &&OwnVehicle, error_m: f64| {
+            explains(vehicle, tracklet, error_m) && !self.has_a_nearer(index, vehicle)
+        };
+        let loosely = |vehicle: &&OwnVehicle| is(vehicle, vehicle.error_m);
+        let surely = |vehicle: &&OwnVehicle| is(vehicle, SURELY * vehicle.error_m);
+        let enough = tracklet.sightings.len() >= ENOUGH;
+        let taken = match tracklet.belongs {
+            Belongs::Nothing if enough => own.iter().find(loosely),
+            // A track that a sensor's sightings of a vehicle of ours went to by mistake gives them back.
+            Belongs::Track(_) if enough => own.iter().find(surely),
+            Belongs::Own(id) => {
+                let mut of_it = own.iter().filter(|vehicle| vehicle.id == id);
+                // What a track of ours predicts as well passes by.
+                let stays =
+                    |vehicle: &&OwnVehicle| loosely(vehicle) && (surely(vehicle) || !self.is_predicted(tracklet));
+                return of_it
+                    .find(stays)
+                    .map_or(Belongs::Nothing, |vehicle| Belongs::Own(vehicle.id));
+            }
+            _ => None,
+        };
+        taken.map_or(tracklet.belongs, |vehicle| Belongs::Own(vehicle.id))
+    }
+
+    /// Whether the sensor sees something else much nearer to where the vehicle is.
+    fn has_a_nearer(&self, index: usize, vehicle: &OwnVehicle) -> bool {
+        let tracklet = &self.tracklets[index];
+        let Some((off, noise)) = miss(vehicle, tracklet) else {
+            return false;
+        };
+        let others = self.tracklets.iter().filter(|other| {
+            let apart_s = other.seen().seconds_since(tracklet.seen()).abs();
+            other.name != tracklet.name && other.sensor == tracklet.sensor && apart_s < self.settings.sight_lost_s
+        });
+        let mut misses = others.filter_map(|other| miss(vehicle, other));
+        misses.any(|(other, other_noise)| off - other > CLEARLY_FARTHER * noise.hypot(other_noise))
+    }
+}
+
+/// How far on average a tracklet's sightings are from where the vehicle is by its telemetry, and one sighting's standard deviation: in radians of bearings, in metres
+/// of positions.
+fn miss(vehicle: &OwnVehicle, tracklet: &Tracklet) -> Option<(f64, f64)> {
+    let each = tracklet.sightings.iter().map(|(time, seen)| {
+        let place = vehicle.at(*time);
+        match seen {
+            Observation::Bearing {
+                origin,
+                direction,
+                error_rad,
+                ..
+            } => ((place - origin).angle(direction), *error_rad),
+            Observation::Position { position, covariance } => {
+                ((position - place).norm(), (covariance.trace() / 3.0).max(0.0).sqrt())
+            }
+        }
+    });
+    let count = tracklet.sightings.len();
+    let (off, noise) = each.fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
+    (count > 0).then(|| (off / count as f64, noise / count as f64))
 }
 
 /// Whether a vehicle of the swarm, which may be so far from where its telemetry says it is, is what most of the sightings saw.
 fn explains(vehicle: &OwnVehicle, tracklet: &Tracklet, error_m: f64) -> bool {
     let fits = tracklet.sightings.iter().filter(|(time, seen)| {
-        let place = vehicle.position + vehicle.velocity * time.seconds_since(vehicle.time);
+        let place = vehicle.at(*time);
         let off = match seen {
             Observation::Bearing {
                 origin,

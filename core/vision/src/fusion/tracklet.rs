@@ -37,6 +37,8 @@ pub(super) struct Tracklet {
     pub(super) guess: Option<RangeGuess>,
     /// How large it looks, in radians.
     pub(super) size_rad: Option<f64>,
+    /// The track that predicts it best, and since when.
+    pub(super) fits: Option<(u64, NodeTime)>,
     began: NodeTime,
     seen: NodeTime,
     misses: u32,
@@ -52,6 +54,7 @@ impl Tracklet {
             scores: ClassScores::default(),
             guess: None,
             size_rad: None,
+            fits: None,
             began: NodeTime(0),
             seen: NodeTime(0),
             misses: 0,

@@ -68,6 +68,10 @@ pub struct Rig {
     pub camera: Option<CameraState>,
     pub radio: Option<RadioState>,
     pub track: Option<Mover>,
+    /// How well the track is known.
+    pub track_error_m: Option<f64>,
+    /// How the vehicle leans for each metre per second that it flies forward, in radians.
+    pub lean_rad_s_m: Option<f64>,
     pub peer: Option<Mover>,
     pub inbox: Vec<Event>,
     pub log: Vec<(f64, Effect)>,
@@ -106,6 +110,8 @@ impl Rig {
             camera: None,
             radio: None,
             track: None,
+            track_error_m: None,
+            lean_rad_s_m: None,
             peer: None,
             inbox: Vec::new(),
             log: Vec::new(),
@@ -149,6 +155,12 @@ impl Rig {
         id
     }
 
+    /// How fast it flies along its nose.
+    fn forward_m_s(&self) -> f64 {
+        let (sin, cos) = self.yaw_rad.sin_cos();
+        self.velocity.x * cos + self.velocity.y * sin
+    }
+
     fn own(&self) -> OwnState {
         OwnState {
             kinematics: Some(VehicleKinematics {
@@ -163,6 +175,7 @@ impl Rig {
             home: Some(PositionNed::new(0.0, 0.0, 0.0)),
             link_connected: true,
             frame_origin: self.origin,
+            pitch_rad: self.lean_rad_s_m.map(|lean| -lean * self.forward_m_s()),
             ..OwnState::default()
         }
     }
@@ -185,6 +198,7 @@ impl Rig {
             position: track.position.into(),
             velocity: track.velocity.into(),
             time: self.now,
+            error_m: self.track_error_m,
         });
         events.push(Event::Tracks(track.into_iter().collect()));
         let json = |state: serde_json::Result<String>| state.ok();

@@ -58,6 +58,7 @@ impl Teller {
                     position: PLACE,
                     velocity: VelocityNed::default(),
                     time: node.now(),
+                    error_m: None,
                 };
                 node.set_tracks(vec![track]).unwrap();
             }

@@ -205,6 +205,7 @@ async fn detect(swarm: &Swarm) -> Result<()> {
                 position: mover.position,
                 velocity: mover.velocity,
                 time: node.now(),
+                error_m: None,
             };
             node.set_tracks(vec![track])?;
         }

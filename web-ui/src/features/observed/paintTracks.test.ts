@@ -7,7 +7,7 @@ import { seenTracks, trackAt } from './paintTracks';
 const S = 1e6;
 const estimate = (change: Partial<TrackEstimate>): TrackEstimate => ({
   track: 7, name: '', class: 'bird', classes: { bird: 0.7 }, covariance_m2: [9, 0, 0, 4, 0, 1], pinned: false, guessed_range: false, confidence: 0.8, age_s: 5, seen: 50 * S, sensors: ['2/camera'], source: 'fused',
-  position: { north_m: 10, east_m: 20, down_m: -30 }, velocity: { north_m_s: 1, east_m_s: 0, down_m_s: 0 }, time: 50 * S, ...change,
+  position: { north_m: 10, east_m: 20, down_m: -30 }, velocity: { north_m_s: 1, east_m_s: 0, down_m_s: 0 }, time: 50 * S, error_m: 3, ...change,
 });
 const told = (...tracks: TrackEstimate[]): Tracks => {
   const all = new Tracks();

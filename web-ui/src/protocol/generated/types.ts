@@ -3406,7 +3406,11 @@ velocity: VelocityNed,
 /**
  * When that was, on the node's clock.
  */
-time: NodeTime, };
+time: NodeTime, 
+/**
+ * Standard deviation of the position in metres, along the direction in which it is known worst; null if nobody says.
+ */
+error_m: number | null, };
 
 /**
  * What is tracked.

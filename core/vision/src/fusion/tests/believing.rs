@@ -2,7 +2,7 @@
 
 use super::{EAST, SOUTH, WEST, radar, run, seen, target};
 use crate::ClassScores;
-use crate::fusion::{OwnVehicle, RangeGuess, Sighting, SwarmSettings, SwarmTracker};
+use crate::fusion::{OwnVehicle, RangeGuess, Sensor, Sighting, SwarmSettings, SwarmTracker};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use skein_domain::{NodeTime, VehicleId};
@@ -98,6 +98,64 @@ proptest! {
     }
 }
 
+/// A camera sees a target all along, while a vehicle of the swarm flies away from it below the target, seen or not: the target's track is led nowhere.
+#[test]
+fn a_vehicle_of_ours_that_passes_in_front_of_a_track_does_not_take_it() {
+    let (first, second) = ([0.0, 0.0, -20.0], [0.0, 10.0, -20.0]);
+    // On a circle of 8 m around a place 40 m north, 2 m/s.
+    let at = |t: f64| {
+        let angle_rad = (t - 1.0) / 4.0;
+        [40.0 + 8.0 * angle_rad.cos(), 5.0 + 8.0 * angle_rad.sin(), -25.0]
+    };
+    for ours_is_seen in [true, false] {
+        let mut tracker = SwarmTracker::new(SwarmSettings::default());
+        let see = |t: f64| {
+            vec![
+                seen("1/camera", Some(1), t, first, at(t)),
+                seen("2/camera", Some(1), t, second, at(t)),
+            ]
+        };
+        let id = run(&mut tracker, 1.0, 4.0, see)[0].id;
+        assert!(tracker.pin(id, true));
+        // The second one flies there and looks at the ground on its way; the first one alone sees the target.
+        for step in 0..60 {
+            let t = 4.0 + f64::from(step) / 10.0;
+            let way_s = t - 4.0;
+            let ours = Vector3::new(0.45 * way_s * way_s, 5.0 - 0.1 * way_s, -20.0);
+            let own = [OwnVehicle {
+                id: VehicleId(2),
+                time: NodeTime::from_seconds(t - 0.1),
+                position: ours + Vector3::new(0.3, 0.2, 0.3),
+                velocity: Vector3::new(0.9 * way_s, -0.1, 0.0),
+                error_m: 1.5,
+            }];
+            tracker
+                .take(seen("1/camera", Some(1), t, first, at(t)))
+                .expect("is sound");
+            if ours_is_seen && ours.x > 3.0 {
+                tracker
+                    .take(seen("1/camera", Some(2), t, first, ours.into()))
+                    .expect("is sound");
+            }
+            tracker.step(NodeTime::from_seconds(t), &own);
+            let tracks: Vec<_> = tracker.tracks(NodeTime::from_seconds(t)).collect();
+            assert_eq!(tracks.len(), 1, "{t:.1} s, seen {ours_is_seen}: {tracks:?}");
+            if ours_is_seen && t > 6.0 {
+                assert_eq!(
+                    tracks[0].sensors,
+                    [Sensor("1/camera".to_owned())],
+                    "{t:.1} s, seen {ours_is_seen}"
+                );
+            }
+            let off = tracks[0].position - Vector3::from(at(t));
+            let across_m = off
+                .cross(&(Vector3::from(at(t)) - Vector3::from(first)).normalize())
+                .norm();
+            assert!(across_m < 2.0, "{t:.1} s, seen {ours_is_seen}: {across_m:.1} m beside");
+        }
+    }
+}
+
 #[test]
 fn what_would_be_a_grain_to_one_camera_and_a_barn_to_the_other_is_not_one_thing() {
     let sized = |sighting: Sighting, size_rad: f64| Sighting {
@@ -113,5 +171,38 @@ fn what_would_be_a_grain_to_one_camera_and_a_barn_to_the_other_is_not_one_thing(
             ]
         });
         assert_eq!(tracks.len(), told, "{south_rad} rad");
+    }
+}
+
+/// A third camera does not know well for a while where it looks, and begins a track of its own of what the other two know.
+#[test]
+fn what_one_camera_guesses_joins_what_others_know() {
+    for named in [false, true] {
+        let mut tracker = SwarmTracker::new(SwarmSettings::default());
+        let see = |t: f64| {
+            let off_m = if t < 6.0 { 8.0 } else { 0.0 };
+            let [north_m, east_m, down_m] = target(t);
+            let east = Sighting {
+                guess: Some(RangeGuess {
+                    range_m: 12.0,
+                    range_factor: 1.2,
+                }),
+                ..seen("east", Some(1), t, EAST, [north_m, east_m, down_m + off_m])
+            };
+            let known =
+                [("west", WEST), ("south", SOUTH)].map(|(camera, from)| seen(camera, Some(1), t, from, target(t)));
+            known.into_iter().chain((t > 3.0).then_some(east)).collect()
+        };
+        let tracks = run(&mut tracker, 1.0, 6.0, see);
+        let guessed = tracks.iter().find(|track| track.guessed_range).expect("of its own");
+        assert_eq!(tracks.len(), 2, "{tracks:?}");
+        if named {
+            tracker.rename(guessed.id, "visitor");
+        }
+        let tracks = run(&mut tracker, 6.0, 12.0, see);
+        assert_eq!(tracks.len(), 1, "{tracks:?}");
+        assert!(!tracks[0].guessed_range && tracks[0].sensors.len() == 3, "{tracks:?}");
+        assert!((tracks[0].position - Vector3::from(target(12.0))).norm() < 1.0);
+        assert_eq!(tracks[0].name, if named { "visitor" } else { "" });
     }
 }
