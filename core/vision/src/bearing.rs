@@ -54,7 +54,19 @@ impl Lens {
     /// The pixel of a place in the swarm frame; `None` behind the camera. It may lie outside of the picture.
     #[must_use]
     pub fn pixel(&self, place: Vector3<f64>) -> Option<(f64, f64)> {
-        let ray = self.attitude().inverse() * (place - self.pose.position.vector());
+        self.sees(&(place - self.pose.position.vector()))
+    }
+
+    /// The middle of the picture.
+    #[must_use]
+    pub fn middle_px(&self) -> (f64, f64) {
+        (self.size_px.0 / 2.0, self.size_px.1 / 2.0)
+    }
+
+    /// The pixel of what lies in a direction along north, east, down; `None` behind the camera. It may lie outside of the picture.
+    #[must_use]
+    pub fn sees(&self, direction: &Vector3<f64>) -> Option<(f64, f64)> {
+        let ray = self.attitude().inverse() * direction;
         let (width_px, height_px) = self.size_px;
         let at = |across: f64, size_px: f64| size_px / 2.0 + self.focal_px * across / ray.x;
         (ray.x > 1e-6).then(|| (at(ray.y, width_px), at(ray.z, height_px)))

@@ -128,6 +128,8 @@ pub struct SwarmTracker {
 const CLASS_SHARE: f64 = 0.03;
 /// A sighting farther from what is predicted than this is none of the track: 99.9 % of the squared deviations of a bearing, and of a position.
 const FARTHEST: [f64; 4] = [0.0, 10.8, 13.8, 16.3];
+/// Of a larger deviation than this for each dimension (90 % are smaller) a sighting is doubted the more the larger it is.
+const DOUBTED_FROM: f64 = 2.3;
 /// A sighting without a name needs to fit this much better to one track than to any other.
 const CLEARLY: f64 = 6.0;
 /// Sightings without a name that make a track believed.
@@ -388,8 +390,13 @@ impl Track {
     /// Takes a sighting in, which counts as evidence or not. False if it does not fit.
     fn take(&mut self, sighting: &Sighting, counts: bool, density: f64) -> bool {
         let fit = self.estimate.fit(sighting.time, &sighting.observation, density);
-        let fits = fit.is_some_and(|fit| fit.squared < FARTHEST[fit.dimensions])
-            && self.estimate.correct(sighting.time, &sighting.observation, density);
+        let fit = fit.filter(|fit| fit.squared < FARTHEST[fit.dimensions]);
+        let fits = fit.is_some_and(|fit| {
+            // What one sensor sees beside the track moves it little, or a wrong bearing would lead it away from what the others see.
+            let times = (fit.squared / (DOUBTED_FROM * fit.dimensions as f64)).max(1.0);
+            let estimate = &mut self.estimate;
+            estimate.correct_by(sighting.time, &sighting.observation, density, times)
+        });
         if fits {
             self.seen = self.seen.max(sighting.time);
             if counts {

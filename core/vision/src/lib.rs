@@ -22,6 +22,7 @@ mod gray;
 mod motion;
 mod picture;
 mod scoring;
+mod turn;
 
 pub use bearing::Lens;
 pub use bounds::Bounds;
@@ -33,3 +34,4 @@ pub use gray::Gray;
 pub use motion::{Motion, MotionDetector, Moving};
 pub use picture::{Found, PictureSettings, PictureTrack, PictureTracker};
 pub use scoring::{Scorer, Scores, ToldBox, TrueBox};
+pub use turn::Turn;

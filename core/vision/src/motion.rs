@@ -50,13 +50,16 @@ pub struct MotionDetector {
 }
 
 impl MotionDetector {
-    /// Takes the next picture. One of another size begins anew.
-    pub fn take(&mut self, picture: Gray) -> Motion {
+    /// Takes the next picture. One of another size begins anew. `expected_px` is how far what stands still is likely to have moved, to the right and down.
+    pub fn take(&mut self, picture: Gray, expected_px: (f64, f64)) -> Motion {
         let same = |last: &Gray| (last.width, last.height) == (picture.width, picture.height);
         if self.last.back().is_some_and(|(last, _)| !same(last)) {
             self.last.clear();
         }
-        let shift_px = self.last.back().and_then(|(last, _)| shift::between(last, &picture));
+        let shift_px = self
+            .last
+            .back()
+            .and_then(|(last, _)| shift::between(last, &picture, expected_px));
         let motion = Motion {
             shift_px,
             moving: shift_px.map(|shift| self.moving(&picture, shift)).unwrap_or_default(),

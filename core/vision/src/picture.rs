@@ -6,7 +6,7 @@
 mod filter;
 
 use crate::assignment::assign;
-use crate::{Bounds, ClassScores};
+use crate::{Bounds, ClassScores, Turn};
 use filter::{BoxFilter, Noise};
 use skein_domain::NodeTime;
 
@@ -140,16 +140,15 @@ impl PictureTracker {
         self.last_id
     }
 
-    /// Takes what was found in the next picture. `moved_px` is how far what stands still has moved in the picture since the last one, to the right
-    /// and down. A picture that is not newer than the last one is left out.
-    pub fn take(&mut self, time: NodeTime, moved_px: (f64, f64), mut found: Vec<Found>) {
+    /// Takes what was found in the next picture, and how the camera has turned since the last one. A picture that is not newer than the last one is left out.
+    pub fn take(&mut self, time: NodeTime, turn: &Turn, mut found: Vec<Found>) {
         if self.time.is_some_and(|last| time <= last) {
             return;
         }
         let since_s = self.time.replace(time).map_or(0.0, |last| time.seconds_since(last));
         let noise = self.noise();
         for track in &mut self.tracks {
-            track.filter.advance(since_s, moved_px, &noise);
+            track.filter.advance(since_s, turn, &noise);
         }
         found.retain(|one| one.bounds.is_sound() && one.score() >= self.settings.doubtful_score);
         found.sort_by(|a, b| b.score().total_cmp(&a.score()));

@@ -9,7 +9,7 @@ use crate::report::{PictureFault, Stages};
 use crate::settings::{Model, Settings};
 use skein_domain::NodeTime;
 use skein_domain::payload::{DetectorState, Finding, FrameHeader};
-use skein_vision::{Gray, MotionDetector, PictureTrack, PictureTracker, UNKNOWN_CLASS};
+use skein_vision::{Gray, Lens, MotionDetector, PictureTrack, PictureTracker, Turn, UNKNOWN_CLASS};
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::time::Instant;
@@ -42,6 +42,8 @@ pub(crate) struct Eye {
     classifier: Option<TrackClassifier>,
     doubtful_score: f64,
     drone_score: f64,
+    /// How the camera looked in the last picture, if it says so.
+    lens: Option<Lens>,
     /// What the last picture's bytes are like, and since when they are.
     same: Option<(u64, NodeTime)>,
 }
@@ -64,6 +66,7 @@ impl Eye {
             tracker: PictureTracker::after(settings.tracking(), last_id),
             doubtful_score: settings.doubtful_score,
             drone_score: settings.drone_score(),
+            lens: None,
             same: None,
         })
     }
@@ -76,7 +79,8 @@ impl Eye {
             Some(picture) => {
                 look.picture_fault = self.picture_fault(header.time, &picture);
                 // Where the model fails nothing is told: what was followed before would stand there as if it had been found in this picture.
-                match self.follow(header.time, &picture, &mut look.stages) {
+                let turn = self.turn(header, &picture);
+                match self.follow(header.time, &picture, turn, &mut look.stages) {
                     Ok(tracks) => look.found.findings = tracks.iter().map(finding).collect(),
                     Err(fault) => look.fault = Some(fault),
                 }
@@ -91,10 +95,19 @@ impl Eye {
         look
     }
 
+    /// How the camera has turned since the last picture.
+    fn turn(&mut self, header: &FrameHeader, picture: &Picture) -> Turn {
+        let lens = header
+            .pose
+            .and_then(|pose| Lens::new(pose, picture.width as u32, picture.height as u32));
+        Turn::by_pose(std::mem::replace(&mut self.lens, lens), lens)
+    }
+
     fn follow(
         &mut self,
         time: NodeTime,
         picture: &Picture,
+        turn: Turn,
         stages: &mut Stages,
     ) -> Result<Vec<PictureTrack>, ModelFault> {
         let begun = Instant::now();
@@ -105,12 +118,12 @@ impl Eye {
         let motion = self
             .motion
             .as_mut()
-            .map(|motion| motion.take(gray.clone()))
+            .map(|motion| motion.take(gray.clone(), turn.of_middle()))
             .unwrap_or_default();
         stages.motion_s = begun.elapsed().as_secs_f64();
         let begun = Instant::now();
         let found = joining::join(found, &motion.moving);
-        self.tracker.take(time, motion.shift_px.unwrap_or_default(), found);
+        self.tracker.take(time, &turn.put_right(motion.shift_px), found);
         let mut tracks: Vec<PictureTrack> = self.tracker.tracks().collect();
         self.name(time, &gray, &mut tracks)?;
         stages.tracks_s = begun.elapsed().as_secs_f64();

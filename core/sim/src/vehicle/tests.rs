@@ -9,5 +9,6 @@ mod payload_properties;
 mod payloads;
 mod properties;
 mod protocol;
+mod recorded;
 mod rig;
 mod topics;

@@ -110,6 +110,11 @@ impl Estimate {
 
     /// Takes an observation in. False if that is not possible, and nothing has changed.
     pub(super) fn correct(&mut self, time: NodeTime, seen: &Observation, acceleration: f64) -> bool {
+        self.correct_by(time, seen, acceleration, 1.0)
+    }
+
+    /// The same, of an observation whose covariance is taken for so many times what it says.
+    pub(super) fn correct_by(&mut self, time: NodeTime, seen: &Observation, acceleration: f64, times: f64) -> bool {
         let ahead = time >= self.time;
         let prior = if ahead {
             self.at(time, acceleration)
@@ -128,7 +133,7 @@ impl Estimate {
             let place = back.fixed_view::<3, 6>(0, 0);
             let by_state = &left.by_place * place;
             let wander_place: Matrix3<f64> = wander.fixed_view::<3, 3>(0, 0).into();
-            let noise = &left.noise + &left.by_place * wander_place * left.by_place.transpose();
+            let noise = &left.noise * times + &left.by_place * wander_place * left.by_place.transpose();
             let Some(whole) = (&by_state * prior.covariance * by_state.transpose() + &noise).cholesky() else {
                 return false;
             };

@@ -18,9 +18,9 @@ const AGREE_PX: f64 = 1.5;
 /// A block without this much contrast between neighbours, on average, is told from nothing.
 const LEAST_CONTRAST: f64 = 1.5;
 
-/// How far the picture has moved to the right and down since the last one; `None` if most of it agrees on nothing. A picture without any contrast
-/// has not moved.
-pub(super) fn between(last: &Gray, picture: &Gray) -> Option<(f64, f64)> {
+/// How far the picture has moved to the right and down since the last one, which is looked for around where it is expected; `None` if most of it agrees on nothing.
+/// A picture without any contrast has not moved.
+pub(super) fn between(last: &Gray, picture: &Gray, expected: (f64, f64)) -> Option<(f64, f64)> {
     let mut pyramid = vec![(last.clone(), picture.clone())];
     while let Some((coarse_last, coarse)) = pyramid.last().filter(|(last, _)| last.width > COARSEST_WIDTH) {
         pyramid.push((coarse_last.halved(), coarse.halved()));
@@ -30,7 +30,12 @@ pub(super) fn between(last: &Gray, picture: &Gray) -> Option<(f64, f64)> {
     for (level, (last, picture)) in pyramid.iter().enumerate().rev() {
         let coarsest = level + 1 == pyramid.len();
         let reach = if coarsest { REACH } else { 2 };
-        guess = if coarsest { (0, 0) } else { (guess.0 * 2, guess.1 * 2) };
+        guess = if coarsest {
+            let scale = f64::from(1_u32 << level.min(16));
+            ((expected.0 / scale).round() as i32, (expected.1 / scale).round() as i32)
+        } else {
+            (guess.0 * 2, guess.1 * 2)
+        };
         found = median(last, picture, guess, reach);
         let (x, y) = found?;
         guess = (x.round() as i32, y.round() as i32);

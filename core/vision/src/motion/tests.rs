@@ -45,7 +45,7 @@ fn a_thing_of_three_pixels_is_found_while_the_camera_turns() {
     let mut detector = MotionDetector::default();
     for step in 0..12 {
         let at = (40 + 4 * step, 60);
-        let motion = detector.take(picture((3 * step, -2 * step), Some(at), step));
+        let motion = detector.take(picture((3 * step, -2 * step), Some(at), step), (0.0, 0.0));
         if step >= 1 {
             let (x, y) = motion.shift_px.expect("it can be told");
             assert!((x + 3.0).abs() < 0.5 && (y - 2.0).abs() < 0.5, "{x} {y}");
@@ -60,10 +60,23 @@ fn a_thing_of_three_pixels_is_found_while_the_camera_turns() {
 }
 
 #[test]
+fn a_camera_that_turns_far_is_followed_where_that_is_expected() {
+    let far = |expected: bool| {
+        let mut detector = MotionDetector::default();
+        let pictures = (0..6).map(|step| {
+            let expected_px = if expected { (-42.0, 21.0) } else { (0.0, 0.0) };
+            detector.take(picture((40 * step, -20 * step), None, step), expected_px)
+        });
+        pictures.skip(1).filter(|motion| motion.shift_px.is_some()).count()
+    };
+    assert_eq!((far(true), far(false)), (5, 0));
+}
+
+#[test]
 fn what_stands_still_is_no_motion() {
     let mut detector = MotionDetector::default();
     for step in 0..8 {
-        let motion = detector.take(picture((5 * step, step), None, step));
+        let motion = detector.take(picture((5 * step, step), None, step), (0.0, 0.0));
         assert!(motion.moving.is_empty(), "{:?}", motion.moving);
     }
 }
@@ -72,21 +85,21 @@ fn what_stands_still_is_no_motion() {
 fn another_scene_or_size_or_light_is_no_motion() {
     let mut detector = MotionDetector::default();
     for step in 0..3 {
-        detector.take(picture((0, 0), None, step));
+        detector.take(picture((0, 0), None, step), (0.0, 0.0));
     }
-    let elsewhere = detector.take(picture((9000, 7000), None, 3));
+    let elsewhere = detector.take(picture((9000, 7000), None, 3), (0.0, 0.0));
     assert!(elsewhere.moving.is_empty());
     let mut bright = picture((9000, 7000), None, 4);
     bright
         .pixels
         .iter_mut()
         .for_each(|pixel| *pixel = pixel.saturating_add(60));
-    assert!(detector.take(bright).moving.is_empty());
+    assert!(detector.take(bright, (0.0, 0.0)).moving.is_empty());
     let small = Gray::new(40, 30, vec![7; 1200]);
-    assert_eq!(detector.take(small.clone()), Motion::default());
+    assert_eq!(detector.take(small.clone(), (0.0, 0.0)), Motion::default());
     // A camera that is frozen or black.
     for _ in 0..3 {
-        let motion = detector.take(small.clone());
+        let motion = detector.take(small.clone(), (0.0, 0.0));
         assert_eq!((motion.shift_px, motion.moving.len()), (Some((0.0, 0.0)), 0));
     }
 }
@@ -101,7 +114,7 @@ proptest! {
         let mut detector = MotionDetector::default();
         for (width, height) in sizes {
             let pixels = (0..width * height).map(|at| ((at as i32).wrapping_mul(seed) >> 7) as u8).collect();
-            let motion = detector.take(Gray::new(width, height, pixels));
+            let motion = detector.take(Gray::new(width, height, pixels), (0.0, 0.0));
             for moving in motion.moving {
                 prop_assert!(moving.bounds.is_sound() && moving.contrast.is_finite());
             }

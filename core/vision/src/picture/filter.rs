@@ -1,6 +1,6 @@
 //! Where a box is and how it moves: a Kalman filter for each axis of its middle, and a slowly changing size.
 
-use crate::Bounds;
+use crate::{Bounds, Turn};
 
 /// Pairs of a track and a box that are farther from each other than this do not belong together: 99.9 % of four squared deviations.
 pub(super) const FARTHEST: f64 = 18.5;
@@ -110,7 +110,8 @@ impl BoxFilter {
     }
 
     /// To the next picture.
-    pub(super) fn advance(&mut self, since_s: f64, (moved_x_px, moved_y_px): (f64, f64), noise: &Noise) {
+    pub(super) fn advance(&mut self, since_s: f64, turn: &Turn, noise: &Noise) {
+        let (moved_x_px, moved_y_px) = turn.at(self.x.at, self.y.at);
         let acceleration = noise.acceleration_sizes_s2 * self.size_px();
         self.x.advance(since_s, moved_x_px, acceleration);
         self.y.advance(since_s, moved_y_px, acceleration);

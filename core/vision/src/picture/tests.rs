@@ -31,7 +31,7 @@ fn one_box_is_no_track_and_three_are() {
         assert!(told(&tracker).is_empty());
         tracker.take(
             picture(index),
-            (0.0, 0.0),
+            &Turn::default(),
             vec![at(100.0 + f64::from(index), 50.0, "drone", 0.9)],
         );
     }
@@ -41,7 +41,7 @@ fn one_box_is_no_track_and_three_are() {
     // A doubtful box goes on with it, but begins none.
     tracker.take(
         picture(3),
-        (0.0, 0.0),
+        &Turn::default(),
         vec![at(103.0, 50.0, "drone", 0.2), at(200.0, 50.0, "drone", 0.2)],
     );
     assert_eq!(told(&tracker).len(), 1);
@@ -60,7 +60,7 @@ fn two_that_cross_keep_their_names() {
         if (18..23).contains(&index) {
             found.truncate(1);
         }
-        tracker.take(picture(index), (0.0, 0.0), found);
+        tracker.take(picture(index), &Turn::default(), found);
         if index == 10 {
             names = told(&tracker).iter().map(|track| track.id).collect();
         }
@@ -80,7 +80,7 @@ fn two_tracks_of_one_thing_become_the_older_one() {
         // Two boxes that come to lie over each other, as of a detector that finds one thing twice.
         let apart_px = (20.0 - f64::from(index)).max(1.0);
         let found = vec![at(100.0, 50.0, "drone", 0.9), at(100.0 + apart_px, 50.0, "drone", 0.8)];
-        tracker.take(picture(index), (0.0, 0.0), found);
+        tracker.take(picture(index), &Turn::default(), found);
         let names: Vec<u64> = told(&tracker).iter().map(|track| track.id).collect();
         match index {
             0..2 => assert!(names.is_empty()),
@@ -98,20 +98,20 @@ fn a_gap_is_coasted_through_and_a_long_one_ends_it() {
     for index in 0..15 {
         tracker.take(
             picture(index),
-            (0.0, 0.0),
+            &Turn::default(),
             vec![at(100.0 + 2.0 * f64::from(index), 50.0, "drone", 0.9)],
         );
     }
     for index in 15..30 {
-        tracker.take(picture(index), (0.0, 0.0), vec![]);
+        tracker.take(picture(index), &Turn::default(), vec![]);
     }
     let track = told(&tracker).remove(0);
     assert!((track.bounds.center_x_px - 158.0).abs() < 4.0, "{track:?}");
     assert!((track.coasted_s - 0.5).abs() < 1e-6 && track.error_px > 2.0);
-    tracker.take(picture(30), (0.0, 0.0), vec![at(160.0, 50.0, "drone", 0.9)]);
+    tracker.take(picture(30), &Turn::default(), vec![at(160.0, 50.0, "drone", 0.9)]);
     assert_eq!(told(&tracker)[0].id, 1);
     for index in 31..65 {
-        tracker.take(picture(index), (0.0, 0.0), vec![]);
+        tracker.take(picture(index), &Turn::default(), vec![]);
     }
     assert!(told(&tracker).is_empty());
 }
@@ -120,10 +120,14 @@ fn a_gap_is_coasted_through_and_a_long_one_ends_it() {
 fn the_motion_of_the_camera_is_taken_out() {
     let mut tracker = PictureTracker::new(PictureSettings::default());
     for index in 0..10 {
-        tracker.take(picture(index), (0.0, 0.0), vec![at(100.0, 50.0, "drone", 0.9)]);
+        tracker.take(picture(index), &Turn::default(), vec![at(100.0, 50.0, "drone", 0.9)]);
     }
     // It is turned quickly: everything jumps, and nothing changes its name.
-    tracker.take(picture(10), (80.0, -20.0), vec![at(180.0, 30.0, "drone", 0.9)]);
+    tracker.take(
+        picture(10),
+        &Turn::default().put_right(Some((80.0, -20.0))),
+        vec![at(180.0, 30.0, "drone", 0.9)],
+    );
     let track = told(&tracker).remove(0);
     assert_eq!((track.id, track.coasted_s), (1, 0.0));
 }
@@ -133,7 +137,7 @@ fn a_few_wrong_names_do_not_change_the_class() {
     let mut tracker = PictureTracker::new(PictureSettings::default());
     for index in 0..60 {
         let class = if index % 4 == 3 { "bird" } else { "drone" };
-        tracker.take(picture(index), (0.0, 0.0), vec![at(100.0, 50.0, class, 0.8)]);
+        tracker.take(picture(index), &Turn::default(), vec![at(100.0, 50.0, class, 0.8)]);
     }
     let track = told(&tracker).remove(0);
     assert!(
@@ -157,7 +161,7 @@ proptest! {
                 let bounds = Bounds { center_x_px: center, center_y_px: tame, width_px, height_px: size };
                 Found { bounds, scores: ClassScores::one("drone", score) }
             });
-            tracker.take(picture(index as u32), moved, found.collect());
+            tracker.take(picture(index as u32), &Turn::default().put_right(Some(moved)), found.collect());
             let tracks = told(&tracker);
             prop_assert!(tracks.len() <= 8);
             for track in &tracks {

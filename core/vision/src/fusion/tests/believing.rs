@@ -206,3 +206,27 @@ fn what_one_camera_guesses_joins_what_others_know() {
         assert_eq!(tracks[0].name, if named { "visitor" } else { "" });
     }
 }
+
+/// What a camera calls by one name jumps to something else, which flies away from what the other cameras see.
+#[test]
+fn a_camera_that_goes_on_with_something_else_does_not_lead_the_track_away() {
+    let mut tracker = SwarmTracker::new(SwarmSettings::default());
+    let see = |t: f64| {
+        let away = Vector3::new(0.0, 0.0, 1.5 + 3.0 * (t - 4.0)) * f64::from(u8::from(t > 4.0));
+        let other = Vector3::from(target(t)) + away;
+        vec![
+            seen("east", Some(1), t, EAST, other.into()),
+            seen("west", Some(1), t, WEST, target(t)),
+            seen("south", Some(1), t, SOUTH, target(t)),
+        ]
+    };
+    let mut worst_m = 0.0_f64;
+    for step in 0..80 {
+        let t = 1.0 + f64::from(step) / 10.0;
+        let tracks = run(&mut tracker, t, t + 0.1, see);
+        if t > 3.0 {
+            worst_m = worst_m.max((tracks[0].position - Vector3::from(target(t + 0.1))).norm());
+        }
+    }
+    assert!(worst_m < 0.8, "{worst_m:.1} m");
+}
