@@ -63,7 +63,7 @@ fn render_node(node: &NodeHandle) -> String {
         describe_tracks();
         fleet(&snapshot);
         tracks(&snapshot, &node.seen_counts());
-        node.videos().iter().for_each(video);
+        node.streams().videos().iter().for_each(video);
         for (endpoint, counters) in node.endpoint_metrics() {
             for (name, count) in counters.read().named() {
                 counter!(format!("skein_endpoint_{name}_total"), "endpoint" => endpoint.to_string()).absolute(count);

@@ -281,10 +281,25 @@ fn query_parameters(query: Schema, generator: &mut SchemaGenerator) -> Vec<Param
 
 /// A schema as utoipa has it: a reference to one of the document's, or an inline one of a plain type.
 fn embedded(schema: Schema) -> RefOr<ApiSchema> {
-    let schema = schema.to_value();
+    let schema = with_lists(schema.to_value());
     match schema.get("$ref").and_then(Value::as_str) {
         Some(target) => RefOr::Ref(Ref::new(target)),
         None => RefOr::T(serde_json::from_value(schema).unwrap_or_default()),
+    }
+}
+
+/// One word that is permitted as a list of one: utoipa has no `const`, and would leave any word.
+fn with_lists(schema: Value) -> Value {
+    match schema {
+        Value::Object(object) => {
+            let part = |(key, value)| match key {
+                key if key == "const" => ("enum".to_owned(), Value::Array(vec![value])),
+                key => (key, with_lists(value)),
+            };
+            Value::Object(object.into_iter().map(part).collect())
+        }
+        Value::Array(items) => Value::Array(items.into_iter().map(with_lists).collect()),
+        plain => plain,
     }
 }
 

@@ -87,7 +87,7 @@ pub(crate) async fn frame(State(app): State<App>, of: Of) -> Result<Response, Ap
     let none = || ApiError::NotFound {
         path: format!("the frame of payload {payload} of vehicle {vehicle}"),
     };
-    let (kind, picture) = if app.node.gives_no_pixels(vehicle, &payload) {
+    let (kind, picture) = if app.node.streams().gives_no_pixels(vehicle, &payload) {
         let picture = crate::video::still(&app, vehicle, &payload).await?;
         ("image/jpeg", picture.ok_or_else(none)?)
     } else {

@@ -64,7 +64,7 @@ pub(crate) struct QualityQuery {
 }
 
 pub(crate) async fn list(State(app): State<App>) -> Json<VideoStreamList> {
-    let streams = app.node.videos().into_iter().map(view).collect();
+    let streams = app.node.streams().videos().into_iter().map(view).collect();
     Json(VideoStreamList { streams })
 }
 
@@ -97,7 +97,7 @@ fn view(video: CameraVideo) -> VideoStreamView {
 /// The newest picture of a camera that gives H.264, made as for a viewer, who looks until then; none if it gives none in time.
 pub(crate) async fn still(app: &App, vehicle: VehicleId, payload: &str) -> Result<Option<Vec<u8>>, ApiError> {
     let _permit = admit(app)?;
-    let mut viewer = app.node.watch_video(vehicle, payload, Rendition::FILES)?;
+    let mut viewer = app.node.streams().watch_video(vehicle, payload, Rendition::FILES)?;
     let until = tokio::time::Instant::now() + STILL_WITHIN;
     let mut newest = None;
     // Decoding begins with the last key picture, which may be seconds old, and has soon come to the present.

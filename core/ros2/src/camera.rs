@@ -58,7 +58,7 @@ impl Camera {
             self.files = None;
             return None;
         }
-        if !node.gives_no_pixels(self.vehicle, &self.payload) {
+        if !node.streams().gives_no_pixels(self.vehicle, &self.payload) {
             self.files = None;
             return self.say_pixels(node, looked_at, stamps);
         }
@@ -93,7 +93,10 @@ impl Camera {
         if self.files.is_none() {
             // What makes the pictures runs there.
             let _within = runtime.enter();
-            self.files = node.watch_video(self.vehicle, &self.payload, Rendition::FILES).ok();
+            self.files = node
+                .streams()
+                .watch_video(self.vehicle, &self.payload, Rendition::FILES)
+                .ok();
         }
         let Some(viewer) = &mut self.files else { return };
         let Some(given) = std::iter::from_fn(|| viewer.try_next()).last() else {
@@ -106,7 +109,7 @@ impl Camera {
     }
 
     fn say_size(&self, node: &NodeHandle, stamps: &Stamps) {
-        if let Ok(video) = node.video(self.vehicle, &self.payload) {
+        if let Ok(video) = node.streams().video(self.vehicle, &self.payload) {
             self.say_info(stamps.node, video.health.size_px, stamps);
         }
     }

@@ -36,6 +36,7 @@ use skein_domain::link::VehicleLink;
 use skein_domain::{AnchorReference, NodeTime, Refusal, SlotMove, VehicleId};
 use skein_link_mavlink::EndpointMetrics;
 use skein_state::SharedState;
+use skein_streaming::CameraStreams;
 use skein_view::{EventKind, EventRecord, FleetSnapshot};
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -119,6 +120,12 @@ impl NodeHandle {
 
     pub(crate) fn parts(&self) -> &Arc<Parts> {
         &self.parts
+    }
+
+    /// The video of the swarm's cameras.
+    #[must_use]
+    pub fn streams(&self) -> CameraStreams {
+        CameraStreams::new(self.shared.clone(), self.parts.links.clone())
     }
 
     /// Offers a vehicle that a link outside of this crate hears, under the name of that link's endpoint: the fleet adopts it by the rules of the

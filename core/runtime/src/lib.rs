@@ -9,7 +9,6 @@ mod clock;
 mod control_loop;
 mod coordinator;
 mod dds_links;
-mod detections;
 mod fleet;
 mod handle;
 mod listening;
@@ -20,13 +19,10 @@ mod payload;
 mod plugin_life;
 mod resume;
 mod surroundings;
-mod tracking;
 mod vehicle;
-mod video;
 mod wiring;
 
 pub use clock::TokioClock;
-pub use detections::{Detected, DetectedBearing, Detection};
 pub use handle::{
     AskedObserver, ControlAction, ControlReceipt, EmergencyKey, Fault, FenceAnswer, FormationSlots, InstanceUpgrade,
     LONGEST_TRACK_NAME, NodeHandle, ObserveRequest, ParameterReceipt, PluginInfo, PluginRefusal, PreflightAnswer,
@@ -36,5 +32,6 @@ pub use node::{Adapter, AdapterStart, Node, NodeError};
 pub use skein_plugin_host::Frame;
 pub use skein_state::SeenCounts;
 pub use skein_state::video::{Quality, Rendition, Viewer};
-pub use video::{CameraVideo, RecordedVideo};
+pub use skein_streaming::{CameraStreams, CameraVideo, RecordedVideo};
+pub use skein_tracking::{Detected, DetectedBearing, Detection};
 pub use wiring::{WiringError, catalog};

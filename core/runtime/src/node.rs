@@ -8,14 +8,12 @@ use crate::control_loop::ControlLoop;
 use crate::coordinator::Coordinator;
 use crate::dds_links::{DdsLinks, DdsLinksArguments};
 use crate::fleet::Fleet;
-use crate::handle::NodeHandle;
 use crate::handle::serving::carry_out;
+use crate::handle::{NodeHandle, Targets};
 use crate::listening;
 use crate::observer::Observer;
 use crate::parts::Parts;
 use crate::resume::{Keeper, KeeperArguments};
-use crate::tracking::Tracking;
-use crate::video::RtpOut;
 use crate::wiring::{self, WiringError};
 use ractor::{Actor, ActorCell, ActorId, ActorProcessingErr, ActorRef, RpcReplyPort, SpawnErr, SupervisionEvent};
 use skein_cluster::{Swarm, SwarmArguments, SwarmSetup};
@@ -26,6 +24,8 @@ use skein_domain::{Clock, Incarnation, NodeTime};
 use skein_link_mavlink::{Endpoint, EndpointArguments, EndpointSettings};
 use skein_px4::LinkSettings;
 use skein_state::restart::{Decision, NODE_LIMITS, RestartHistory};
+use skein_streaming::RtpOut;
+use skein_tracking::{Tracking, TrackingArguments};
 use skein_view::{ActorHealth, ActorStatus, EventKind};
 use std::collections::{BTreeMap, HashMap};
 use std::pin::Pin;
@@ -379,12 +379,23 @@ impl NodeState {
 
     async fn spawn_rtp(&self, parent: ActorCell) -> Result<ActorId, String> {
         let node = self.arguments.handle.clone();
-        Ok(spawned(RtpOut::spawn_linked(None, RtpOut, node, parent).await)?.get_id())
+        Ok(spawned(RtpOut::spawn_linked(None, RtpOut, node.streams(), parent).await)?.get_id())
     }
 
     async fn spawn_tracking(&self, parent: ActorCell) -> Result<ActorId, String> {
         let handle = self.arguments.handle.clone();
-        let tracking = spawned(Tracking::spawn_linked(None, Tracking, handle.clone(), parent).await)?;
+        let asked = handle.clone();
+        let arguments = TrackingArguments {
+            shared: handle.shared().clone(),
+            ask: Arc::new(move |vehicle, command| {
+                let asked = asked.clone();
+                Box::pin(async move {
+                    let receipts = asked.command(&Targets::Vehicles(vec![vehicle]), command).await;
+                    receipts.iter().any(|receipt| receipt.refusal.is_some())
+                })
+            }),
+        };
+        let tracking = spawned(Tracking::spawn_linked(None, Tracking, arguments, parent).await)?;
         let id = tracking.get_id();
         handle.parts().tracking.store(Some(Arc::new(tracking)));
         Ok(id)

@@ -3,8 +3,10 @@
 //!
 //! Must never do: wait, or hold a lock across an await.
 
+use crate::asks::{Answer, Ask};
 use crate::cluster::share::SwarmShare;
 use crate::coordination::SharedCoordination;
+use crate::mailbox::asking;
 use crate::observed::Observed;
 use crate::operators::Operators;
 use crate::overrun::{Overrun, OverrunEvent};
@@ -17,7 +19,7 @@ use arc_swap::{ArcSwap, ArcSwapOption};
 use parking_lot::Mutex;
 use skein_config::NodeConfig;
 use skein_domain::fence::FencePlan;
-use skein_domain::{Clock, Geodetic, NodeId, NodeTime, SwarmFrame, VehicleId};
+use skein_domain::{Clock, Geodetic, NodeId, NodeTime, Refusal, SwarmFrame, VehicleId};
 use skein_plugin_host::Catalog;
 use skein_safety::control::ControlTable;
 use skein_safety::{FencePlanError, Fences, Gate};
@@ -26,6 +28,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Deref;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
 
 /// Everything the actors of one node share.
 pub struct SharedState {
@@ -73,6 +76,21 @@ pub struct SharedState {
 }
 
 impl SharedState {
+    /// Asks another node of the swarm.
+    ///
+    /// # Errors
+    /// Its refusal, or that this node has no part in a swarm, or the actor for it has just died.
+    pub async fn ask(&self, node: NodeId, ask: Ask, within: Duration) -> Result<Answer, Refusal> {
+        let not_running = || Refusal::not_running("this node's part in a swarm");
+        let actor = self.swarm.as_ref().and_then(|swarm| swarm.actor());
+        let (message, answered) = asking(node, ask, within);
+        actor
+            .ok_or_else(not_running)?
+            .cast(message)
+            .map_err(|_| not_running())?;
+        answered.await.map_err(|_| not_running())?
+    }
+
     /// An empty one.
     #[must_use]
     pub fn new(config: NodeConfig, clock: Arc<dyn Clock>, gate: Gate, fence_plan: FencePlan, catalog: Catalog) -> Self {

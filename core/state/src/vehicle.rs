@@ -15,7 +15,7 @@ use skein_domain::link::VehicleLink;
 use skein_domain::payload::CoordinatorCapability;
 use skein_domain::preflight::PreflightItem;
 use skein_domain::{
-    AnchorReference, FailsafeState, FlightLimits, FlightState, NodeTime, Setpoint, SystemId, VehicleId,
+    AnchorReference, FailsafeState, FlightLimits, FlightState, NodeTime, Refusal, Setpoint, SystemId, VehicleId,
 };
 use skein_view::{ActorHealth, Avoidance};
 use std::collections::BTreeMap;
@@ -156,6 +156,17 @@ impl VehicleRecord {
     #[must_use]
     pub fn payload(&self, name: &str) -> Option<Arc<PayloadRecord>> {
         self.payloads.read().get(name).cloned()
+    }
+
+    /// The payload of that name.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn known_payload(&self, name: &str) -> Result<Arc<PayloadRecord>, Refusal> {
+        self.payload(name).ok_or_else(|| Refusal::UnknownPayload {
+            vehicle: self.id,
+            payload: name.to_owned(),
+        })
     }
 }
 

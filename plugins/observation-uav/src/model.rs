@@ -192,7 +192,7 @@ impl ObservationUav {
             self.lose_target(out);
             return;
         }
-        let (waited, waits) = (observation.waits, observation.waits());
+        let waits = observation.waits(out);
         let (Some((at, velocity)), Some(place)) = (observation.aimed.motion(now, settings), place) else {
             return; // Stands until it is seen.
         };
@@ -226,20 +226,13 @@ impl ObservationUav {
         observation.on_station |= near;
         let late = !observation.on_station && now.seconds_since(observation.since) > settings.approach_timeout_s;
         let after_s = now.seconds_since(observation.since);
-        let error_m = observation.aimed.error_m();
-        // As fast as the target at least, or it would never be reached.
-        let speed_m_s = settings.speed_m_s * self.speed_share(&at);
-        let speed_m_s = speed_m_s.max(velocity.vector().xy().norm() + SLOWEST_M_S);
+        let speed_m_s = self.speed_m_s(&at, &velocity);
         self.uav.guide((!waits).then_some(Goal {
             position,
             velocity,
             time: now,
-            speed_m_s: speed_m_s.min(self.settings.speed_m_s),
+            speed_m_s,
         }));
-        if waits && !waited {
-            let text = format!("its target is known to {error_m:.0} m only: it stands until that is better");
-            out.notice(Severity::Advisory, text);
-        }
         if arrived {
             self.uav.guided_command_done(out);
         }
@@ -248,6 +241,13 @@ impl ObservationUav {
             let refusal = Refusal::timed_out(what, after_s);
             self.break_off(refusal, false, "the stand-off distance was not reached", out);
         }
+    }
+
+    /// How fast to fly to a target that moves: as fast as that at least, or it would never be reached.
+    fn speed_m_s(&self, at: &PositionNed, velocity: &VelocityNed) -> f64 {
+        let most_m_s = self.settings.speed_m_s;
+        let least_m_s = velocity.vector().xy().norm() + SLOWEST_M_S;
+        (most_m_s * self.speed_share(at)).max(least_m_s).min(most_m_s)
     }
 
     fn lose_target(&mut self, out: &mut Effects) {

@@ -3,6 +3,8 @@
 use crate::target::Aimed;
 use minicbor::bytes::ByteVec;
 use minicbor::{Decode, Encode};
+use skein_plugin_sdk::Effects;
+use skein_plugin_sdk::domain::exchange::Severity;
 use skein_plugin_sdk::domain::{CommandId, NodeTime, PositionNed, RequestId};
 
 /// Changes when an older snapshot would be misunderstood. Fields that are only added keep it.
@@ -87,9 +89,13 @@ const FLIES_FROM_SHARE: f64 = 0.15;
 
 impl Observation {
     /// Whether to stand still, since the target may be anywhere around where it is thought to be: whoever flies by that may fly into it, or away from it.
-    pub(crate) fn waits(&mut self) -> bool {
-        let share = self.aimed.error_m() / self.stand_off_m;
-        self.waits = share > if self.waits { FLIES_FROM_SHARE } else { WAITS_FROM_SHARE };
+    pub(crate) fn waits(&mut self, out: &mut Effects) -> bool {
+        let (waited, error_m) = (self.waits, self.aimed.error_m());
+        self.waits = error_m / self.stand_off_m > if waited { FLIES_FROM_SHARE } else { WAITS_FROM_SHARE };
+        if self.waits && !waited {
+            let text = format!("its target is known to {error_m:.0} m only: it stands until that is better");
+            out.notice(Severity::Advisory, text);
+        }
         self.waits
     }
 

@@ -26,7 +26,7 @@ pub(crate) async fn multipart(
     let (Path((vehicle, payload)), Query(query)) = (of?, query?);
     let permit = admit(&app)?;
     let rendition = query.quality.of(Coding::Jpeg);
-    let mut viewer = app.node.watch_video(vehicle, &payload, rendition)?;
+    let mut viewer = app.node.streams().watch_video(vehicle, &payload, rendition)?;
     // One waits while one is being sent: who takes them slowly gets fewer of them.
     let (parts, mut taken) = mpsc::channel::<Bytes>(1);
     tokio::spawn(async move {

@@ -25,17 +25,17 @@ fn answer(recorded: RecordedVideo) -> VideoRecordingAnswer {
 
 pub(crate) async fn start(State(app): State<App>, of: Of) -> Result<Response, ApiError> {
     let Path((vehicle, payload)) = of?;
-    let begun = app.node.start_recording(vehicle, &payload)?;
+    let begun = app.node.streams().start_recording(vehicle, &payload)?;
     Ok((StatusCode::CREATED, Json(answer(begun))).into_response())
 }
 
 pub(crate) async fn stop(State(app): State<App>, of: Of) -> Result<Json<VideoRecordingAnswer>, ApiError> {
     let Path((vehicle, payload)) = of?;
-    Ok(Json(answer(app.node.stop_recording(vehicle, &payload)?)))
+    Ok(Json(answer(app.node.streams().stop_recording(vehicle, &payload)?)))
 }
 
 pub(crate) async fn recordings(State(app): State<App>) -> Json<VideoRecordingList> {
-    let read = tokio::task::spawn_blocking(move || app.node.recorded_videos()).await;
+    let read = tokio::task::spawn_blocking(move || app.node.streams().recorded_videos()).await;
     let recordings = read.unwrap_or_default().into_iter().map(|one| VideoRecording {
         file: one.file,
         vehicle: one.vehicle,
@@ -59,7 +59,7 @@ pub(crate) async fn file(
 ) -> Result<Response, ApiError> {
     let Path(name) = name?;
     let not_found = || ApiError::UnknownRecording { file: name.clone() };
-    let path = app.node.recorded_file(&name).map_err(|_| not_found())?;
+    let path = app.node.streams().recorded_file(&name).map_err(|_| not_found())?;
     let file = tokio::fs::File::open(path).await.map_err(|_| not_found())?;
     let pieces = futures_util::stream::try_unfold(file, |mut file| async move {
         let mut piece = vec![0; PIECE_BYTES];

@@ -78,7 +78,7 @@ pub(crate) async fn open(
 ) -> Result<Response, ApiError> {
     let (Path((vehicle, payload)), Query(query)) = (of?, query?);
     // Refused before the upgrade, so that the reason can be read.
-    app.node.video(vehicle, &payload)?;
+    app.node.streams().video(vehicle, &payload)?;
     let upgrade = upgrade.map_err(|rejection| ApiError::NotAnUpgrade {
         problem: rejection.body_text(),
     })?;
@@ -88,7 +88,7 @@ pub(crate) async fn open(
         Way::Jpeg => Some(query.quality.of(Coding::Jpeg)),
         Way::None => None,
     };
-    let watch = |rendition| app.node.watch_video(vehicle, &payload, rendition);
+    let watch = |rendition| app.node.streams().watch_video(vehicle, &payload, rendition);
     let viewer = rendition.map(watch).transpose()?;
     let closing = closing.map(|Extension(closing)| closing);
     let upgrade = upgrade
@@ -147,7 +147,12 @@ impl Client {
             return Err(Gone);
         }
         // A camera that was taken off has no stream any more.
-        let video = self.app.node.video(self.vehicle, &self.payload).map_err(|_| Gone)?;
+        let video = self
+            .app
+            .node
+            .streams()
+            .video(self.vehicle, &self.payload)
+            .map_err(|_| Gone)?;
         self.say(&VideoMessage::State(view(video))).await?;
         if self.viewer.is_none() {
             self.send(Message::Ping(Bytes::new())).await?;
@@ -199,7 +204,10 @@ impl Client {
                 Ok(())
             }
             Ok(VideoRequest::Seen { p50_s, p99_s }) => {
-                self.app.node.note_seen(self.vehicle, &self.payload, p50_s, p99_s);
+                self.app
+                    .node
+                    .streams()
+                    .note_seen(self.vehicle, &self.payload, p50_s, p99_s);
                 Ok(())
             }
             Err(error) => {

@@ -36,6 +36,7 @@ pub(crate) async fn answer(
     let permit = admit(&app)?;
     let viewer = app
         .node
+        .streams()
         .watch_video(vehicle, &payload, query.quality.of(Coding::H264))?;
     let hub = app.webrtc.hub(local).await?;
     let (session, answer) = Session::answer(&hub, local, offer, viewer).map_err(|error| unfit(&error))?;

@@ -54,7 +54,7 @@ impl ObserveVideo {
     /// Begins to look at all cameras.
     fn look(&mut self, runner: &ScenarioRunner<'_>) -> anyhow::Result<Vec<JoinHandle<()>>> {
         let mut watching = Vec::new();
-        for camera in runner.node.videos() {
+        for camera in runner.node.streams().videos() {
             let seen = Arc::new(Mutex::new(VideoSeen::default()));
             self.seen.push((camera.vehicle, seen.clone()));
             let node = runner.node.clone();
@@ -74,7 +74,7 @@ async fn watch(
     seen: Arc<Mutex<VideoSeen>>,
 ) {
     // A camera that is not there shows in the criteria.
-    let Ok(mut viewer) = node.watch_video(vehicle, &payload, Rendition::OF_CAMERA) else {
+    let Ok(mut viewer) = node.streams().watch_video(vehicle, &payload, Rendition::OF_CAMERA) else {
         return;
     };
     loop {

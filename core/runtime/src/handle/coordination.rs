@@ -8,7 +8,6 @@ use crate::coordinator::CoordinatorMessage;
 use ractor::RpcReplyPort;
 use ractor::rpc::CallResult;
 use skein_domain::{FormationRequest, NodeId, Refusal, Route, VehicleId};
-use skein_state::asking;
 use skein_state::asks::{Answer, ApiAnswer, ApiRequest, Ask};
 use skein_view::SwarmSnapshot;
 use skein_view::{FormationForecast, FormationReceipt};
@@ -34,14 +33,7 @@ fn strange(node: NodeId) -> Refusal {
 impl NodeHandle {
     /// Asks another node of the swarm.
     pub(crate) async fn ask(&self, node: NodeId, ask: Ask, within: Duration) -> Result<Answer, Refusal> {
-        let not_running = || Refusal::not_running("this node's part in a swarm");
-        let actor = self.shared.swarm.as_ref().and_then(|swarm| swarm.actor());
-        let (message, answered) = asking(node, ask, within);
-        actor
-            .ok_or_else(not_running)?
-            .cast(message)
-            .map_err(|_| not_running())?;
-        answered.await.map_err(|_| not_running())?
+        self.shared.ask(node, ask, within).await
     }
 
     /// The node to be asked what only the coordinator can do; none if it is this one.

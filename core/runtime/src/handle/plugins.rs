@@ -13,9 +13,8 @@ use serde::Serialize;
 use skein_domain::exchange::{FaultDrill, Severity};
 use skein_domain::{Refusal, VehicleId};
 use skein_plugin_host::Plugin;
+use skein_state::PayloadMessage;
 use skein_state::VehicleMessage;
-use skein_state::VehicleRecord;
-use skein_state::{PayloadMessage, PayloadRecord};
 use skein_view::{EventKind, RestartRecord, Restored};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -240,7 +239,7 @@ impl NodeHandle {
                     })
                     .is_ok()
             }),
-            Some(name) => self.payload(&record, name)?.actor.get().map(|actor| {
+            Some(name) => record.known_payload(name)?.actor.get().map(|actor| {
                 actor
                     .cast(match order {
                         PluginOrder::Drill(drill) => PayloadMessage::Drill(drill),
@@ -253,13 +252,6 @@ impl NodeHandle {
         sent.filter(|sent| *sent)
             .map(|_| ())
             .ok_or_else(|| not_running(vehicle, payload))
-    }
-
-    pub(crate) fn payload(&self, record: &VehicleRecord, name: &str) -> Result<Arc<PayloadRecord>, Refusal> {
-        record.payload(name).ok_or_else(|| Refusal::UnknownPayload {
-            vehicle: record.id,
-            payload: name.to_owned(),
-        })
     }
 
     fn tell(&self, plugin: &str, severity: Severity, text: String) {

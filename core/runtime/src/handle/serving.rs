@@ -29,7 +29,7 @@ pub async fn carry_out(handle: NodeHandle, ask: Ask, ahead_us: Option<i64>) -> A
             vehicle,
             payload,
             small,
-        } => Answer::Done(handle.send_video(to, number, vehicle, &payload, small)),
+        } => Answer::Done(handle.streams().send_video(to, number, vehicle, &payload, small)),
         Ask::Stick { vehicle, stick, told } => {
             Answer::Done(handle.stick_from_elsewhere(vehicle, stick, told, ahead_us))
         }

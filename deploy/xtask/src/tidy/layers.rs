@@ -5,7 +5,7 @@ use crate::workspace::{Package, Workspace};
 
 /// The crates of `core` from the binary to the words; each may depend on what stands below it.
 /// Names of crates that are not built yet keep their place.
-const ORDER: [&str; 31] = [
+const ORDER: [&str; 33] = [
     "skein",
     "skein-demo",
     "skein-node",
@@ -13,6 +13,8 @@ const ORDER: [&str; 31] = [
     "skein-ros2",
     "skein-runtime",
     "skein-cluster",
+    "skein-streaming",
+    "skein-tracking",
     "skein-state",
     "skein-coordination",
     "skein-view",

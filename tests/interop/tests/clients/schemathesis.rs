@@ -4,6 +4,7 @@
 use skein_domain::FlightState;
 use skein_testkit::{Process, eventually, free_tcp_port, patience, plugins_dir};
 use skein_tests_interop::{Environment, python_of};
+use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
@@ -43,6 +44,12 @@ async fn all_checks_of_schemathesis_find_nothing() {
     })
     .await;
     let mut command = Command::new(python.with_file_name("schemathesis"));
+    let hooks = Path::new(env!("CARGO_MANIFEST_DIR")).join("schemathesis");
+    command.arg("--config-file").arg(hooks.join("schemathesis.toml"));
+    command
+        .env("SCHEMATHESIS_HOOKS", "skein_hooks")
+        .env("PYTHONPATH", &hooks);
+    command.env("PYTHONDONTWRITEBYTECODE", "1");
     command.args(["run", &format!("http://127.0.0.1:{port}/api/v1/openapi.json")]);
     command.args(["--checks", "all", "--max-examples", DRAWN]);
     command.args(["--seed", "1", "--no-shrink", "--continue-on-failure", "--no-color"]);

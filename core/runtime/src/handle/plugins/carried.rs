@@ -40,7 +40,7 @@ impl NodeHandle {
         command: &serde_json::Value,
     ) -> Result<CommandReceipt, Refusal> {
         let record = self.shared.vehicles.known(vehicle)?;
-        let actor = self.payload(&record, payload)?.actor.get();
+        let actor = record.known_payload(payload)?.actor.get();
         let actor = actor.ok_or_else(|| not_running(vehicle, Some(payload)))?;
         let command_json = command.to_string();
         let message = |reply| PayloadMessage::Command {
@@ -94,7 +94,7 @@ impl NodeHandle {
     /// When there is no such vehicle or payload.
     pub fn payload_frame(&self, vehicle: VehicleId, payload: &str) -> Result<Option<Arc<Frame>>, Refusal> {
         let record = self.shared.vehicles.known(vehicle)?;
-        Ok(self.payload(&record, payload)?.frame())
+        Ok(record.known_payload(payload)?.frame())
     }
 
     /// Replaces what is tracked. Models and payloads are told with their next batch.

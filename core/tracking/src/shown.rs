@@ -14,19 +14,19 @@ const VELOCITY_ERROR_M_S: f64 = 2.0;
 const LARGEST_NUMBER: u64 = (1 << 53) - 1;
 
 /// The number under which everybody knows a track.
-pub(super) fn number(id: u64) -> u64 {
+pub(crate) fn number(id: u64) -> u64 {
     FIRST_FUSED_TRACK - 1 + id
 }
 
 /// The number under which the tracker knows it; none if it is no track of the swarm's making.
-pub(super) fn id(number: u64) -> Option<u64> {
+pub(crate) fn id(number: u64) -> Option<u64> {
     (FIRST_FUSED_TRACK..=LARGEST_NUMBER)
         .contains(&number)
         .then(|| number - (FIRST_FUSED_TRACK - 1))
 }
 
 /// As everybody reads it.
-pub(super) fn estimate(track: SwarmTrack) -> TrackEstimate {
+pub(crate) fn estimate(track: SwarmTrack) -> TrackEstimate {
     let covariance = track.position_covariance();
     TrackEstimate {
         track: Track {
@@ -58,7 +58,7 @@ pub(super) fn estimate(track: SwarmTrack) -> TrackEstimate {
 }
 
 /// As a tracker goes on with it; nothing if it was told, or is not known well enough to go on.
-pub(super) fn taken_over(estimate: &TrackEstimate) -> Option<SwarmTrack> {
+pub(crate) fn taken_over(estimate: &TrackEstimate) -> Option<SwarmTrack> {
     let mut covariance = Matrix6::zeros();
     covariance
         .fixed_view_mut::<3, 3>(0, 0)
@@ -83,7 +83,7 @@ pub(super) fn taken_over(estimate: &TrackEstimate) -> Option<SwarmTrack> {
 }
 
 /// Whether a track that nobody tells of any more is still shown: as long as a tracker would keep it.
-pub(super) fn is_kept(track: &TrackEstimate, now: NodeTime) -> bool {
+pub(crate) fn is_kept(track: &TrackEstimate, now: NodeTime) -> bool {
     let settings = SwarmSettings::default();
     let most_s = if track.pinned {
         settings.keep_pinned_s

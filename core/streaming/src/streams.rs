@@ -1,26 +1,14 @@
-//! Video that is looked at: a camera's pixels encoded, or its H.264 decoded and encoded anew, for as long as somebody wants that.
+//! Who looks at which camera, and what is made for them: a camera's pixels encoded, its H.264 decoded and encoded anew, another node's fetched.
 //!
-//! Bound: one task for each rendition that is looked at, with one picture in work; what comes meanwhile is left out but for the newest. Must never
-//! do: encode what nobody looks at, or compute on a thread that others wait for.
+//! Must never do: go on when nobody looks any more.
 
-mod between;
-mod making;
-mod recording;
-mod rtp;
-
-use crate::handle::NodeHandle;
-use making::Maker;
+use skein_config::NodeConfig;
 use skein_domain::payload::PayloadKind;
-use skein_domain::{Refusal, VehicleId};
-use skein_state::video::{Making, Quality, RemoteStream, Rendition, VideoHealth, VideoStream, Viewer};
-use skein_video::Coding;
+use skein_domain::{NodeTime, Refusal, VehicleId};
+use skein_link_mavlink::LinkTable;
+use skein_state::SharedState;
+use skein_state::video::VideoHealth;
 use std::sync::Arc;
-
-pub use recording::RecordedVideo;
-pub(crate) use rtp::RtpOut;
-
-/// Pause before pictures are made anew.
-const REMADE_AFTER: std::time::Duration = std::time::Duration::from_millis(100);
 
 /// A camera that encodes and gives pixels beside that, as some do, has given some within so long, in seconds.
 const PIXELS_COUNT_S: f64 = 3.0;
@@ -38,7 +26,32 @@ pub struct CameraVideo {
     pub fault: String,
 }
 
-impl NodeHandle {
+/// The video of the swarm's cameras, as this node has it. Cheap to clone.
+#[derive(Clone)]
+pub struct CameraStreams {
+    pub(crate) shared: Arc<SharedState>,
+    pub(crate) links: Arc<LinkTable>,
+}
+
+impl CameraStreams {
+    /// Of a node's shared state and its MAVLink links, on which ground stations are told of what is sent as RTP.
+    #[must_use]
+    pub fn new(shared: Arc<SharedState>, links: Arc<LinkTable>) -> Self {
+        Self { shared, links }
+    }
+
+    pub(crate) fn shared(&self) -> &Arc<SharedState> {
+        &self.shared
+    }
+
+    pub(crate) fn config(&self) -> &NodeConfig {
+        &self.shared.config
+    }
+
+    pub(crate) fn now(&self) -> NodeTime {
+        self.shared.now()
+    }
+
     /// The cameras of the swarm's vehicles, those of this node first.
     #[must_use]
     pub fn videos(&self) -> Vec<CameraVideo> {
@@ -48,7 +61,7 @@ impl NodeHandle {
     }
 
     fn videos_elsewhere(&self) -> Vec<CameraVideo> {
-        let (now, fleet) = (self.now(), self.snapshot());
+        let (now, fleet) = (self.now(), self.shared.picture());
         let vehicles = fleet.vehicles.iter();
         let elsewhere = vehicles.filter(|vehicle| self.shared.host(vehicle.id).is_some());
         let cameras = elsewhere.flat_map(|vehicle| {
@@ -111,7 +124,7 @@ impl NodeHandle {
         })
     }
 
-    /// Whether a camera of this node gives H.264 and, of late, no pixels: whoever wants a picture of it has to look at [`Rendition::FILES`].
+    /// Whether a camera of this node gives H.264 and, of late, no pixels: whoever wants a picture of it has to look at [`skein_state::video::Rendition::FILES`].
     #[must_use]
     pub fn gives_no_pixels(&self, vehicle: VehicleId, payload: &str) -> bool {
         let now = self.now();
@@ -134,64 +147,9 @@ impl NodeHandle {
         }
     }
 
-    /// Looks at a camera from now on.
-    ///
-    /// # Errors
-    /// When there is no such vehicle or payload, or it is no camera.
-    pub fn watch_video(&self, vehicle: VehicleId, payload: &str, rendition: Rendition) -> Result<Viewer, Refusal> {
-        let (video, elsewhere) = match self.shared.host(vehicle) {
-            Some(node) => {
-                self.video(vehicle, payload)?;
-                (self.shared.videos.camera(vehicle, payload), Some(node))
-            }
-            None => (self.camera(vehicle, payload)?.video.clone(), None),
-        };
-        let stream = video.stream(rendition);
-        let viewer = stream.view();
-        let Some(making) = stream.begin_making() else {
-            return Ok(viewer);
-        };
-        let is_passed_on = elsewhere.is_none() && rendition == Rendition::OF_CAMERA && video.encodes(self.now());
-        if !is_passed_on {
-            // Nobody has looked for a while: the last pictures are of that time.
-            stream.forget_pictures();
-        }
-        let looked = Looked {
-            vehicle,
-            payload: payload.to_owned(),
-        };
-        if let Some(node) = elsewhere.filter(|_| rendition.coding == Coding::H264) {
-            let remote = RemoteStream {
-                video,
-                rendition,
-                stream,
-            };
-            let node_here = self.clone();
-            tokio::spawn(while_looked_at(remote.stream.clone(), making, move || {
-                between::fetch(node_here.clone(), node, looked.clone(), remote.clone())
-            }));
-            return Ok(viewer);
-        }
-        // Of another node's camera JPEG is made of the H.264 that comes from there, in the same size.
-        let source = Rendition {
-            coding: Coding::H264,
-            quality: if elsewhere.is_some() {
-                rendition.quality
-            } else {
-                Quality::Main
-            },
-        };
-        let node_here = self.clone();
-        tokio::spawn(while_looked_at(stream.clone(), making, move || {
-            let (looked, video, stream) = (looked.clone(), video.clone(), stream.clone());
-            Maker::new(node_here.clone(), looked, video, source, rendition, stream).run()
-        }));
-        Ok(viewer)
-    }
-
-    fn camera(&self, vehicle: VehicleId, payload: &str) -> Result<Arc<skein_state::PayloadRecord>, Refusal> {
+    pub(crate) fn camera(&self, vehicle: VehicleId, payload: &str) -> Result<Arc<skein_state::PayloadRecord>, Refusal> {
         let record = self.shared.vehicles.known(vehicle)?;
-        let camera = self.payload(&record, payload)?;
+        let camera = record.known_payload(payload)?;
         if camera.kind != PayloadKind::Camera {
             return Err(Refusal::not_supported(format!(
                 "video of {payload}, which is no camera"
@@ -201,24 +159,11 @@ impl NodeHandle {
     }
 }
 
-/// Makes pictures until nobody looks any more. Who began to look while that was found out, and saw that somebody makes them, is not left alone.
-async fn while_looked_at<F: Future<Output = ()>>(stream: Arc<VideoStream>, making: Making, make: impl Fn() -> F) {
-    let mut making = Some(making);
-    while let Some(present) = making.take() {
-        make().await;
-        drop(present);
-        if stream.viewers() > 0 {
-            tokio::time::sleep(REMADE_AFTER).await;
-            making = stream.begin_making();
-        }
-    }
-}
-
 /// Which camera is looked at.
 #[derive(Debug, Clone)]
-struct Looked {
-    vehicle: VehicleId,
-    payload: String,
+pub(crate) struct Looked {
+    pub(crate) vehicle: VehicleId,
+    pub(crate) payload: String,
 }
 
 /// What a camera reports to be wrong.

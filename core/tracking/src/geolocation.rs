@@ -36,13 +36,13 @@ const RANGE_FACTOR: f64 = 2.0;
 
 /// Which states of detectors have been looked at.
 #[derive(Debug, Default)]
-pub(super) struct DetectorsSeen {
+pub(crate) struct DetectorsSeen {
     last: BTreeMap<(VehicleId, String), (u64, NodeTime)>,
 }
 
 impl DetectorsSeen {
     /// What detectors of this node's vehicles have found since the last look.
-    pub(super) fn look(&mut self, shared: &SharedState, now: NodeTime) -> Vec<Sighting> {
+    pub(crate) fn look(&mut self, shared: &SharedState, now: NodeTime) -> Vec<Sighting> {
         let mut sightings = Vec::new();
         let mut there = BTreeMap::new();
         let peers = shared.peers();
@@ -110,7 +110,7 @@ fn origin_error_m(telemetry: &Telemetry) -> f64 {
 }
 
 /// What was found in one picture, as bearings. Nothing without the picture's size and where the camera was; what is only thought to be there is no sighting.
-pub(super) fn located(
+pub(crate) fn located(
     sensor: &Sensor,
     state: &DetectorState,
     origin_error_m: f64,

@@ -1,7 +1,7 @@
 //! Makes the pictures of one rendition for as long as somebody looks at it.
 
-use super::Looked;
-use crate::handle::NodeHandle;
+use crate::CameraStreams;
+use crate::streams::Looked;
 use skein_domain::NodeTime;
 use skein_domain::payload::PixelFormat;
 use skein_plugin_host::Frame;
@@ -28,8 +28,8 @@ const KEYS_APART_S: f64 = 0.5;
 const EARLY: f64 = 0.25;
 
 /// Makes one rendition.
-pub(super) struct Maker {
-    node: NodeHandle,
+pub(crate) struct Maker {
+    node: CameraStreams,
     camera: Looked,
     video: Arc<Video>,
     /// Of which H.264 it is made, if there is any.
@@ -62,8 +62,8 @@ struct Made {
 }
 
 impl Maker {
-    pub(super) fn new(
-        node: NodeHandle,
+    pub(crate) fn new(
+        node: CameraStreams,
         camera: Looked,
         video: Arc<Video>,
         source: Rendition,
@@ -85,8 +85,8 @@ impl Maker {
     }
 
     /// Runs until nobody looks any more.
-    pub(super) async fn run(mut self) {
-        let is_elsewhere = self.node.host_elsewhere(self.camera.vehicle).is_some();
+    pub(crate) async fn run(mut self) {
+        let is_elsewhere = self.node.shared().host(self.camera.vehicle).is_some();
         let mut pixels = self.video.pixels();
         // The last frame is not new, but better than to wait for the next one.
         pixels.mark_changed();

@@ -15,7 +15,7 @@ const WITHIN_S: f64 = 10.0;
 
 /// What was told.
 #[derive(Debug, Default)]
-pub(super) struct Telling {
+pub(crate) struct Telling {
     known: BTreeSet<u64>,
     ours: BTreeSet<u64>,
     limit: Limit,
@@ -23,18 +23,18 @@ pub(super) struct Telling {
 
 impl Telling {
     /// These are no news.
-    pub(super) fn know(&mut self, tracks: impl IntoIterator<Item = u64>) {
+    pub(crate) fn know(&mut self, tracks: impl IntoIterator<Item = u64>) {
         self.known.extend(tracks);
     }
 
     /// An operator ended this one, which is told by itself.
-    pub(super) fn forget(&mut self, track: u64) {
+    pub(crate) fn forget(&mut self, track: u64) {
         self.known.remove(&track);
         self.ours.remove(&track);
     }
 
     /// Tells what is new.
-    pub(super) fn tell(&mut self, shared: &SharedState, tracks: &[TrackEstimate], now: NodeTime) {
+    pub(crate) fn tell(&mut self, shared: &SharedState, tracks: &[TrackEstimate], now: NodeTime) {
         let ours = shared.observed.tracks_of_ours();
         for (track, text) in self.news(tracks, &ours) {
             if self.limit.admits(now) {

@@ -6,7 +6,7 @@
 mod announcing;
 mod packets;
 
-use crate::handle::NodeHandle;
+use crate::CameraStreams;
 use packets::Packets;
 use ractor::{Actor, ActorProcessingErr, ActorRef};
 use skein_config::{RtpQuality, RtpSettings};
@@ -37,16 +37,16 @@ const BURST: usize = 32;
 const BURST_PAUSE: Duration = Duration::from_millis(1);
 
 /// Sends the cameras that the configuration names.
-pub(crate) struct RtpOut;
+pub struct RtpOut;
 
 /// A task of it has ended, which none does but by a panic.
 #[derive(Debug, Error)]
 #[error("{0}")]
-pub(crate) struct RtpEnded(String);
+pub struct RtpEnded(String);
 
 /// Its tasks, which end with this.
 #[derive(Default)]
-pub(crate) struct Sending(Vec<AbortHandle>);
+pub struct Sending(Vec<AbortHandle>);
 
 impl Sending {
     /// One more task, whose panic becomes the actor's failure and so the supervisor's business.
@@ -71,9 +71,9 @@ impl Drop for Sending {
 impl Actor for RtpOut {
     type Msg = RtpEnded;
     type State = Sending;
-    type Arguments = NodeHandle;
+    type Arguments = CameraStreams;
 
-    async fn pre_start(&self, myself: ActorRef<RtpEnded>, node: NodeHandle) -> Result<Sending, ActorProcessingErr> {
+    async fn pre_start(&self, myself: ActorRef<RtpEnded>, node: CameraStreams) -> Result<Sending, ActorProcessingErr> {
         let mut sending = Sending::default();
         for settings in node.config().video.rtp.clone() {
             sending.run(&myself, Sender::new(node.clone(), settings).run());
@@ -89,7 +89,7 @@ impl Actor for RtpOut {
 
 /// Sends one camera to one address.
 struct Sender {
-    node: NodeHandle,
+    node: CameraStreams,
     settings: RtpSettings,
     packets: Packets,
     /// How often the camera was not there, one after the other.
@@ -99,7 +99,7 @@ struct Sender {
 }
 
 impl Sender {
-    fn new(node: NodeHandle, settings: RtpSettings) -> Self {
+    fn new(node: CameraStreams, settings: RtpSettings) -> Self {
         // Another one after each start: a player then takes the stream for a new one, and does not wait for numbers that were.
         let source = RandomState::new().hash_one(settings.to) as u32;
         Self {

@@ -2,17 +2,22 @@
 //!
 //! Must never do: wait for a vehicle's answer, or ask anybody that an operator did not let the swarm ask.
 
-use crate::handle::observers::{activity, candidates, looks_at};
-use crate::handle::{NodeHandle, Targets};
+use crate::candidates::{activity, candidates, looks_at};
 use parking_lot::Mutex;
 use skein_coordination::TrackObservation;
 use skein_coordination::observing::{Change, ObserverState, Unable, changes, ranked};
 use skein_domain::exchange::Severity;
 use skein_domain::payload::Target;
 use skein_domain::{NodeTime, VehicleCommand, VehicleId};
+use skein_state::SharedState;
 use skein_view::{EventKind, FleetSnapshot};
 use std::collections::BTreeMap;
+use std::pin::Pin;
 use std::sync::Arc;
+
+/// Gives a vehicle a command, wherever it is flown, and says whether it refused.
+pub type AskVehicle =
+    Arc<dyn Fn(VehicleId, VehicleCommand) -> Pin<Box<dyn Future<Output = bool> + Send>> + Send + Sync>;
 
 /// Time between two looks, in seconds.
 const LOOK_S: f64 = 0.5;
@@ -23,7 +28,7 @@ const REFUSED_FOR_S: f64 = 20.0;
 
 /// What is remembered from one look to the next.
 #[derive(Debug, Default)]
-pub(super) struct Carrying {
+pub(crate) struct Carrying {
     next: NodeTime,
     /// When each vehicle of an observation was first seen in it.
     since: BTreeMap<(u64, VehicleId), NodeTime>,
@@ -34,8 +39,7 @@ pub(super) struct Carrying {
 
 impl Carrying {
     /// Looks whether everybody still looks.
-    pub(super) fn look(&mut self, handle: &NodeHandle, now: NodeTime) {
-        let shared = handle.shared();
+    pub(crate) fn look(&mut self, shared: &Arc<SharedState>, ask: &AskVehicle, now: NodeTime) {
         let observations = shared.observed.observations();
         if now < self.next || observations.is_empty() {
             return;
@@ -44,10 +48,10 @@ impl Carrying {
         self.refused
             .lock()
             .retain(|_, at| now.seconds_since(*at) < REFUSED_FOR_S);
-        let snapshot = handle.snapshot();
+        let snapshot = shared.picture();
         let kept: Vec<TrackObservation> = observations
             .iter()
-            .filter_map(|observation| self.keep(handle, &snapshot, observation, now))
+            .filter_map(|observation| self.keep(shared, ask, &snapshot, observation, now))
             .collect();
         let is_there = |(track, vehicle): &(u64, VehicleId)| {
             let mut of_track = kept.iter().filter(|kept| kept.track == *track);
@@ -63,12 +67,13 @@ impl Carrying {
     /// One observation as it goes on; nothing once its track has ended, or nobody looks any more.
     fn keep(
         &mut self,
-        handle: &NodeHandle,
+        shared: &Arc<SharedState>,
+        ask: &AskVehicle,
         snapshot: &FleetSnapshot,
         observation: &TrackObservation,
         now: NodeTime,
     ) -> Option<TrackObservation> {
-        let tracks = handle.shared().observed.tracks();
+        let tracks = shared.observed.tracks();
         let target = tracks.iter().find(|track| track.track == observation.track)?.position;
         let states = self.states(snapshot, observation, now);
         let refused: Vec<VehicleId> = self.refused.lock().keys().copied().collect();
@@ -83,11 +88,11 @@ impl Carrying {
                     to,
                     bearing_rad,
                 } => {
-                    self.tell(handle, observation.track, from, why, to, now);
+                    self.tell(shared, observation.track, from, why, to, now);
                     if let Some(to) = to {
                         kept.by.retain(|(id, _)| *id != from);
                         kept.by.push((to, bearing_rad));
-                        self.ask(handle, observation, to, bearing_rad);
+                        self.ask(shared, ask, observation, to, bearing_rad);
                     }
                 }
             }
@@ -121,7 +126,7 @@ impl Carrying {
 
     fn tell(
         &mut self,
-        handle: &NodeHandle,
+        shared: &SharedState,
         track: u64,
         from: VehicleId,
         why: Unable,
@@ -142,10 +147,17 @@ impl Carrying {
         };
         let text = format!("vehicle {from}, which is to keep track {track} in view, {why}: {then}");
         let kind = EventKind::Track { track };
-        handle.shared().events.record(now, Some(from), severity, kind, text);
+        shared.events.record(now, Some(from), severity, kind, text);
     }
 
-    fn ask(&self, handle: &NodeHandle, observation: &TrackObservation, to: VehicleId, bearing_rad: f64) {
+    fn ask(
+        &self,
+        shared: &Arc<SharedState>,
+        ask: &AskVehicle,
+        observation: &TrackObservation,
+        to: VehicleId,
+        bearing_rad: f64,
+    ) {
         let command = VehicleCommand::Observe {
             target: Target::Track {
                 track: observation.track,
@@ -154,11 +166,10 @@ impl Carrying {
             height_m: None,
             bearing_rad: Some(bearing_rad),
         };
-        let (handle, refused) = (handle.clone(), self.refused.clone());
+        let (shared, refused, answer) = (shared.clone(), self.refused.clone(), ask(to, command));
         tokio::spawn(async move {
-            let receipts = handle.command(&Targets::Vehicles(vec![to]), command).await;
-            if receipts.iter().any(|receipt| receipt.refusal.is_some()) {
-                refused.lock().insert(to, handle.now());
+            if answer.await {
+                refused.lock().insert(to, shared.now());
             }
         });
     }

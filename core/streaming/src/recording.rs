@@ -2,7 +2,7 @@
 //!
 //! Bound: a slow disk makes the recording leave out pictures, and nobody else wait; of the folder's files the oldest go when it is full.
 
-use crate::handle::NodeHandle;
+use crate::CameraStreams;
 use serde::Serialize;
 use skein_domain::exchange::Severity;
 use skein_domain::payload::PayloadKind;
@@ -40,7 +40,7 @@ pub struct RecordedVideo {
     pub running: bool,
 }
 
-impl NodeHandle {
+impl CameraStreams {
     /// Begins to record a camera.
     ///
     /// # Errors

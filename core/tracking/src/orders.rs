@@ -2,7 +2,7 @@
 //!
 //! Must never do: change what was told as it is; who told it tells it anew.
 
-use super::{TrackingState, shown};
+use crate::{TrackingState, shown};
 use skein_coordination::TrackObservation;
 use skein_domain::Refusal;
 use skein_domain::exchange::Severity;
@@ -15,7 +15,7 @@ const MOST_OBSERVATIONS: usize = 16;
 
 impl TrackingState {
     /// Does it, or says why not.
-    pub(super) fn order(&mut self, order: TrackOrder) -> Result<(), Refusal> {
+    pub(crate) fn order(&mut self, order: TrackOrder) -> Result<(), Refusal> {
         match order {
             TrackOrder::Change { track, name, pinned } => self.change(track, name.as_deref(), pinned),
             TrackOrder::Drop { track } => self.drop_track(track),

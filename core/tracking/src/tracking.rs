@@ -5,15 +5,10 @@
 //! Bound: one step at a time, the next is asked for when the last is done; of each kind of sightings a step takes the newest 512. Must never do: command a
 //! vehicle by itself, but for who takes over an observation that an operator asked for; hold up anything that flies.
 
-mod carrying;
-mod geolocation;
-mod orders;
-mod shown;
-mod telling;
-
-use crate::handle::NodeHandle;
-use carrying::Carrying;
-use geolocation::DetectorsSeen;
+use crate::carrying::{AskVehicle, Carrying};
+use crate::geolocation::DetectorsSeen;
+use crate::shown;
+use crate::telling::Telling;
 use ractor::{Actor, ActorProcessingErr, ActorRef};
 use skein_domain::NodeTime;
 use skein_domain::payload::TrackEstimate;
@@ -24,7 +19,6 @@ use skein_vision::{OwnVehicle, Sighting, SwarmSettings, SwarmTracker};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
-use telling::Telling;
 use tokio::time::Instant;
 
 /// Time between two looks at what was seen.
@@ -41,14 +35,23 @@ const OWN_ERROR_M: f64 = 1.5;
 /// The actor.
 pub struct Tracking;
 
+/// What the actor is given.
+#[derive(Clone)]
+pub struct TrackingArguments {
+    /// The node's shared state.
+    pub shared: Arc<SharedState>,
+    /// For who takes over an observation.
+    pub ask: AskVehicle,
+}
+
 /// State. The tracks themselves are in the shared state too, from where the next incarnation, or another node, goes on with them.
 pub struct TrackingState {
-    handle: NodeHandle,
-    shared: Arc<SharedState>,
+    ask: AskVehicle,
+    pub(crate) shared: Arc<SharedState>,
     detectors: DetectorsSeen,
     /// There while tracks are made here.
-    tracker: Option<SwarmTracker>,
-    telling: Telling,
+    pub(crate) tracker: Option<SwarmTracker>,
+    pub(crate) telling: Telling,
     carrying: Carrying,
     stepped: NodeTime,
     shown: NodeTime,
@@ -57,17 +60,17 @@ pub struct TrackingState {
 impl Actor for Tracking {
     type Msg = TrackingMessage;
     type State = TrackingState;
-    type Arguments = NodeHandle;
+    type Arguments = TrackingArguments;
 
     async fn pre_start(
         &self,
         myself: ActorRef<TrackingMessage>,
-        handle: NodeHandle,
+        arguments: TrackingArguments,
     ) -> Result<TrackingState, ActorProcessingErr> {
         myself.cast(TrackingMessage::Step)?;
         Ok(TrackingState {
-            shared: handle.shared().clone(),
-            handle,
+            shared: arguments.shared,
+            ask: arguments.ask,
             detectors: DetectorsSeen::default(),
             tracker: None,
             telling: Telling::default(),
@@ -159,7 +162,7 @@ impl TrackingState {
     }
 
     /// The tracker, or one that goes on with the tracks that were shown last.
-    fn take_tracker(&mut self) -> SwarmTracker {
+    pub(crate) fn take_tracker(&mut self) -> SwarmTracker {
         self.tracker.take().unwrap_or_else(|| {
             let before = self.shared.observed.fused();
             let mut tracker = SwarmTracker::new(SwarmSettings::default());
@@ -170,12 +173,12 @@ impl TrackingState {
     }
 
     /// Shows the tracks to everybody, and does what follows from them.
-    fn show(&mut self, now: NodeTime) {
+    pub(crate) fn show(&mut self, now: NodeTime) {
         self.shown = now;
         let tracks = self.tracks(now);
         self.telling.tell(&self.shared, &tracks, now);
         self.shared.observed.publish_fused(tracks);
-        self.carrying.look(&self.handle, now);
+        self.carrying.look(&self.shared, &self.ask, now);
     }
 
     fn tracks(&self, now: NodeTime) -> Vec<TrackEstimate> {

@@ -2,7 +2,7 @@
 //!
 //! Must never do: speak for a vehicle that this node does not fly.
 
-use crate::handle::NodeHandle;
+use crate::CameraStreams;
 use skein_config::{RtpQuality, RtpSettings};
 use skein_domain::VehicleId;
 use skein_link_mavlink::{Px4Link, ToldCamera, ToldStream};
@@ -19,7 +19,7 @@ const SUB_PX: (f64, f64) = (320.0, 240.0);
 const SUB_RATE_HZ: f64 = 10.0;
 
 /// Tells as long as it runs.
-pub(super) async fn announce(node: NodeHandle) {
+pub(super) async fn announce(node: CameraStreams) {
     let mut told: BTreeMap<VehicleId, Arc<Px4Link>> = BTreeMap::new();
     let mut every = interval(TELL_EVERY);
     every.set_missed_tick_behavior(MissedTickBehavior::Delay);
@@ -46,15 +46,15 @@ pub(super) async fn announce(node: NodeHandle) {
 }
 
 /// The MAVLink link over which this node flies a vehicle, if it does.
-fn link_of(node: &NodeHandle, vehicle: VehicleId) -> Option<Arc<Px4Link>> {
+fn link_of(node: &CameraStreams, vehicle: VehicleId) -> Option<Arc<Px4Link>> {
     let record = node.shared().vehicles.record(vehicle)?;
-    let is_here = node.host_elsewhere(vehicle).is_none();
-    let link = is_here.then(|| node.parts().links.link(record.link().system_id().0));
+    let is_here = node.shared().host(vehicle).is_none();
+    let link = is_here.then(|| node.links.link(record.link().system_id().0));
     link.flatten()
 }
 
 /// One more stream of a camera, if that is there.
-fn add(node: &NodeHandle, rtp: &RtpSettings, cameras: &mut Vec<ToldCamera>) {
+fn add(node: &CameraStreams, rtp: &RtpSettings, cameras: &mut Vec<ToldCamera>) {
     let Ok(video) = node.video(VehicleId(rtp.vehicle), &rtp.camera) else {
         return;
     };

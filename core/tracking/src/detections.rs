@@ -81,11 +81,7 @@ pub struct Detected {
 ///
 /// # Errors
 /// The place in the list of the first that cannot be true, and why.
-pub(crate) fn sightings(
-    source: &str,
-    detections: Vec<Detection>,
-    now: NodeTime,
-) -> Result<Vec<Sighting>, (usize, String)> {
+pub fn sightings(source: &str, detections: Vec<Detection>, now: NodeTime) -> Result<Vec<Sighting>, (usize, String)> {
     let one = |(index, detection): (usize, Detection)| sighting(source, detection, now).map_err(|why| (index, why));
     detections.into_iter().enumerate().map(one).collect()
 }

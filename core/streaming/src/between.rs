@@ -3,8 +3,8 @@
 //!
 //! Bound: one picture of a stream waits for the bus at a time. Must never do: send what nobody asked for within the last seconds.
 
-use super::Looked;
-use crate::handle::NodeHandle;
+use crate::CameraStreams;
+use crate::streams::Looked;
 use ractor::ActorRef;
 use skein_domain::{NodeId, Refusal, VehicleId};
 use skein_state::asks::{Answer, Ask};
@@ -30,8 +30,8 @@ const THIN_WITHIN: Duration = Duration::from_secs(8);
 const THIN_FOR: Duration = Duration::from_secs(20);
 
 /// Gets a stream of another node for as long as somebody looks at it, and that node flies the vehicle.
-pub(super) async fn fetch(node: NodeHandle, from: NodeId, looked: Looked, remote: RemoteStream) {
-    let is_there = || remote.stream.viewers() > 0 && node.host_elsewhere(looked.vehicle) == Some(from);
+pub(crate) async fn fetch(node: CameraStreams, from: NodeId, looked: Looked, remote: RemoteStream) {
+    let is_there = || remote.stream.viewers() > 0 && node.shared().host(looked.vehicle) == Some(from);
     while is_there() {
         // One that was started anew knows of no stream.
         match Fetching::begin(&node, from, &remote).await {
@@ -53,7 +53,7 @@ struct Fetching {
 }
 
 impl Fetching {
-    async fn begin(node: &NodeHandle, from: NodeId, remote: &RemoteStream) -> Option<Self> {
+    async fn begin(node: &CameraStreams, from: NodeId, remote: &RemoteStream) -> Option<Self> {
         let actor = node.shared().swarm.as_ref()?.actor()?;
         let (numbered, number) = oneshot::channel();
         let stream = Box::new(remote.clone());
@@ -72,7 +72,7 @@ impl Fetching {
     }
 
     /// Asks for it when that is due. False when the swarm actor is not there any more.
-    async fn go_on(&mut self, node: &NodeHandle, looked: &Looked, remote: &RemoteStream) -> bool {
+    async fn go_on(&mut self, node: &CameraStreams, looked: &Looked, remote: &RemoteStream) -> bool {
         sleep(LOOK_EVERY).await;
         let (from, number) = (self.from, self.number);
         if remote.stream.take_wish_for_key() && self.actor.cast(SwarmMessage::WantVideoKey { from, number }).is_err() {
@@ -93,7 +93,7 @@ impl Fetching {
             payload: looked.payload.clone(),
             small: remote.rendition.quality == Quality::Sub,
         };
-        let refusal = match node.ask(from, ask, ANSWER_WITHIN).await {
+        let refusal = match node.shared().ask(from, ask, ANSWER_WITHIN).await {
             Ok(Answer::Done(Ok(()))) => None,
             Ok(Answer::Done(Err(refusal))) | Err(refusal) => Some(refusal.to_string()),
             Ok(_) => Some(format!("node {from} answered something else")),
@@ -109,9 +109,9 @@ impl Fetching {
     }
 }
 
-impl NodeHandle {
+impl CameraStreams {
     /// Another node wants the video of a camera of this one, under its number for it; for the next seconds.
-    pub(crate) fn send_video(
+    pub fn send_video(
         &self,
         to: NodeId,
         number: u32,
@@ -142,7 +142,7 @@ impl NodeHandle {
 
 /// Sends one stream to one node.
 struct Sender {
-    node: NodeHandle,
+    node: CameraStreams,
     to: NodeId,
     number: u32,
     vehicle: VehicleId,
