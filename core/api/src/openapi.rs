@@ -273,7 +273,7 @@ fn query_parameters(query: Schema, generator: &mut SchemaGenerator) -> Vec<Param
                 Required::False
             })
             .description(description.as_ref().and_then(Value::as_str))
-            .schema(serde_json::from_value::<ApiSchema>(schema).ok())
+            .schema(serde_json::from_value::<ApiSchema>(with_lists(schema)).ok())
             .build()
     };
     properties.iter().map(parameter).collect()
