@@ -33,9 +33,9 @@ pub struct DemoArguments {
     /// Vehicles and dashboard only: fly it yourself.
     #[arg(long)]
     pub manual: bool,
-    /// Port of the dashboard on 127.0.0.1; 0 lets the system choose.
-    #[arg(long, default_value_t = 8080)]
-    pub port: u16,
+    /// Port of the dashboard on 127.0.0.1; 0 lets the system choose [default: 8080, or another one where that is taken].
+    #[arg(long)]
+    pub port: Option<u16>,
     /// Seed of wind and sensor noise.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,

@@ -31,7 +31,7 @@ use skein_config::{EndpointSettings, NodeConfig, PluginSettings};
 use skein_node::{Running, build, plugins_beside_program, stop_asked};
 use skein_sim::{Faces, PayloadPlan, PortPlan, SimSettings, Simulation};
 use skein_sim_dds::DdsSettings;
-use std::net::SocketAddr;
+use std::net::{SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -68,7 +68,7 @@ pub async fn demo(arguments: DemoArguments) -> anyhow::Result<ExitCode> {
         println!("The vehicles' topics are in DDS domain {domain_id}, on this computer alone.");
     }
     if let Some(address) = running.web_address() {
-        println!("Dashboard: http://{address}");
+        println!("Dashboard: http://{address}{}", why_not_usual(&arguments, address));
     }
     let outcome = if arguments.manual {
         println!("{} vehicles are yours to fly. Stop with Ctrl-C.", arguments.count());
@@ -128,7 +128,7 @@ fn endpoints(arguments: &DemoArguments) -> Vec<EndpointSettings> {
 }
 
 fn configuration(arguments: &DemoArguments, layout: &Layout) -> NodeConfig {
-    let port = arguments.port;
+    let port = arguments.port.unwrap_or_else(|| usual_or_free(USUAL_PORT));
     let mut config = NodeConfig {
         endpoints: endpoints(arguments),
         adopt: fleet::rules(arguments),
@@ -147,6 +147,25 @@ fn configuration(arguments: &DemoArguments, layout: &Layout) -> NodeConfig {
     config.coordinator.transition_speed_m_s = layout::TRANSITION_SPEED_M_S;
     config.faults.enabled = arguments.faults.is_some() || arguments.manual || arguments.scenario != Scenario::Tour;
     config
+}
+
+/// The port of the dashboard, if nobody names one and no other program has it.
+const USUAL_PORT: u16 = 8080;
+
+/// Why the dashboard is not where it usually is.
+fn why_not_usual(arguments: &DemoArguments, address: SocketAddr) -> &'static str {
+    match arguments.port {
+        None if address.port() != USUAL_PORT => " (another program has port 8080)",
+        _ => "",
+    }
+}
+
+/// A port, or 0 for one that the system chooses, where another program has it.
+fn usual_or_free(port: u16) -> u16 {
+    match TcpListener::bind(("127.0.0.1", port)) {
+        Ok(_) => port,
+        Err(_) => 0,
+    }
 }
 
 /// A DDS domain of this demonstration's own: in the usual one there may be vehicles that are real.
@@ -246,4 +265,18 @@ async fn fly(
     } else {
         ExitCode::FAILURE
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn another_program_on_the_usual_port_stops_no_demonstration() {
+        let other = TcpListener::bind("127.0.0.1:0").expect("a port is free");
+        let port = other.local_addr().expect("is bound").port();
+        assert_eq!(usual_or_free(port), 0);
+        drop(other);
+        assert_eq!(usual_or_free(port), port);
+    }
 }

@@ -23,6 +23,7 @@ const AFTER_HELP: &str = "\
 Start here:
   skein demo                        a simulated swarm flies a demonstration; watch it in the browser
   skein sim --vehicles 6            only simulated vehicles, on the ports of PX4's own simulation
+  skein init                        a configuration for this computer, by five questions
   skein run --config node.toml      a node for real or simulated vehicles
   skein doctor --config node.toml   what is wrong on this machine, and how to mend it
 
@@ -47,6 +48,8 @@ pub enum Command {
     Run(RunArguments),
     /// Start simulated vehicles only; any MAVLink ground station can fly them.
     Sim(SimArguments),
+    /// Make a configuration: five questions, or their answers as arguments.
+    Init(crate::init::InitArguments),
     /// Check ports, plugins, configuration and clock, and say how to mend what is wrong.
     Doctor(DoctorArguments),
     /// What nodes of one swarm need to find and trust each other.
@@ -64,6 +67,17 @@ pub enum Command {
         /// Print every vehicle's state twice a second.
         #[arg(long)]
         trace: bool,
+    },
+    /// Print the completions of a shell: `skein completions bash > /etc/bash_completion.d/skein`.
+    Completions {
+        /// Which shell.
+        #[arg(value_enum)]
+        shell: clap_complete::Shell,
+    },
+    /// Write the man pages into a directory.
+    Man {
+        /// It must be there.
+        directory: PathBuf,
     },
     /// Runs one plugin instance for a node, which starts it with a socket as its standard input.
     #[command(hide = true)]

@@ -3,7 +3,7 @@
 
 use clap::Parser;
 use skein::args::{Arguments, Bench, BenchArguments, Command};
-use skein::{doctor, exit, logging, plugin, replay, run, simulate, swarm, vision};
+use skein::{doctor, exit, init, logging, manual, plugin, replay, run, simulate, swarm, vision};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -29,6 +29,9 @@ fn main() -> ExitCode {
 fn execute(command: Command) -> anyhow::Result<ExitCode> {
     match command {
         Command::Bench(BenchArguments { what }) => return bench(what),
+        Command::Init(arguments) => return init::init(&arguments).map(|()| ExitCode::SUCCESS),
+        Command::Completions { shell } => return Ok(manual::completions(shell)),
+        Command::Man { directory } => return manual::man_pages(&directory).map(|()| ExitCode::SUCCESS),
         Command::ReplaySeed { seed, trace } => return Ok(replay::replay_seed(seed, trace)),
         // Without a runtime: it is one plugin and a socket.
         Command::PluginHost => return plugin_host(),
@@ -53,7 +56,12 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
             Command::Swarm(arguments) => swarm::swarm(&arguments).map(done),
             Command::Plugin(arguments) => plugin::plugin(arguments).await,
             Command::Vision(arguments) => vision::vision(arguments).await,
-            Command::Bench(_) | Command::ReplaySeed { .. } | Command::PluginHost => Ok(ExitCode::SUCCESS),
+            Command::Bench(_)
+            | Command::Init(_)
+            | Command::Completions { .. }
+            | Command::Man { .. }
+            | Command::ReplaySeed { .. }
+            | Command::PluginHost => Ok(ExitCode::SUCCESS),
         }
     })
 }

@@ -174,3 +174,40 @@ async fn a_secret_is_made_once_and_one_that_is_none_exits_with_64() {
         );
     }
 }
+
+#[tokio::test]
+async fn a_configuration_is_made_once_and_the_program_says_what_shells_and_man_want_to_know() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("node.toml");
+    let file = file.to_str().expect("is text");
+    let run = async |arguments: &[&str]| {
+        let mut process = Process::skein(arguments);
+        let code = process.exit_code(SOON).await;
+        (code, process.output())
+    };
+    // Nobody sits there: what is not said is the usual.
+    let made = [
+        "init",
+        file,
+        "--computer",
+        "ground",
+        "--vehicles",
+        "1-6",
+        "--swarm",
+        "field",
+    ];
+    let (code, said) = run(&made).await;
+    assert!(
+        code == 0 && said.contains("skein run --config") && said.contains("new-secret"),
+        "{said}"
+    );
+    let (code, said) = run(&made).await;
+    assert!(code == 1 && said.contains("is there already"), "{said}");
+    let (code, said) = run(&["completions", "bash"]).await;
+    assert!(code == 0 && said.contains("complete -F _skein"), "{said}");
+    let pages = folder.path().to_str().expect("is text");
+    let (code, said) = run(&["man", pages]).await;
+    assert!(code == 0, "{said}");
+    let page = std::fs::read_to_string(folder.path().join("skein-demo.1")).expect("is written");
+    assert!(page.contains("Fly a demonstration"), "{page}");
+}
