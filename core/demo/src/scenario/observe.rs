@@ -1,6 +1,8 @@
 //! An intruder that no radio hears of: cameras find it, two observation UAVs are sent to look at it from two sides, and keep it in the middle of their
 //! pictures. The battery of one runs low, and another takes its place.
 //!
+//! Vehicles that fly as PX4's own simulation does (`--airframe sih`) have no gimbal, as there: their cameras look at the ground when they lean forward.
+//!
 //! Must never do: tell the swarm anything of the intruder; what it knows it has seen.
 
 use super::{Flight, Setup, swarm_origin};
@@ -10,10 +12,10 @@ use crate::report::{Criterion, counted, measured};
 use crate::scenario_runner::ScenarioRunner;
 use anyhow::{Context, bail};
 use skein_config::{AdoptionRule, Isolation, PayloadRule};
-use skein_domain::payload::{CameraPose, TrackEstimate};
+use skein_domain::payload::{CameraPose, PayloadKind, TrackEstimate};
 use skein_domain::{EnergyLevel, PositionNed, SystemId, VehicleCommand, VehicleId};
 use skein_runtime::{NodeHandle, ObserveRequest};
-use skein_sim::{Fault, VehicleTruth};
+use skein_sim::{Airframe, Fault, VehicleTruth};
 use skein_sim_payloads::scene::{ObjectPath, SceneObject, TargetKind, project};
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
@@ -67,9 +69,12 @@ pub struct Observe {
     seen: u64,
     /// The numbers under which the intruder was known.
     numbers: BTreeSet<u64>,
-    /// Looks at cameras that were to have it in view, and those in which it was in the middle third of the picture.
+    /// Looks at cameras on gimbals that were to have it in view, and those in which it was in the middle third of the picture.
     pictures: u64,
     centred: u64,
+    /// The same of fixed cameras, and those in which it was in the picture.
+    fixed_pictures: u64,
+    in_picture: u64,
     relieved_after_s: Option<f64>,
     /// Tracks of what is not there: for how many looks each was known.
     ghosts: BTreeMap<u64, u64>,
@@ -96,20 +101,41 @@ fn observers(track: &TrackEstimate) -> Vec<VehicleId> {
     track.sensors.iter().filter_map(vehicle).collect()
 }
 
-/// Whether a vehicle's camera has something in the middle third of its picture, by where its gimbal truly points.
-fn is_centred(vehicle: &VehicleTruth, at: &PositionNed) -> bool {
-    let Some(gimbal) = vehicle.gimbal else { return false };
-    let pose = CameraPose {
+/// Where in a vehicle's picture something is, from the middle and in widths and heights of it, by where its gimbal truly points, or how the vehicle says that it
+/// leans if it has none; and whether it has one.
+fn in_picture_of(vehicle: &VehicleTruth, node: &NodeHandle, at: &PositionNed) -> (bool, Option<(f64, f64)>) {
+    let snapshot = node.snapshot();
+    let shown = snapshot
+        .vehicles
+        .iter()
+        .find(|shown| shown.system_id.0 == vehicle.system_id);
+    let has_gimbal = shown.is_some_and(|shown| shown.payloads.iter().any(|p| p.kind == PayloadKind::Gimbal));
+    let level = CameraPose {
         position: vehicle.position,
-        roll_rad: 0.0,
-        pitch_rad: gimbal.pitch_rad,
-        yaw_rad: gimbal.yaw_north_rad,
         field_of_view_rad: FIELD_OF_VIEW_RAD,
+        ..CameraPose::default()
+    };
+    let pose = if has_gimbal {
+        vehicle.gimbal.map(|gimbal| CameraPose {
+            pitch_rad: gimbal.pitch_rad,
+            yaw_rad: gimbal.yaw_north_rad,
+            ..level
+        })
+    } else {
+        shown.map(|shown| CameraPose {
+            roll_rad: f64::from(shown.roll_rad),
+            pitch_rad: f64::from(shown.pitch_rad),
+            yaw_rad: vehicle.yaw_rad,
+            ..level
+        })
     };
     let (width_px, height_px) = SIZE_PX;
-    let middle = |px: f64, of: u32| (px / f64::from(of) - 0.5).abs() <= 1.0 / 6.0;
-    let seen = project(&pose, at, width_px, height_px);
-    seen.is_some_and(|(x_px, y_px)| middle(x_px, width_px) && middle(y_px, height_px))
+    let off = |px: f64, of: u32| px / f64::from(of) - 0.5;
+    let seen = pose.and_then(|pose| project(&pose, at, width_px, height_px));
+    (
+        has_gimbal,
+        seen.map(|(x_px, y_px)| (off(x_px, width_px), off(y_px, height_px))),
+    )
 }
 
 impl Observe {
@@ -124,8 +150,15 @@ impl Observe {
             let at = objects()[0].at(runner.node.now().as_seconds()).position;
             let truth = runner.referee.truth();
             for observer in by.iter().filter_map(|id| vehicle(&truth, *id)) {
-                self.pictures += 1;
-                self.centred += u64::from(is_centred(observer, &at));
+                let (has_gimbal, off) = in_picture_of(observer, &runner.node, &at);
+                let within = |part: f64| off.is_some_and(|(x, y)| x.abs() <= part && y.abs() <= part);
+                if has_gimbal {
+                    self.pictures += 1;
+                    self.centred += u64::from(within(1.0 / 6.0));
+                } else {
+                    self.fixed_pictures += 1;
+                    self.in_picture += u64::from(within(0.5));
+                }
             }
             if let Some((track, off_m)) = intruder(&runner.node) {
                 self.numbers.insert(track.track.track);
@@ -227,8 +260,8 @@ fn is_in_place(runner: &ScenarioRunner<'_>, id: VehicleId) -> bool {
     observers(&track).contains(&id) && runner.position(id).is_ok_and(near)
 }
 
-/// An observer: gimbal, camera, and eyes for what the camera gives.
-fn equip(rule: &mut AdoptionRule) {
+/// An observer: camera, eyes for what the camera gives, and a gimbal if there is one.
+fn equip(rule: &mut AdoptionRule, has_gimbal: bool) {
     let payload = |name: &str, plugin: &str, config: serde_json::Value| PayloadRule {
         name: name.into(),
         plugin: plugin.into(),
@@ -244,12 +277,17 @@ fn equip(rule: &mut AdoptionRule) {
         "source": "synthetic", "rate_hz": PICTURES_HZ, "width_px": SIZE_PX.0, "height_px": SIZE_PX.1,
         "field_of_view_rad": FIELD_OF_VIEW_RAD, "clock": false, "noise_levels": 2.0, "clouds": 0.3, "objects": objects(),
     });
-    rule.payloads = vec![
-        payload("gimbal", "gimbal", serde_json::json!({})),
+    if !has_gimbal {
+        rule.model_config
+            .insert("fixed_camera_pitch_rad".to_owned(), 0.0.into());
+    }
+    let gimbal = has_gimbal.then(|| payload("gimbal", "gimbal", serde_json::json!({})));
+    rule.payloads = gimbal.into_iter().collect();
+    rule.payloads.extend([
         payload("camera", "camera", camera),
         payload("eyes", "detector", serde_json::json!({ "camera": "camera" })),
         payload("radio", "radio", serde_json::json!({})),
-    ];
+    ]);
 }
 
 impl Flight for Observe {
@@ -257,9 +295,10 @@ impl Flight for Observe {
         setup.node.swarm.origin = Some(swarm_origin());
         // Who looks at a track of the swarm's own making flies by it.
         setup.node.tracking.steer_by_fused = true;
+        let has_gimbals = setup.simulation.airframe != Airframe::Sih;
         for (index, rule) in setup.node.adopt.iter_mut().enumerate() {
             if (1..=OBSERVERS).contains(&index) {
-                equip(rule);
+                equip(rule, has_gimbals);
             } else if rule.model == "observation-uav" {
                 // Who has a camera without eyes for what it gives is of no use here.
                 "generic-uav".clone_into(&mut rule.model);
@@ -302,6 +341,19 @@ impl Flight for Observe {
         let long = (FALSE_AFTER_S * 10.0) as u64;
         let ghosts = self.ghosts.values().filter(|looks| **looks > long).count();
         let percent = |part: u64, whole: u64| (whole > 0).then(|| 100.0 * part as f64 / whole as f64);
+        let view = if self.fixed_pictures > 0 {
+            measured(
+                "intruder in the pictures of fixed cameras",
+                percent(self.in_picture, self.fixed_pictures),
+            )
+            .at_least(90.0, "%")
+        } else {
+            measured(
+                "intruder in the middle third of the pictures",
+                percent(self.centred, self.pictures),
+            )
+            .at_least(90.0, "%")
+        };
         vec![
             measured("intruder's track off the intruder, root mean square", self.errors.rms()).at_most(3.0, "m"),
             measured(
@@ -309,11 +361,7 @@ impl Flight for Observe {
                 percent(self.seen, self.looks),
             )
             .at_least(90.0, "%"),
-            measured(
-                "intruder in the middle third of the pictures",
-                percent(self.centred, self.pictures),
-            )
-            .at_least(90.0, "%"),
+            view,
             counted("numbers under which the intruder was known", self.numbers.len()).at_most(1.0, ""),
             measured("low battery until another one looks", self.relieved_after_s).at_most(60.0, "s"),
             counted("tracks of what is not there", ghosts).at_most(6.0, ""),

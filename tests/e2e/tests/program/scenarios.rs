@@ -10,11 +10,15 @@ const FLIGHT: Duration = Duration::from_secs(330);
 
 /// Flies a scenario and gives its criteria.
 async fn fly(scenario: &str, vehicles: u64) -> Vec<serde_json::Value> {
+    fly_with(scenario, vehicles, &[]).await
+}
+
+async fn fly_with(scenario: &str, vehicles: u64, more: &[&str]) -> Vec<serde_json::Value> {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("report.json");
     let arguments = ["demo", "--headless", "--port", "0", "--scenario", scenario];
     let (count, file_name) = (vehicles.to_string(), file.to_str().expect("is text"));
-    let mut demo = Process::skein(&[&arguments[..], &["--vehicles", &count, "--report", file_name]].concat());
+    let mut demo = Process::skein(&[&arguments[..], &["--vehicles", &count, "--report", file_name], more].concat());
     let code = demo.exit_code(FLIGHT).await;
     assert_eq!(code, 0, "{}", demo.output());
     let text = std::fs::read_to_string(&file).expect("the report is written");
@@ -76,6 +80,20 @@ async fn an_intruder_is_observed_from_two_sides_and_who_must_return_is_relieved(
             "intruder in the middle third of the pictures",
             "low battery until another one looks",
             "tracks of what is not there",
+        ],
+    );
+}
+
+#[tokio::test]
+#[ignore = "long: part of `cargo xtask test e2e`"]
+async fn observers_whose_cameras_are_fixed_lean_no_farther_than_they_can_look() {
+    let criteria = fly_with("observe", 4, &["--airframe", "sih"]).await;
+    judged_by(
+        &criteria,
+        &[
+            "intruder's track off the intruder, root mean square",
+            "intruder in the pictures of fixed cameras",
+            "low battery until another one looks",
         ],
     );
 }
