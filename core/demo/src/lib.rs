@@ -266,17 +266,3 @@ async fn fly(
         ExitCode::FAILURE
     })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn another_program_on_the_usual_port_stops_no_demonstration() {
-        let other = TcpListener::bind("127.0.0.1:0").expect("a port is free");
-        let port = other.local_addr().expect("is bound").port();
-        assert_eq!(usual_or_free(port), 0);
-        drop(other);
-        assert_eq!(usual_or_free(port), port);
-    }
-}

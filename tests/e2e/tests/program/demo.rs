@@ -106,3 +106,14 @@ async fn one_link_cannot_be_cut_in_turn() {
     assert_ne!(demo.exit_code(Duration::from_secs(30)).await, 0);
     assert!(demo.output().contains("--link both"), "{}", demo.output());
 }
+
+#[tokio::test]
+async fn another_program_on_the_usual_port_stops_no_demonstration() {
+    // Where somebody has it already, that one is the other program.
+    let _other = std::net::TcpListener::bind("127.0.0.1:8080");
+    let mut demo = Process::skein(&["demo", "--manual", "--vehicles", "2"]);
+    let line = demo.line("Dashboard: ").await;
+    assert!(line.contains("another program has port 8080"), "{line}");
+    demo.signal("INT").await;
+    assert_eq!(demo.exit_code(Duration::from_secs(30)).await, 0, "{}", demo.output());
+}
