@@ -5,6 +5,7 @@
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use skein_config::NodeConfig;
+use skein_link_mavlink::EndpointAddress;
 use skein_node::plugins_beside_program;
 use std::fs::OpenOptions;
 use std::io::{self, BufRead, IsTerminal, Write};
@@ -70,6 +71,10 @@ pub fn init(arguments: &InitArguments) -> anyhow::Result<()> {
     let answers = answers(arguments)?;
     let text = configuration(&answers);
     NodeConfig::parse(&text).context("these answers make no configuration")?;
+    for address in &answers.addresses {
+        let sound = address.parse::<EndpointAddress>();
+        sound.with_context(|| format!("{address:?} is no address of autopilots"))?;
+    }
     let mut made = OpenOptions::new()
         .write(true)
         .create_new(true)
