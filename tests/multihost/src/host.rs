@@ -396,7 +396,7 @@ model = "generic-uav"
             text += r#"[[adopt.payloads]]
 name = "camera"
 plugin = "camera"
-config = { source = "synthetic", width_px = 640, height_px = 480, rate_hz = 30.0 }
+config = { source = "synthetic", width_px = 640, height_px = 480, rate_hz = 30.0, clock = true }
 "#;
         }
         text

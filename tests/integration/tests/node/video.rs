@@ -39,7 +39,7 @@ fn rule(name: &str, config: Value) -> PayloadRule {
 
 /// A simulated camera; no larger and quicker than the tests need, since other flights run beside them.
 fn camera() -> PayloadRule {
-    let config = json!({ "source": "synthetic", "rate_hz": 12.0, "width_px": 480, "height_px": 360 });
+    let config = json!({ "source": "synthetic", "rate_hz": 12.0, "width_px": 480, "height_px": 360, "clock": true });
     rule("camera", config)
 }
 
