@@ -83,8 +83,11 @@ class State:
             "landed": LandedState(v["landed"]).name,
             "battery": v["battery"].remaining_percent,
             "satellites": v["gps"].num_satellites,
+            "waits": True,
             **more,
-        }))
+        }), flush=True)
+        # Nothing is done before it has been held against the truth of that moment.
+        sys.stdin.readline()
 
 
 def near(values, goal, metres):

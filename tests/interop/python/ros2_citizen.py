@@ -9,7 +9,7 @@ from skein_msgs.srv import Follow, GoTo, PointGimbal, SetFormation, TakeOff
 from std_srvs.srv import SetBool, Trigger
 
 from ros2_program import run
-from ros2_reports import report
+from ros2_reports import judged, report
 
 
 def look(citizen):
@@ -20,7 +20,7 @@ def look(citizen):
     seconds = time.monotonic() - begin
     rates = {topic: (citizen.count[topic] - before.get(topic, 0)) / seconds for topic in citizen.count}
     report("rates", rates=rates, diagnostics=len(citizen.latest["/diagnostics"].status))
-    report("ground", poses=citizen.poses())
+    judged("ground", poses=citizen.poses())
 
 
 def refusals(citizen, first):
@@ -57,7 +57,7 @@ def up(citizen):
         citizen.must(Trigger, f"/skein/{vehicle}/take_off")
     citizen.wait("all hold", lambda: all(citizen.state(v) == "holding" for v in citizen.vehicles), 120)
     citizen.spin(2)
-    report("up", poses=citizen.poses())
+    judged("up", poses=citizen.poses())
 
 
 def go(citizen):
@@ -72,7 +72,7 @@ def go(citizen):
     citizen.wait("goes", lambda: citizen.state(first) == "going_to")
     citizen.wait("is there", lambda: citizen.state(first) == "holding")
     citizen.spin(1)
-    report("there", goal=goal, yaw=2.0, poses=citizen.poses())
+    judged("there", goal=goal, yaw=2.0, poses=citizen.poses())
 
 
 def steer(citizen):
@@ -136,7 +136,7 @@ def down(citizen):
     for vehicle in citizen.vehicles[2:]:
         citizen.must(Trigger, f"/skein/{vehicle}/land")
     citizen.wait("all are down", lambda: all(citizen.state(v) == "idle" for v in citizen.vehicles), 180)
-    report("down", poses=citizen.poses())
+    judged("down", poses=citizen.poses())
 
 
 def fly(citizen):

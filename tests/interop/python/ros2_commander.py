@@ -8,7 +8,7 @@ from skein_msgs.srv import Follow, GoTo, TakeOff
 from std_srvs.srv import Trigger
 
 from ros2_program import run
-from ros2_reports import report
+from ros2_reports import judged, report
 
 
 def steer(citizen, publisher, forward_m_s, seconds):
@@ -45,14 +45,14 @@ def lead(citizen):
 def resume(citizen):
     *column, alone = citizen.vehicles
     citizen.see()
-    report("seen", poses=citizen.poses(), states={v: citizen.state(v) for v in citizen.vehicles},
+    judged("seen", poses=citizen.poses(), states={v: citizen.state(v) for v in citizen.vehicles},
            members=list(citizen.latest["/skein/formation"].members))
     publisher = stick(citizen, alone)
     before = citizen.poses()
     steer(citizen, publisher, 2.0, 4)
     report("steered", before=before[alone], poses=citizen.poses())
     citizen.wait("stands", lambda: citizen.poses()[alone]["speed"] < 0.2)
-    report("stands", poses=citizen.poses())
+    judged("stands", poses=citizen.poses())
     target = citizen.message(alone, "pose").pose.position
     goal = [target.x - 6.0, target.y + 4.0, target.z + 1.0]
     request = GoTo.Request(speed_m_s=4.0)
@@ -61,10 +61,10 @@ def resume(citizen):
     citizen.wait("goes", lambda: citizen.state(alone) == "going_to")
     citizen.wait("is there", lambda: citizen.state(alone) == "holding")
     citizen.spin(1)
-    report("there", goal=goal, poses=citizen.poses())
+    judged("there", goal=goal, poses=citizen.poses())
     citizen.must(Trigger, "/skein/land")
     citizen.wait("all are down", lambda: all(citizen.state(v) == "idle" for v in citizen.vehicles), 180)
-    report("down", poses=citizen.poses())
+    judged("down", poses=citizen.poses())
 
 
 run({"lead": lead, "resume": resume}[sys.argv[1]], sys.argv[2:], sys.argv[1])

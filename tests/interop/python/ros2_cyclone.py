@@ -13,7 +13,7 @@ from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 
-from ros2_reports import composed, described, report, stamp_ns, xyz
+from ros2_reports import composed, described, judged, report, stamp_ns, xyz
 
 PATIENCE_S = float(os.environ.get("SKEIN_TEST_PATIENCE_S", "60"))
 
@@ -205,7 +205,7 @@ class Peer:
         self.wait("transforms of a pose", lambda: self.together() is not None)
         outer, inner, pose = self.together()
         told = self.told()
-        report(phase, poses={self.vehicle: told}, composed=composed(outer, inner), pose=xyz(pose.pose.position))
+        judged(phase, poses={self.vehicle: told}, composed=composed(outer, inner), pose=xyz(pose.pose.position))
 
 
 def main():

@@ -14,7 +14,7 @@ from tf2_msgs.msg import TFMessage
 from vision_msgs.msg import Detection2DArray, Detection3DArray
 
 from ros2_program import run
-from ros2_reports import composed, report, rotated, stamp_ns, stamp_s, xyz, yaw_rad
+from ros2_reports import composed, judged, rotated, stamp_ns, stamp_s, xyz, yaw_rad
 
 # Messages that belong together have one stamp; so many of each are kept until the other has come.
 KEPT = 200
@@ -169,7 +169,7 @@ class Looker:
         self.citizen.wait("the gimbal looks there", looks_there)
         # The motion has to come to its end, too.
         self.citizen.spin(1)
-        report(phase, wanted=wanted, axis=self.axis(), mode=self.gimbal().mode, picture=self.picture(),
+        judged(phase, wanted=wanted, axis=self.axis(), mode=self.gimbal().mode, picture=self.picture(),
                poses=self.citizen.poses())
 
 
@@ -183,12 +183,12 @@ def play(citizen):
     citizen.wait("the gimbal's state", lambda: looker.axis() is not None)
     citizen.wait("a track", lambda: "/skein/tracks" in citizen.latest and citizen.latest["/skein/tracks"].detections)
     citizen.wait("a detection", lambda: looker.detections() in citizen.latest)
-    report("ground", poses=citizen.poses(), frames=looker.frames(), axis=looker.axis(), tracks=looker.tracks(),
+    judged("ground", poses=citizen.poses(), frames=looker.frames(), axis=looker.axis(), tracks=looker.tracks(),
            detection=looker.detection())
     citizen.must(Trigger, f"{looker.base}/take_off")
     citizen.wait("it holds", lambda: citizen.state(vehicle) == "holding", 120)
     citizen.spin(2)
-    report("up", poses=citizen.poses(), frames=looker.frames(), axis=looker.axis(), tracks=looker.tracks(),
+    judged("up", poses=citizen.poses(), frames=looker.frames(), axis=looker.axis(), tracks=looker.tracks(),
            detection=looker.detection())
 
     def ahead():

@@ -5,11 +5,18 @@ A line `REPORT {...}` holds what is seen at that moment.
 
 import json
 import math
+import sys
 import time
 
 
 def report(phase, **facts):
     print("REPORT " + json.dumps({"phase": phase, **facts}), flush=True)
+
+
+def judged(phase, **facts):
+    """The same, and nothing is done before it has been held against the truth of that moment."""
+    report(phase, waits=True, **facts)
+    sys.stdin.readline()
 
 
 def stamp_s(header):

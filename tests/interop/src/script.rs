@@ -5,7 +5,7 @@ use anyhow::{Context, Result, bail};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
@@ -17,8 +17,11 @@ pub fn say(line: &str) {
 /// A running script. Dropping it ends it.
 pub struct Script {
     child: Child,
+    input: ChildStdin,
     lines: Receiver<String>,
     end: Instant,
+    /// Its last report is to be judged before it goes on.
+    waits: bool,
 }
 
 impl Script {
@@ -40,11 +43,13 @@ impl Script {
             .arg("-u")
             .arg(&path)
             .args(arguments)
+            .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::inherit())
             .spawn()
             .with_context(|| format!("cannot start {}", path.display()))?;
         let output = child.stdout.take().context("the script has no output")?;
+        let input = child.stdin.take().context("the script has no input")?;
         let (send, lines) = std::sync::mpsc::channel();
         // Ends by itself when the script does.
         std::thread::spawn(move || {
@@ -56,25 +61,32 @@ impl Script {
         });
         Ok(Self {
             child,
+            input,
             lines,
             end: Instant::now() + limit,
+            waits: false,
         })
     }
 
-    /// The next report; `None` when the script has come to a good end.
+    /// The next report; `None` when the script has come to a good end. A report with `waits` holds the script until the next one is asked for: what is
+    /// judged by the truth of that moment must not be judged later.
     ///
     /// # Errors
     /// When it failed, or its time is up.
     pub fn report(&mut self) -> Result<Option<Value>> {
+        if std::mem::take(&mut self.waits) {
+            // One that has ended meanwhile is told of below.
+            let _ = writeln!(self.input).and_then(|()| self.input.flush());
+        }
         loop {
             let left = self.end.saturating_duration_since(Instant::now());
             match self.lines.recv_timeout(left) {
                 Ok(line) => {
                     say(&format!("    {line}"));
                     if let Some(json) = line.strip_prefix("REPORT ") {
-                        return Ok(Some(
-                            serde_json::from_str(json).with_context(|| format!("not JSON: {json}"))?,
-                        ));
+                        let report: Value = serde_json::from_str(json).with_context(|| format!("not JSON: {json}"))?;
+                        self.waits = report["waits"] == true;
+                        return Ok(Some(report));
                     }
                 }
                 Err(RecvTimeoutError::Timeout) => bail!("the script took too long"),

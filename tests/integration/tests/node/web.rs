@@ -177,6 +177,8 @@ async fn a_swarm_is_flown_by_rest_and_watched_by_websocket() {
         .await;
     assert_eq!(read(&watch.frame, Header::FIELDS, "magic"), i64::from(FRAME_MAGIC));
     on_the_ground(&rest).await;
+    // A machine that stood still has raised alarms, which pass.
+    swarm.ready().await;
     take_off(&rest, &mut watch).await;
     assert_eq!(
         watch.safety.keys().copied().collect::<Vec<_>>(),
