@@ -33,17 +33,22 @@ use skein_sim::{Faces, PayloadPlan, PortPlan, SimSettings, Simulation};
 use skein_sim_dds::DdsSettings;
 use std::net::{SocketAddr, TcpListener};
 use std::path::PathBuf;
+use std::pin::Pin;
 use std::process::ExitCode;
 use std::time::Duration;
 
 /// Name of the demo's one endpoint.
 const ENDPOINT: &str = "simulation";
 
-/// Runs the demonstration.
+/// Runs the demonstration. No `async fn`: the compiler makes the code of one in every crate that awaits it.
 ///
 /// # Errors
 /// When the node or the simulation cannot be started, or the flight breaks off.
-pub async fn demo(arguments: DemoArguments) -> anyhow::Result<ExitCode> {
+pub fn demo(arguments: DemoArguments) -> Pin<Box<dyn Future<Output = anyhow::Result<ExitCode>>>> {
+    Box::pin(flown(arguments))
+}
+
+async fn flown(arguments: DemoArguments) -> anyhow::Result<ExitCode> {
     if arguments.faults == Some(FaultPlan::Links) && arguments.link != DemoLink::Both {
         bail!("--faults links cuts one of two links: add --link both");
     }

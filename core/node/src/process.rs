@@ -5,14 +5,18 @@
 use std::io;
 use std::path::PathBuf;
 
-/// The directory of plugins that comes with this program: `plugins` beside it.
+/// The directory of plugins that comes with this program: `plugins` beside it, or, where a package put them, `../lib/skein/plugins`.
 #[must_use]
 pub fn plugins_beside_program() -> PathBuf {
     let program = std::env::current_exe().ok();
-    program
-        .as_deref()
-        .and_then(std::path::Path::parent)
-        .map_or_else(|| PathBuf::from("plugins"), |dir| dir.join("plugins"))
+    let Some(folder) = program.as_deref().and_then(std::path::Path::parent) else {
+        return PathBuf::from("plugins");
+    };
+    let (beside, installed) = (folder.join("plugins"), folder.join("../lib/skein/plugins"));
+    match installed.canonicalize() {
+        Ok(installed) if !beside.is_dir() => installed,
+        _ => beside,
+    }
 }
 
 /// Returns when the process is asked to stop.

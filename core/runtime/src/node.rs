@@ -104,9 +104,7 @@ impl Node {
             part: "node".into(),
             reason,
         };
-        let (root, ended) = Actor::spawn(None, NodeActor, shared)
-            .await
-            .map_err(|e| failed(e.to_string()))?;
+        let (root, ended) = root(shared).await.map_err(|e| failed(e.to_string()))?;
         let started = root.call(NodeMessage::Start, Some(Duration::from_secs(10))).await;
         let node = Self { handle, root, ended };
         match started {
@@ -135,6 +133,14 @@ impl Node {
         let _ = self.ended.await;
     }
 }
+
+/// Starts the root actor. No `async fn`: the compiler makes the code of one in every crate that awaits it, and with this one that of all actors.
+#[inline(never)]
+fn root(arguments: NodeArguments) -> Pin<Box<dyn Future<Output = Result<Root, SpawnErr>> + Send>> {
+    Box::pin(Actor::spawn(None, NodeActor, arguments))
+}
+
+type Root = (ActorRef<NodeMessage>, JoinHandle<()>);
 
 /// The root actor.
 struct NodeActor;

@@ -13,6 +13,36 @@ pub mod manual;
 pub mod plugin;
 pub mod replay;
 pub mod run;
+pub mod service;
 pub mod simulate;
 pub mod swarm;
 pub mod vision;
+
+use args::Command;
+use std::pin::Pin;
+use std::process::ExitCode;
+
+/// The commands that need a runtime; the others are carried out before there is one, and do nothing here.
+///
+/// No `async fn`: the compiler makes the code of one in every crate that awaits it.
+#[must_use]
+pub fn in_runtime(command: Command) -> Pin<Box<dyn Future<Output = anyhow::Result<ExitCode>>>> {
+    let done = |()| ExitCode::SUCCESS;
+    Box::pin(async move {
+        match command {
+            Command::Demo(arguments) => skein_demo::demo(arguments).await,
+            Command::Run(arguments) => run::run(arguments).await.map(done),
+            Command::Sim(arguments) => simulate::simulate(arguments).await.map(done),
+            Command::Doctor(arguments) => doctor::doctor(&arguments),
+            Command::Swarm(arguments) => swarm::swarm(&arguments).map(done),
+            Command::Plugin(arguments) => plugin::plugin(arguments).await,
+            Command::Vision(arguments) => vision::vision(arguments).await,
+            Command::Bench(_)
+            | Command::Init(_)
+            | Command::Completions { .. }
+            | Command::Man { .. }
+            | Command::ReplaySeed { .. }
+            | Command::PluginHost => Ok(ExitCode::SUCCESS),
+        }
+    })
+}

@@ -3,7 +3,7 @@
 
 use clap::Parser;
 use skein::args::{Arguments, Bench, BenchArguments, Command};
-use skein::{doctor, exit, init, logging, manual, plugin, replay, run, simulate, swarm, vision};
+use skein::{exit, init, logging, manual, replay};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -46,24 +46,7 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
         .worker_threads(actors)
         .on_thread_start(skein_realtime::ask_on_start_of(actors))
         .build()?;
-    let done = |()| ExitCode::SUCCESS;
-    runtime.block_on(async {
-        match command {
-            Command::Demo(arguments) => skein_demo::demo(arguments).await,
-            Command::Run(arguments) => run::run(arguments).await.map(done),
-            Command::Sim(arguments) => simulate::simulate(arguments).await.map(done),
-            Command::Doctor(arguments) => doctor::doctor(&arguments),
-            Command::Swarm(arguments) => swarm::swarm(&arguments).map(done),
-            Command::Plugin(arguments) => plugin::plugin(arguments).await,
-            Command::Vision(arguments) => vision::vision(arguments).await,
-            Command::Bench(_)
-            | Command::Init(_)
-            | Command::Completions { .. }
-            | Command::Man { .. }
-            | Command::ReplaySeed { .. }
-            | Command::PluginHost => Ok(ExitCode::SUCCESS),
-        }
-    })
+    runtime.block_on(skein::in_runtime(command))
 }
 
 /// Serves one plugin instance until its node ends it.

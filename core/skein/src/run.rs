@@ -1,7 +1,7 @@
 //! `skein run`: one node until Ctrl-C or SIGTERM.
 
 use crate::args::RunArguments;
-use crate::swarm;
+use crate::{service, swarm};
 use skein_config::NodeConfig;
 use skein_node::{build, stop_asked};
 
@@ -36,7 +36,12 @@ pub async fn run(arguments: RunArguments) -> anyhow::Result<()> {
         println!("Endpoint:  {name} receives on {address}");
     }
     println!("Stop with Ctrl-C.");
-    stop_asked().await?;
+    let node = running.handle();
+    tokio::select! {
+        asked = stop_asked() => asked?,
+        () = service::tell_of(&node) => {}
+    }
+    service::tell_of_stop();
     println!("Stopping. Ctrl-C again ends at once.");
     let stopped = async {
         running.handle().part(|line| println!("{line}")).await;
