@@ -64,10 +64,8 @@ fn render_node(node: &NodeHandle) -> String {
         fleet(&snapshot);
         tracks(&snapshot, &node.seen_counts());
         node.streams().videos().iter().for_each(video);
-        for (endpoint, counters) in node.endpoint_metrics() {
-            for (name, count) in counters.read().named() {
-                counter!(format!("skein_endpoint_{name}_total"), "endpoint" => endpoint.to_string()).absolute(count);
-            }
+        for (name, counters) in node.endpoint_metrics() {
+            endpoint(&name, &counters.read().named());
         }
     });
     recorder.handle().render()
@@ -250,6 +248,12 @@ fn vehicle(vehicle: &VehicleSnapshot) {
     }
     if let Some(tracking_error_m) = vehicle.tracking_error_m {
         gauge!("skein_vehicle_tracking_error_metres", &labels).set(tracking_error_m);
+    }
+}
+
+fn endpoint(endpoint: &str, counts: &[(&'static str, u64)]) {
+    for (name, count) in counts {
+        counter!(format!("skein_endpoint_{name}_total"), "endpoint" => endpoint.to_owned()).absolute(*count);
     }
 }
 

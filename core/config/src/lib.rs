@@ -10,6 +10,7 @@ mod energy_settings;
 mod failsafe_settings;
 mod fences;
 mod ids;
+mod loading;
 mod operators;
 mod preflight_settings;
 mod problem;
@@ -23,6 +24,7 @@ mod video;
 pub use dds::{DdsPeer, DdsPeerError, DdsSettings, LinkKind};
 pub use fences::{FenceFault, FenceFileError, ImportedFences, parse_fences, read_fence_file, to_geojson};
 pub use ids::SystemIdSet;
+pub use loading::Overlay;
 pub use operators::OperatorSettings;
 pub use problem::Problem;
 pub use resume::{ResumeSettings, ResumeThen};
@@ -69,6 +71,14 @@ pub enum ConfigError {
         /// Everything that is wrong.
         problems: Vec<Problem>,
     },
+    /// A value that is set beside the file does not fit it.
+    #[error("--set {argument}: {message}")]
+    Set {
+        /// As it was given.
+        argument: String,
+        /// What is wrong with it.
+        message: String,
+    },
     /// A fence file that it names cannot be used, or its zones cannot be placed.
     #[error("the configuration {path}: safety: {source}")]
     Fences {
@@ -80,66 +90,21 @@ pub enum ConfigError {
 }
 
 impl NodeConfig {
-    /// Reads and checks a configuration file. Relative directories in it are taken from the file's own folder.
-    ///
-    /// # Errors
-    /// When the file cannot be read, does not parse, or its values make no sense.
-    pub fn load(path: &Path) -> Result<Self, ConfigError> {
-        let text = std::fs::read_to_string(path).map_err(|source| ConfigError::Unreadable {
-            path: path.to_owned(),
-            source,
-        })?;
-        let mut config = Self::parse_named(&text, path)?;
-        if let Some(folder) = path.parent() {
-            let plugins = &mut config.plugins;
-            for directory in plugins.directories.iter_mut().chain(&mut plugins.upload_directory) {
-                if directory.is_relative() {
-                    *directory = folder.join(&*directory);
-                }
-            }
-            let swarm = &mut config.swarm;
-            let files = (swarm.secret_file.iter_mut())
-                .chain(&mut swarm.state_file)
-                .chain(&mut config.resume.file);
-            for file in config.safety.fence_files.iter_mut().chain(files) {
-                if file.is_relative() {
-                    *file = folder.join(&*file);
-                }
-            }
-            if let (Some(id), Some(node), None) = (&swarm.id, swarm.node, &swarm.state_file) {
-                swarm.state_file = Some(folder.join(format!("{id}-{node}.term.json")));
-            }
-            let recordings = config
-                .video
-                .recordings
-                .get_or_insert_with(|| PathBuf::from("recordings"));
-            if recordings.is_relative() {
-                *recordings = folder.join(&*recordings);
-            }
-            config.resume.file.get_or_insert_with(|| path.with_extension("resume"));
-        }
-        config.fences().map_err(|source| ConfigError::Fences {
-            path: path.to_owned(),
-            source: Box::new(source),
-        })?;
-        Ok(config)
-    }
-
     /// Parses and checks a configuration text.
     ///
     /// # Errors
     /// As [`Self::load`], but for reading.
     pub fn parse(text: &str) -> Result<Self, ConfigError> {
-        Self::parse_named(text, Path::new("<text>"))
+        Self::parse_named(text, Path::new("<text>"), &[])
     }
 
-    fn parse_named(text: &str, path: &Path) -> Result<Self, ConfigError> {
+    fn parse_named(text: &str, path: &Path, set: &[String]) -> Result<Self, ConfigError> {
         let wrong = |problems| ConfigError::Wrong {
             path: path.to_owned(),
             problems,
         };
         let config: Result<Self, _> = toml::from_str(text);
-        let config = config.map_err(|error| {
+        let mut config = config.map_err(|error| {
             let renamed = renamed_keys(text);
             if renamed.is_empty() {
                 let (path, message) = (path.to_owned(), error.to_string());
@@ -148,6 +113,9 @@ impl NodeConfig {
                 wrong(renamed)
             }
         })?;
+        if !set.is_empty() {
+            config = loading::with(text, set)?;
+        }
         let problems = config.problems();
         if problems.is_empty() {
             Ok(config)

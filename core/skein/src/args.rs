@@ -50,7 +50,7 @@ pub enum Command {
     Sim(SimArguments),
     /// Make a configuration: five questions, or their answers as arguments.
     Init(crate::init::InitArguments),
-    /// Check ports, plugins, configuration and clock, and say how to mend what is wrong.
+    /// Check ports, plugins, configuration and clock, or a node that runs, and say how to mend what is wrong.
     Doctor(DoctorArguments),
     /// What nodes of one swarm need to find and trust each other.
     Swarm(SwarmArguments),
@@ -90,6 +90,9 @@ pub struct RunArguments {
     /// The configuration; see `default.toml` for every key.
     #[arg(long, value_name = "FILE")]
     pub config: PathBuf,
+    /// Sets a key over the file, for example `swarm.node=3`: many computers share one file. Can be given several times.
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
 }
 
 /// `skein sim`
@@ -177,6 +180,21 @@ pub struct DoctorArguments {
     /// Check this configuration too.
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
+    /// Sets a key over the file, as `skein run` does.
+    #[arg(long, value_name = "KEY=VALUE", requires = "config")]
+    pub set: Vec<String>,
+    /// Look at the node that runs at this address instead: actors, links, clocks, preflight report.
+    #[arg(long, value_name = "URL", conflicts_with_all = ["config", "plugins"])]
+    pub node: Option<reqwest::Url>,
+    /// Of that node only whether it is well: a health check.
+    #[arg(long, requires = "node")]
+    pub brief: bool,
+    /// Compare the parameters of this vehicle of that node with a file.
+    #[arg(long, value_name = "ID", requires_all = ["node", "parameters"])]
+    pub vehicle: Option<u16>,
+    /// The file, as QGroundControl saves it; those of classes of vehicles are in deploy/vehicles.
+    #[arg(long, value_name = "FILE", requires = "vehicle")]
+    pub parameters: Option<PathBuf>,
     /// Directory of the plugins, without a configuration [default: `plugins` beside this program].
     #[arg(long, value_name = "DIR")]
     pub plugins: Option<PathBuf>,

@@ -1,19 +1,28 @@
 //! `skein doctor`: looks at what keeps a node from running on this machine and says how to mend each.
 
+mod parameters;
+mod running;
+
 use crate::args::DoctorArguments;
-use skein_config::NodeConfig;
+use crate::run::state_directory;
+use running::Node;
+use skein_config::{NodeConfig, Overlay};
 use skein_link_mavlink::EndpointAddress;
 use skein_node::plugins_beside_program;
 use std::collections::BTreeSet;
 use std::fmt::Display;
+use std::fs::OpenOptions;
+use std::io::ErrorKind;
 use std::net::{TcpListener, UdpSocket};
 use std::path::Path;
-use std::process::ExitCode;
+use std::process::{Command, ExitCode};
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime};
 
 /// Open files a node with many links and dashboards may need.
 const FILES_WANTED: u64 = 1024;
+/// An hour of video of one camera at 4 Mbit/s, in megabytes.
+const ROOM_WANTED_MB: u64 = 2000;
 /// Receive buffer in bytes that a hundred vehicles can fill within one late period.
 const RECEIVE_BUFFER_WANTED: u64 = 200_000;
 
@@ -39,28 +48,49 @@ impl Findings {
         self.lines.push(format!("  BAD   {what}\n        mend: {mend}"));
         self.is_bad = true;
     }
+
+    /// Prints them all, and what follows from them.
+    fn told(&self, if_bad: &str, if_good: &str) -> ExitCode {
+        self.lines.iter().for_each(|line| println!("{line}"));
+        println!("{}", if self.is_bad { if_bad } else { if_good });
+        if self.is_bad {
+            ExitCode::from(crate::exit::FAILED)
+        } else {
+            ExitCode::SUCCESS
+        }
+    }
 }
 
-/// Runs all checks and prints them.
+/// Runs all checks and prints them: of this computer, or of a node that runs.
 ///
 /// # Errors
-/// None: what is wrong is a finding, and the exit code.
-pub fn doctor(arguments: &DoctorArguments) -> anyhow::Result<ExitCode> {
+/// A file of parameters cannot be used, or the node ends meanwhile. What is wrong otherwise is a finding, and the exit code.
+pub async fn doctor(arguments: &DoctorArguments) -> anyhow::Result<ExitCode> {
     let mut findings = Findings::default();
+    if let Some(url) = &arguments.node {
+        let node = Node::at(url)?;
+        node.is_well(&mut findings).await;
+        if !findings.is_bad && !arguments.brief {
+            node.examine(&mut findings).await?;
+        }
+        if let (Some(vehicle), Some(file), false) = (arguments.vehicle, &arguments.parameters, findings.is_bad) {
+            node.compare(vehicle, file, &mut findings).await?;
+        }
+        return Ok(findings.told("The node is not well.", "The node is well."));
+    }
     let config = configuration(arguments, &mut findings);
     plugins(&config, &mut findings);
     ports(&config, &mut findings);
     in_swarm(&config, &mut findings);
     clock(&mut findings);
+    synchronised(&mut findings);
+    disk(&config, &mut findings);
     limits(&mut findings);
     priority(&mut findings);
-    findings.lines.iter().for_each(|line| println!("{line}"));
-    if findings.is_bad {
-        println!("A node will not run here as it is.");
-        return Ok(ExitCode::from(crate::exit::FAILED));
-    }
-    println!("Nothing keeps a node from running here.");
-    Ok(ExitCode::SUCCESS)
+    Ok(findings.told(
+        "A node will not run here as it is.",
+        "Nothing keeps a node from running here.",
+    ))
 }
 
 /// The swarm of several nodes, where the configuration names one: secret, and the file of the obeyed term.
@@ -97,7 +127,11 @@ fn configuration(arguments: &DoctorArguments, findings: &mut Findings) -> NodeCo
         findings.good("configuration: the default, none was given");
         return default;
     };
-    match NodeConfig::load(path) {
+    let overlay = Overlay {
+        set: arguments.set.clone(),
+        state: state_directory(),
+    };
+    match NodeConfig::load_with(path, &overlay) {
         Ok(config) => {
             findings.good(format_args!("configuration: {} is right", path.display()));
             if config.hears_nobody() {
@@ -178,18 +212,67 @@ fn ports(config: &NodeConfig, findings: &mut Findings) {
                     "stop the program that uses it (ss -lunp), or change the endpoint's address",
                 ),
             },
-            Ok(EndpointAddress::Serial { path, .. }) if !Path::new(&path).exists() => {
-                findings.bad(
-                    format_args!("device: {path} does not exist"),
-                    "plug it in, or look for it with: ls /dev/tty*",
-                );
-            }
+            Ok(EndpointAddress::Serial { path, .. }) => device(&path, findings),
             Ok(_) => findings.good(format_args!("endpoint: {} is understood", endpoint.address)),
             Err(error) => findings.bad(
                 format_args!("endpoint: {}: {error}", endpoint.address),
                 "write it as default.toml shows",
             ),
         }
+    }
+}
+
+/// A serial port: there, and this user's to open.
+fn device(path: &str, findings: &mut Findings) {
+    match OpenOptions::new().read(true).write(true).open(path) {
+        Ok(_) => findings.good(format_args!("device: {path} can be opened")),
+        Err(error) if error.kind() == ErrorKind::NotFound => findings.bad(
+            format_args!("device: {path} does not exist"),
+            "plug it in, or look for it with: ls /dev/tty* /dev/autopilot",
+        ),
+        Err(error) => findings.bad(
+            format_args!("device: {path}: {error}"),
+            "sudo adduser $USER dialout, and log in again; or end the program that has it (lsof)",
+        ),
+    }
+}
+
+/// Whether something keeps the clock right. Recordings and detections of several computers are laid side by side by it.
+fn synchronised(findings: &mut Findings) {
+    let said = |program: &str, arguments: &[&str]| {
+        let output = Command::new(program).args(arguments).output().ok()?;
+        output
+            .status
+            .success()
+            .then(|| String::from_utf8_lossy(&output.stdout).into_owned())
+    };
+    let by_chrony = said("chronyc", &["-c", "tracking"]).map(|line| !line.contains("Not synchronised"));
+    let by_systemd =
+        said("timedatectl", &["show", "--property=NTPSynchronized", "--value"]).map(|text| text.trim() == "yes");
+    match by_chrony.or(by_systemd) {
+        Some(true) => findings.good("clock: it is kept right over the network"),
+        Some(false) => findings.poor(
+            "clock: it is not synchronised",
+            "chronyc sources; a field without internet needs one computer as its server (allow 10.0.0.0/24, local stratum 10)",
+        ),
+        None => findings.poor("clock: nothing keeps it right", "apt install chrony"),
+    }
+}
+
+/// Room for recordings.
+fn disk(config: &NodeConfig, findings: &mut Findings) {
+    let recordings = config.video.recordings.clone().unwrap_or_default();
+    let there = recordings
+        .ancestors()
+        .find(|folder| folder.is_dir())
+        .unwrap_or(Path::new("."));
+    let Ok(system) = rustix::fs::statvfs(there) else { return };
+    let free_mb = system.f_bavail * system.f_frsize / 1_000_000;
+    if free_mb < ROOM_WANTED_MB {
+        let mend = "take old recordings away, or name another disk in video.recordings";
+        findings.poor(format_args!("disk: {free_mb} MB are free at {}", there.display()), mend);
+    } else {
+        findings.good(format_args!("disk: {free_mb} MB are free at {}", there.display()));
     }
 }
 

@@ -2,15 +2,20 @@
 
 use crate::args::RunArguments;
 use crate::{service, swarm};
-use skein_config::NodeConfig;
+use skein_config::{NodeConfig, Overlay};
 use skein_node::{build, stop_asked};
+use std::path::PathBuf;
 
 /// Runs a node until it is told to stop.
 ///
 /// # Errors
 /// When the configuration is wrong, a plugin is missing or a port is not available.
 pub async fn run(arguments: RunArguments) -> anyhow::Result<()> {
-    let config = NodeConfig::load(&arguments.config)?;
+    let overlay = Overlay {
+        set: arguments.set,
+        state: state_directory(),
+    };
+    let config = NodeConfig::load_with(&arguments.config, &overlay)?;
     let alone = config.swarm.id.is_none();
     if config.hears_nobody() && alone {
         println!(
@@ -55,4 +60,15 @@ pub async fn run(arguments: RunArguments) -> anyhow::Result<()> {
         }
     }
     Ok(())
+}
+
+/// Where systemd and the containers let a service write (`StateDirectory=`); none means beside the configuration.
+#[must_use]
+pub fn state_directory() -> Option<PathBuf> {
+    let directories = std::env::var("STATE_DIRECTORY").ok()?;
+    directories
+        .split(':')
+        .next()
+        .filter(|first| !first.is_empty())
+        .map(PathBuf::from)
 }

@@ -1,5 +1,7 @@
 //! Tests of the Prometheus text.
 
+mod monitoring;
+
 use super::*;
 use crate::generated::golden::{flying_vehicle, unknown_vehicle};
 use skein_domain::Incarnation;
