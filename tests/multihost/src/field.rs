@@ -24,7 +24,7 @@ pub const HOSTS: u8 = 6;
 const HEARD_S: f64 = 2.0;
 /// The ground station's number.
 pub const GROUND: u8 = 1;
-const SECRET: &str = "7c1f0e5b9a8d4c3b2a1908f7e6d5c4b3a29180f7e6d5c4b3a2918070f6e5d4c3";
+pub(crate) const SECRET: &str = "7c1f0e5b9a8d4c3b2a1908f7e6d5c4b3a29180f7e6d5c4b3a2918070f6e5d4c3";
 /// The secret of somebody else's swarm of the same name.
 const OTHER_SECRET: &str = "00112233445566778899aabbccddeeff00112233445566778899aabbccddeeff";
 
@@ -41,6 +41,7 @@ pub fn usual() -> Vec<Plan> {
         max_bytes_per_s: None,
         camera: false,
         steppable_clock: false,
+        composed: None,
     };
     let place = |i: u8| (4.0 * f64::from(i % 2), 6.0 * f64::from(i));
     let vehicles = (0..HOSTS - 1).map(|i| host(60 - 10 * i, Some(place(i))));

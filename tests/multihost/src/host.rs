@@ -2,6 +2,7 @@
 //!
 //! Must never do: tell a node anything that it would not be told in the field.
 
+use crate::compose::Composed;
 use crate::judge::Track;
 use crate::net::{Namespace, Network};
 use crate::operator::Operator;
@@ -70,6 +71,8 @@ pub struct Plan {
     pub camera: bool,
     /// Its node's clock of the day can be stepped: see [`Host::step_clock`].
     pub steppable_clock: bool,
+    /// It runs what a compose file says, in place of a configuration of the tests.
+    pub composed: Option<Composed>,
 }
 
 /// A host. Its number is that of its node, of its vehicle, and the system id of that one.
@@ -282,8 +285,15 @@ impl Host {
             command.env("FAKETIME_TIMESTAMP_FILE", self.folder.join(CLOCK));
             command.env("FAKETIME_CACHE_DURATION", "1");
         }
-        command.args(["run", "--log", "info", "--log-format", "json", "--config"]);
-        command.arg(&file);
+        match &self.plan.composed {
+            Some(composed) => {
+                command.args(composed.node(&key, self.namespace.air, self.namespace.manage, self.number));
+            }
+            None => {
+                command.args(["run", "--config"]).arg(&file);
+            }
+        }
+        command.args(["--log", "info", "--log-format", "json"]);
         self.starts += 1;
         let name = format!("node {}, start {}", self.number, self.starts);
         self.node = Some(Process::start(&name, command.into()));
@@ -294,6 +304,13 @@ impl Host {
 
     fn simulate(&self, (north_m, east_m): (f64, f64)) -> Process {
         let mut command: Command = self.namespace.command(&skein_binary());
+        if let Some(composed) = &self.plan.composed {
+            command
+                .args(composed.simulation())
+                .arg("--truth")
+                .arg(self.track.file());
+            return Process::start(&format!("vehicle {}", self.number), command.into());
+        }
         let number = self.number.to_string();
         let [latitude, longitude, altitude] = ORIGIN;
         command.args([

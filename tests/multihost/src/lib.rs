@@ -6,6 +6,7 @@
 //! | [`net`] | the hosts' namespaces, the devices in them, and how nothing of them is left behind |
 //! | [`relay`] | what is between the hosts: loss, delay, jitter, doubles, overtaking, one-way links, partitions |
 //! | [`host`] | one host: its node, its simulated vehicle, their ends and new starts |
+//! | [`compose`] | the commands of a compose file |
 //! | [`field`] | all hosts of a flight together |
 //! | [`operator`] | what a person does over HTTP |
 //! | [`mission`] | the parts of a flight, each given by the operator and waited for in the truth |
@@ -14,6 +15,7 @@
 //! Must never do: reach into a node. It gets a configuration file, datagrams, HTTP requests and signals, as in the field.
 #![forbid(unsafe_code)]
 
+pub mod compose;
 pub mod field;
 pub mod host;
 pub mod judge;

@@ -1,5 +1,6 @@
 //! The program on several hosts, each a network namespace of this machine.
 
+mod composed;
 mod failover;
 mod flights;
 mod namespaces;
