@@ -100,6 +100,7 @@ pub fn run(workspace: &Workspace, report: &mut Report, tell: impl Fn(&mut Comman
         "the failing tests are named above",
         Step::tests(left_out, Runner::CargoTest),
     );
+    containers(workspace, report);
     fuzz_targets(workspace, report);
     miri(workspace, report);
     if is_installed("cargo-deny") {
@@ -111,6 +112,16 @@ pub fn run(workspace: &Workspace, report: &mut Report, tell: impl Fn(&mut Comman
             "update the crate named, or say in deny.toml why it does not touch us",
             Step::new(advisories),
         );
+    }
+}
+
+/// Packages and images for both architectures, from what is built here; they need root and Debian's packages.
+fn containers(workspace: &Workspace, report: &mut Report) {
+    for (task, arguments) in [("packages", &["packages", "--check"][..]), ("images", &["images"][..])] {
+        let mut command = workspace.cargo();
+        command.args(["run", "-q", "-p", "xtask", "--"]).args(arguments);
+        let advice = format!("run it alone: cargo xtask {}", arguments.join(" "));
+        report.step(&format!("{task}: amd64, arm64"), &advice, Step::new(command));
     }
 }
 

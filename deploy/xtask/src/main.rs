@@ -11,10 +11,12 @@ mod demo;
 mod docs;
 mod failures;
 mod fast;
+mod images;
 mod lints;
 mod long_runs;
 mod namespaces;
 mod output;
+mod packages;
 mod plugins;
 mod processes;
 mod px4;
@@ -84,26 +86,17 @@ enum Task {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<String>,
     },
+    /// Builds Debian packages for amd64 and arm64; with `--check`, installs, upgrades, removes and purges each in a Debian of its own.
+    Packages(packages::PackagesArguments),
+    /// Builds the container images for amd64 and arm64 by buildah, without an engine or a registry, and starts each.
+    Images(images::ImagesArguments),
     /// Checks the habits of the house that neither rustc nor clippy can check.
     Tidy,
     /// Builds the documentation as a site, with mdBook, and says where to open it.
     Docs,
     /// Flies the demo's vehicles and takes pictures of every panel of the dashboard, at three widths, light and dark.
     #[command(alias = "screenshot")]
-    Screenshots {
-        /// The folder they go to [default: screenshots in the build directory].
-        #[arg(long, value_name = "FOLDER")]
-        into: Option<std::path::PathBuf>,
-        /// Also renews the twenty that are kept in web-ui/screenshots.
-        #[arg(long)]
-        keep: bool,
-        /// How many vehicles to fly.
-        #[arg(long, default_value_t = 8)]
-        vehicles: u16,
-        /// Seconds after the formation has set off at which the pictures are taken.
-        #[arg(long, default_value_t = 20)]
-        after_s: u64,
-    },
+    Screenshots(screenshot::ScreenshotArguments),
 }
 
 fn main() -> ExitCode {
@@ -136,13 +129,10 @@ fn run(task: Task) -> Result<ExitCode> {
         Task::Px4(arguments) => px4::run(&workspace, &arguments),
         Task::Px4Messages(arguments) => px4_messages::run(&workspace, &arguments),
         Task::Bench { arguments } => bench::run(&workspace, &arguments),
+        Task::Images(arguments) => images::run(&workspace, &arguments),
+        Task::Packages(arguments) => packages::run(&workspace, &arguments),
         Task::Tidy => tidy::run(&workspace),
         Task::Docs => docs::run(&workspace),
-        Task::Screenshots {
-            into,
-            keep,
-            vehicles,
-            after_s,
-        } => screenshot::take(&workspace, into, vehicles, after_s, keep).map(|()| ExitCode::SUCCESS),
+        Task::Screenshots(arguments) => screenshot::take(&workspace, arguments).map(|()| ExitCode::SUCCESS),
     }
 }

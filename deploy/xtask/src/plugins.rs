@@ -3,6 +3,7 @@
 //! Must never do: overwrite a library in place, since a running program may have it mapped.
 
 use crate::artifacts::{self, Artifact};
+use crate::packages::Architecture;
 use crate::workspace::{Package, Workspace};
 use anyhow::{Context, Result, ensure};
 use std::collections::BTreeSet;
@@ -67,6 +68,30 @@ pub fn build(workspace: &Workspace, profile: Profile) -> Result<PathBuf> {
 
 /// As [`build`], together with other packages, so that what they share is compiled once.
 pub fn build_with(workspace: &Workspace, profile: Profile, others: &[&str]) -> Result<PathBuf> {
+    if optional_features().is_empty() {
+        println!("{WITHOUT_GSTREAMER}");
+    }
+    let command = of_all(workspace, profile, others, optional_features())?;
+    let made = artifacts::build(workspace, command)?;
+    collect(workspace, profile, &made)
+}
+
+/// Program and plugins for a package: they need no library that only some computers have. For another computer than this one if `cross` says so.
+pub fn build_to_ship(workspace: &Workspace, cross: Option<Architecture>) -> Result<PathBuf> {
+    let mut command = of_all(workspace, Profile::Release, &["skein"], &[])?;
+    let mut folder = workspace.target.clone();
+    if let Some(architecture) = cross {
+        command
+            .args(["--target", architecture.triple()])
+            .envs(architecture.environment());
+        folder.push(architecture.triple());
+    }
+    let made = artifacts::build(workspace, command)?;
+    collect_into(workspace, &folder.join("release/plugins"), &made)
+}
+
+/// The cargo command that builds every plugin, and other packages.
+fn of_all(workspace: &Workspace, profile: Profile, others: &[&str], features: &[&str]) -> Result<Command> {
     let plugins = members(workspace).map(|package| package.name.as_str());
     let names: Vec<&str> = plugins.chain(others.iter().copied()).collect();
     let compiler = std::env::var_os("CXX").unwrap_or_else(|| "c++".into());
@@ -79,24 +104,27 @@ pub fn build_with(workspace: &Workspace, profile: Profile, others: &[&str]) -> R
         compiler.to_string_lossy()
     );
     println!("building {}", names.join(", "));
-    if optional_features().is_empty() {
-        println!("{WITHOUT_GSTREAMER}");
-    }
     let mut command = workspace.cargo();
     command
         .arg("build")
         .args(profile.arguments())
-        .args(optional_features())
+        .args(features)
         .args(names.iter().flat_map(|name| ["-p", name]));
-    let made = artifacts::build(workspace, command)?;
-    collect(workspace, profile, &made)
+    Ok(command)
 }
 
 /// Puts the plugin libraries among `made` into the folder, takes others out of it, and returns it.
 pub fn collect(workspace: &Workspace, profile: Profile, made: &[Artifact]) -> Result<PathBuf> {
-    let folder = workspace.target.join(profile.folder()).join("plugins");
-    fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
-    fs::set_permissions(&folder, fs::Permissions::from_mode(0o755))?;
+    collect_into(
+        workspace,
+        &workspace.target.join(profile.folder()).join("plugins"),
+        made,
+    )
+}
+
+fn collect_into(workspace: &Workspace, folder: &Path, made: &[Artifact]) -> Result<PathBuf> {
+    fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    fs::set_permissions(folder, fs::Permissions::from_mode(0o755))?;
     let mut placed = BTreeSet::new();
     for package in members(workspace) {
         let library = library(package, made)?;
@@ -105,8 +133,8 @@ pub fn collect(workspace: &Workspace, profile: Profile, made: &[Artifact]) -> Re
         placed.insert(name);
     }
     ensure!(!placed.is_empty(), "no member under plugins/*/cdylib builds a cdylib");
-    remove_others(&folder, &placed)?;
-    Ok(folder)
+    remove_others(folder, &placed)?;
+    Ok(folder.to_path_buf())
 }
 
 fn members(workspace: &Workspace) -> impl Iterator<Item = &Package> {

@@ -33,11 +33,28 @@ const KEPT: [&str; 12] = [
     "pages/1024-sunlight-german.webp",
 ];
 
+/// What `cargo xtask screenshots` may be told.
+#[derive(clap::Args)]
+pub struct ScreenshotArguments {
+    /// The folder they go to [default: screenshots in the build directory].
+    #[arg(long, value_name = "FOLDER")]
+    into: Option<PathBuf>,
+    /// Also renews the twenty that are kept in web-ui/screenshots.
+    #[arg(long)]
+    keep: bool,
+    /// How many vehicles to fly.
+    #[arg(long, default_value_t = 8)]
+    vehicles: u16,
+    /// Seconds after the formation has set off at which the pictures are taken.
+    #[arg(long, default_value_t = 20)]
+    after_s: u64,
+}
+
 /// Takes all pictures, and renews those that are kept if that is asked for.
-pub fn take(workspace: &Workspace, into: Option<PathBuf>, vehicles: u16, after_s: u64, keep_them: bool) -> Result<()> {
-    let into = into.unwrap_or_else(|| workspace.target.join("screenshots"));
-    run(workspace, &into, vehicles, after_s)?;
-    if keep_them {
+pub fn take(workspace: &Workspace, arguments: ScreenshotArguments) -> Result<()> {
+    let into = arguments.into.unwrap_or_else(|| workspace.target.join("screenshots"));
+    run(workspace, &into, arguments.vehicles, arguments.after_s)?;
+    if arguments.keep {
         keep(workspace, &into)?;
     }
     Ok(())

@@ -22,6 +22,8 @@ pub struct Workspace {
 pub struct Package {
     /// Name in its manifest.
     pub name: String,
+    /// Version in its manifest.
+    pub version: String,
     /// Folder relative to the root, with `/` between its parts.
     pub folder: String,
     /// What it depends on.
@@ -71,6 +73,7 @@ struct Metadata {
 #[derive(Deserialize)]
 struct RawPackage {
     name: String,
+    version: String,
     manifest_path: PathBuf,
     dependencies: Vec<Dependency>,
     targets: Vec<Target>,
@@ -132,6 +135,12 @@ impl Workspace {
         self.packages.iter().find(|package| package.name == name)
     }
 
+    /// The program's version.
+    pub fn version(&self) -> Result<&str> {
+        let program = self.package("skein").context("a member `skein`")?;
+        Ok(&program.version)
+    }
+
     /// The commit that is checked out, shortened; `unknown` outside of git.
     pub fn commit(&self) -> String {
         let mut git = Command::new("git");
@@ -156,6 +165,7 @@ impl Package {
         let folder = folder.to_string_lossy().replace('\\', "/");
         Ok(Self {
             name: raw.name,
+            version: raw.version,
             folder,
             dependencies: raw.dependencies,
             targets: raw.targets,

@@ -13,6 +13,7 @@ fn file(path: &str, text: &str) -> File {
 fn package(name: &str, folder: &str) -> Package {
     Package {
         name: name.to_owned(),
+        version: String::new(),
         folder: folder.to_owned(),
         dependencies: Vec::new(),
         targets: Vec::new(),
