@@ -69,7 +69,7 @@ pub fn compare(vehicle: u16, wanted: &[Wanted], known: &[Value], findings: &mut 
         } else {
             findings.poor(
                 format_args!("parameters: vehicle {vehicle} has {name} = {has}, not {value}"),
-                format_args!("set it in the dashboard's parameters, or load the file with QGroundControl"),
+                "set it in the dashboard's parameters, or load the file with QGroundControl",
             );
         }
     }

@@ -20,8 +20,8 @@ const FRESH_S: f64 = 1.0;
 const MUCH_LOST: f64 = 0.1;
 const LONG_ROUND_TRIP_S: f64 = 0.3;
 const MANY_DAMAGED: f64 = 0.01;
-/// Nodes that are further apart do not take the same moment for one.
-const CLOCKS_APART_S: f64 = 0.05;
+/// Trajectories start together only where clocks are known so well.
+const CLOCK_KNOWN_TO_S: f64 = 0.05;
 
 /// A running node.
 pub struct Node {
@@ -171,18 +171,23 @@ fn links(report: &Value, findings: &mut Findings) {
     }
 }
 
-/// The other nodes of its swarm, and their clocks.
+/// The other nodes of its swarm, and how well their clocks are known. How far these are apart means nothing: each counts from its node's start.
 fn others(swarm: &Value, findings: &mut Findings) {
     for node in list(swarm, "/nodes") {
         let name = node.pointer("/name").and_then(Value::as_str).unwrap_or_default();
-        let offset_s = number(node, "/clock_offset_s").unwrap_or_default();
-        let is_wrong = node.pointer("/clock_fault") == Some(&Value::Bool(true));
-        if is_wrong || offset_s.abs() > CLOCKS_APART_S {
-            let mend = "synchronise both by chrony: chronyc tracking";
-            findings.poor(format_args!("clock: node {name} is {offset_s:+.3} s off"), mend);
+        let error_s = number(node, "/clock_error_s").unwrap_or(f64::INFINITY);
+        if node.pointer("/clock_fault") == Some(&Value::Bool(true)) {
+            let mend = "its messages come otherwise than its clock says: restart that node on the ground";
+            findings.poor(format_args!("clock: that of node {name} cannot be trusted"), mend);
+        } else if error_s > CLOCK_KNOWN_TO_S {
+            let mend = "wait until it has been heard for some seconds, or make the network between the two faster";
+            findings.poor(
+                format_args!("clock: that of node {name} is known to {error_s:.3} s only"),
+                mend,
+            );
         } else {
             findings.good(format_args!(
-                "node: {name} is in the swarm, its clock {offset_s:+.3} s off"
+                "node: {name} is in the swarm, its clock known to {error_s:.3} s"
             ));
         }
     }
@@ -223,3 +228,6 @@ pub(super) fn number(value: &Value, at: &str) -> Option<f64> {
 fn list<'v>(value: &'v Value, at: &str) -> &'v [Value] {
     value.pointer(at).and_then(Value::as_array).map_or(&[], Vec::as_slice)
 }
+
+#[cfg(test)]
+mod tests;

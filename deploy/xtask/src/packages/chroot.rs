@@ -35,6 +35,7 @@ const BOOKKEEPING: [&str; 8] = [
 /// Checks one package.
 pub fn check(workspace: &Workspace, architecture: Architecture, package: &Path) -> Result<()> {
     lintian(package)?;
+    contained(&workspace.root.join("deploy/systemd/skein.service"))?;
     let root = Root::open(workspace, architecture)?;
     let before = root.files()?;
     root.give(package, "skein.deb")?;
@@ -71,6 +72,19 @@ fn lintian(package: &Path) -> Result<()> {
     let text = String::from_utf8_lossy(&said.stdout);
     ensure!(said.status.success(), "lintian: {text}");
     println!("lintian says nothing against {}", package.display());
+    Ok(())
+}
+
+/// The service reaches little of the system, as systemd counts it: 25 is 2.5 of 10.
+fn contained(unit: &Path) -> Result<()> {
+    let mut judge = Command::new("systemd-analyze");
+    judge
+        .args(["security", "--offline=true", "--threshold=25", "--no-pager"])
+        .arg(unit);
+    let said = judge.output().context("cannot start systemd-analyze")?;
+    let text = String::from_utf8_lossy(&said.stdout);
+    ensure!(said.status.success(), "{text}");
+    println!("{}", text.lines().last().unwrap_or_default());
     Ok(())
 }
 
