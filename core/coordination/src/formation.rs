@@ -2,7 +2,7 @@
 //!
 //! Must never do: read a clock, or send anything.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use skein_domain::{
     AnchorPlan, FormationControl, FormationHeading, FormationRequest, Keeping, NodeTime, SlotMove, VehicleId,
 };
@@ -32,12 +32,17 @@ pub struct Formation {
     pub decided: NodeTime,
     /// When all are to be in their slots.
     pub settled_at: NodeTime,
-    /// Smallest distance foreseen on the way, in metres.
+    /// Smallest distance foreseen on the way, in metres; infinite for one alone, which JSON tells as null.
+    #[serde(deserialize_with = "null_is_infinite")]
     pub min_distance_m: f64,
     /// Members that carry a camera and whose places leave it no free view.
     pub view_blocked: Vec<VehicleId>,
     /// How fast it can go as a whole, in metres per second: its slowest member's limit, with turns taken into account.
     pub max_speed_m_s: f64,
+}
+
+fn null_is_infinite<'de, D: Deserializer<'de>>(value: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(value)?.unwrap_or(f64::INFINITY))
 }
 
 impl Formation {

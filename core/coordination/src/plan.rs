@@ -8,6 +8,7 @@ use crate::formation::{Formation, available};
 use crate::succession::by_fitness;
 use crate::{steering, ways};
 use heading::{HEADING_TURN_M_S, STANDING_TURN_RAD_S, farthest_m};
+use serde::{Deserialize, Serialize};
 use skein_config::CoordinatorSettings;
 use skein_domain::{
     AnchorPlan, AnchorReference, FlightLimits, FormationAnchor, FormationControl, FormationHeading, FormationRequest,
@@ -28,7 +29,7 @@ const ANCHOR_ACCELERATION_M_S2: f64 = 2.0;
 const OVER_FLOOR_M: f64 = 1.0;
 
 /// Limits a plan is made under.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct PlanLimits {
     /// Motion within the formation.
     pub transition: MotionLimits,

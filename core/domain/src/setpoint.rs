@@ -6,7 +6,18 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// A setpoint in the swarm frame. A position with a velocity and an acceleration is tracked with feed-forward.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, Encode, Decode)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Default,
+    Serialize,
+    Deserialize,
+    Encode,
+    Decode,
+    schemars::JsonSchema
+)]
 pub struct Setpoint {
     /// Where to be, in the swarm frame.
     #[n(0)]

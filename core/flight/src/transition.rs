@@ -13,12 +13,13 @@ use crate::assignment;
 use crate::formation::FormationError;
 use crate::time_law::{bump_over_time, progress};
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 use skein_domain::{FlightLimits, NodeTime, OffsetFrd, SlotMove};
 use skein_safety::avoidance::AvoidanceSettings;
 use task::{Task, Tried, check};
 
 /// What the vehicles can do and how close they may come, for a transition.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MotionLimits {
     /// Largest speed relative to the leader in metres per second.
     pub speed_m_s: f64,

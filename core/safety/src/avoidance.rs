@@ -19,11 +19,13 @@ use crate::HalfSpace;
 use nalgebra::{Rotation3, Vector3};
 use nearest::{Row, SpeedLimits, nearest};
 use pair::{Demand, Own, demand};
+use serde::{Deserialize, Serialize};
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{NodeTime, PositionNed, Setpoint, VehicleId, VelocityNed};
 
 /// Whom one may come too close to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum NeighbourId {
     /// A vehicle of the swarm.
     Vehicle(VehicleId),

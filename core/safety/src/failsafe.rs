@@ -22,6 +22,7 @@ pub use orders::TakenUpBy;
 
 use clock::ClockWatch;
 use readings::Memory;
+use serde::{Deserialize, Serialize};
 use skein_domain::failsafe::TriggerMode;
 use skein_domain::{
     Alarm, FailsafeEvent, FailsafeEventKind, FailsafeSettings, FailsafeState, NodeTime, Order, Reaction, ReportOnly,
@@ -33,7 +34,7 @@ use tracker::{Change, Tracker};
 const SILENCE_S: f64 = 3.0;
 
 /// The failsafe policy of one vehicle.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct FailsafePolicy {
     trackers: Vec<(Trigger, Tracker)>,
     clock: ClockWatch,

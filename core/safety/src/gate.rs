@@ -7,12 +7,13 @@ mod steer;
 pub use steer::{Steered, Steering};
 
 use crate::fence::Fences;
+use serde::{Deserialize, Serialize};
 use skein_domain::payload::Target;
 use skein_domain::{AutopilotCommand, FlightMode, PositionNed, Refusal, Route, Setpoint, VehicleCommand, VelocityNed};
 use thiserror::Error;
 
 /// What no vehicle may exceed.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Limits {
     /// Largest horizontal speed in metres per second.
     pub max_speed_m_s: f64,
@@ -115,6 +116,12 @@ impl Gate {
     #[must_use]
     pub fn with_min_height(self, min_height_m: f64) -> Self {
         Self { min_height_m, ..self }
+    }
+
+    /// Height above the ground below which no setpoint leads in flight, in metres.
+    #[must_use]
+    pub fn min_height_m(&self) -> f64 {
+        self.min_height_m
     }
 
     /// Its limits.

@@ -145,7 +145,7 @@ impl SharedState {
     /// When a zone cannot be one, or cannot be placed yet.
     pub fn set_fences(&self, plan: FencePlan) -> Result<(), FencePlanError> {
         let fences = Fences::from_plan(&plan, self.frame().as_ref())?;
-        let gate = Gate::new(*self.gate().limits(), fences);
+        let gate = Gate::new(*self.gate().limits(), fences).with_min_height(self.gate().min_height_m());
         *self.fence_plan.lock() = plan;
         self.gate.store(Arc::new(gate));
         Ok(())

@@ -13,7 +13,7 @@ use skein_domain::{
 };
 
 /// The fleet at one moment.
-#[derive(Debug, Clone, Default, Serialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct FleetSnapshot {
     /// When it was made, on the node's clock.
     pub time: NodeTime,
@@ -38,7 +38,7 @@ pub struct FleetSnapshot {
 }
 
 /// Whether vehicles that were taken back after a restart of the node are to fly on.
-#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct ResumeQuestion {
     /// They hold where they are.
     pub vehicles: Vec<VehicleId>,
@@ -51,7 +51,7 @@ pub struct ResumeQuestion {
 }
 
 /// A vehicle that was not taken back after a restart of the node.
-#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct LeftVehicle {
     /// Which.
     pub vehicle: VehicleId,
@@ -163,7 +163,7 @@ pub struct PayloadSnapshot {
 }
 
 /// A vehicle that is heard but not flown.
-#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct UnadoptedVehicle {
     /// Its system id.
     pub system_id: SystemId,
@@ -189,7 +189,7 @@ pub struct Avoidance {
 }
 
 /// The formation being flown.
-#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct FormationSnapshot {
     /// What was asked for, with the defaults filled in.
     pub request: FormationRequest,

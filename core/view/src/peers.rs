@@ -2,6 +2,7 @@
 //!
 //! Must never do: change after it was made.
 
+use serde::{Deserialize, Serialize};
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{
     AnchorReference, EnergyState, FlightLimits, FlightState, LandedState, LinkHealth, NodeTime, PositionNed,
@@ -10,7 +11,7 @@ use skein_domain::{
 use skein_safety::avoidance::Surroundings;
 
 /// All vehicles at one control period.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct PeerSnapshot {
     /// When that control period began: what was known of them then is in here.
     pub made: NodeTime,
@@ -23,7 +24,7 @@ pub struct PeerSnapshot {
 }
 
 /// One vehicle in a [`PeerSnapshot`].
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct PeerEntry {
     /// Its id.
     pub id: VehicleId,

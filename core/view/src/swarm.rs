@@ -45,7 +45,17 @@ impl NodeRole {
 }
 
 /// A term of the leadership.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Serialize,
+    Deserialize,
+    ts_rs::TS,
+    schemars::JsonSchema
+)]
 pub struct TermSnapshot {
     /// Grows with every change of the coordinator.
     pub number: u64,
@@ -55,7 +65,7 @@ pub struct TermSnapshot {
 
 /// Whom a node obeys.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[derive(Serialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LeaderStateKind {
     /// Nobody yet.
@@ -70,7 +80,16 @@ pub enum LeaderStateKind {
 }
 
 /// The swarm as one of its nodes knows it.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(
+    Debug,
+    Clone,
+    PartialEq,
+    Default,
+    Serialize,
+    Deserialize,
+    ts_rs::TS,
+    schemars::JsonSchema
+)]
 pub struct SwarmSnapshot {
     /// The swarm's id.
     pub swarm: String,
@@ -107,7 +126,7 @@ pub struct SwarmSnapshot {
 }
 
 /// One of two ways to the others.
-#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct WaySnapshot {
     /// The transport.
     pub name: String,
@@ -124,7 +143,7 @@ pub struct WaySnapshot {
 }
 
 /// Another node.
-#[derive(Debug, Clone, PartialEq, Serialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
 pub struct NodeSnapshot {
     /// Its number.
     pub node: NodeId,

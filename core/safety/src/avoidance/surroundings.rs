@@ -2,6 +2,7 @@
 
 use super::{AvoidanceSettings, Cooperation, Neighbour, NeighbourId};
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 use skein_domain::NodeTime;
 
 /// A state is carried on along its velocity for at most this long, in seconds; after that it stays and only grows less certain.
@@ -25,7 +26,7 @@ pub(super) fn carried_on(position: &Vector3<f64>, velocity: &Vector3<f64>, age_s
 }
 
 /// A neighbour as it is believed to be now.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Carried {
     pub id: NeighbourId,
     pub position: Vector3<f64>,
@@ -69,7 +70,7 @@ impl Carried {
 }
 
 /// The neighbours of one control period, for any number of vehicles.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Surroundings {
     /// Those that share, sorted by north.
     sharing: Vec<Carried>,

@@ -8,6 +8,7 @@
 //! is known: no fault.
 
 use super::Health;
+use serde::{Deserialize, Serialize};
 use skein_domain::NodeTime;
 use skein_domain::failsafe::ClockFaultRule;
 
@@ -22,7 +23,7 @@ const STOOD_STILL_S: f64 = 0.25;
 const EXPLAINS_FOR_S: f64 = 3.0;
 
 /// What is remembered of the clocks of one vehicle.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct ClockWatch {
     /// Where the offset is expected: it follows no faster than clocks drift.
     expected_s: Option<f64>,

@@ -1,6 +1,7 @@
 //! What the failsafe policy is told of a vehicle, once per period.
 
 use crate::gnss;
+use serde::{Deserialize, Serialize};
 use skein_domain::fence::BreachAction;
 use skein_domain::telemetry::EstimatorHealth;
 use skein_domain::{
@@ -8,7 +9,7 @@ use skein_domain::{
 };
 
 /// What a satellite receiver says.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct GnssHealth {
     /// Its fix.
     pub fix: GnssFix,
@@ -19,7 +20,7 @@ pub struct GnssHealth {
 }
 
 /// The vehicle is outside of a fence or inside of a zone where it must not be.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FenceBreach {
     /// What the fence asks for.
     pub reaction: Reaction,
@@ -41,7 +42,7 @@ impl From<&crate::fence::Breach<'_>> for FenceBreach {
 }
 
 /// A vehicle's health. [`Health::observed`] fills in what its telemetry tells; the rest is the caller's.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Health {
     /// In the air, or it is not known that it stands on the ground.
     pub airborne: bool,

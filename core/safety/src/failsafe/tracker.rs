@@ -1,8 +1,10 @@
 //! One trigger of one vehicle: since when it lasts, how far up its steps it has come, and whether it is over.
 
 use super::readings::{Course, Reading};
+use serde::{Deserialize, Deserializer, Serialize};
 use skein_domain::failsafe::FailsafeStep;
 use skein_domain::{NodeTime, Reaction};
+use std::borrow::Cow;
 
 /// What became of a trigger this period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,15 +20,21 @@ pub(super) enum Change {
 }
 
 /// The reaction a trigger has come to: since when, and the value at that time.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Stand {
     pub reaction: Reaction,
     pub since: NodeTime,
+    #[serde(deserialize_with = "null_is_infinite")]
     pub value: f64,
 }
 
+/// Not heard at all is infinitely long ago, which JSON tells as null.
+fn null_is_infinite<'de, D: Deserializer<'de>>(value: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(value)?.unwrap_or(f64::INFINITY))
+}
+
 /// One trigger's state.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Tracker {
     began: Option<NodeTime>,
     good_since: Option<NodeTime>,
@@ -34,9 +42,11 @@ pub(super) struct Tracker {
     stand: Option<Stand>,
     overruled: Option<Reaction>,
     wanted: Option<(Reaction, NodeTime)>,
+    #[serde(deserialize_with = "null_is_infinite")]
     value: f64,
+    #[serde(deserialize_with = "null_is_infinite")]
     limit: f64,
-    unit: &'static str,
+    unit: Cow<'static, str>,
 }
 
 impl Tracker {
@@ -73,8 +83,8 @@ impl Tracker {
     }
 
     /// Value, limit and unit, the newest.
-    pub(super) fn figures(&self) -> (f64, f64, &'static str) {
-        (self.value, self.limit, self.unit)
+    pub(super) fn figures(&self) -> (f64, f64, &str) {
+        (self.value, self.limit, &self.unit)
     }
 
     /// An operator takes the vehicle up although it lasts: only its next step asks for something again.
@@ -99,7 +109,7 @@ impl Tracker {
         recovered_after_s: f64,
     ) -> Change {
         if let Some(reading) = reading {
-            (self.value, self.limit, self.unit) = (reading.value, reading.limit, reading.unit);
+            (self.value, self.limit, self.unit) = (reading.value, reading.limit, reading.unit.into());
         }
         match reading {
             Some(reading) if reading.bad || (self.began.is_some() && !reading.good) => {
@@ -122,7 +132,7 @@ impl Tracker {
         *self = Self {
             value: self.value,
             limit: self.limit,
-            unit: self.unit,
+            unit: std::mem::take(&mut self.unit),
             ..Self::default()
         };
         Change::Cleared
