@@ -1,0 +1,117 @@
+//! A bag of ROS 2: a folder with an MCAP file of CDR messages and `metadata.yaml`, as `ros2 bag` writes and plays it. Topics and frames are
+//! called as the node itself calls them in ROS 2 (`core/ros2`).
+//!
+//! Must never do: tell a message in another layout than its definition has; what is not known has the value that the definition says.
+
+mod bag;
+mod definitions;
+mod frames;
+mod messages;
+mod names;
+mod translate;
+
+use crate::told::{Kind, Told, each};
+use crate::{ExportError, Exported, Progress, target};
+use bag::Bag;
+use names::Names;
+use skein_domain::{Geodetic, SwarmFrame, VehicleId};
+use skein_recording::{Recording, Topic, VehicleTelemetry};
+use skein_view::FleetSnapshot;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Where log lines go.
+const LOG: &str = "/rosout";
+/// Where transforms go.
+const TF: &str = "/tf";
+
+/// Writes a recording as a bag.
+pub fn write(recording: &Recording, out: &Path, progress: Progress<'_>) -> Result<Exported, ExportError> {
+    let folder = target::folder(out)?;
+    let mut writer = Writer {
+        bag: Bag::create(&folder)?,
+        names: Names::default(),
+        homes: BTreeMap::new(),
+        frame: None,
+    };
+    let wants = |topic: &Topic| {
+        matches!(
+            topic,
+            Topic::Telemetry(_) | Topic::Setpoint(_) | Topic::Events | Topic::Fleet
+        )
+    };
+    let unread = each(recording, wants, progress, |told| writer.take(told))?;
+    let mut exported = writer.bag.finish()?;
+    exported.files.sort();
+    Ok(exported.without(unread))
+}
+
+struct Writer {
+    bag: Bag,
+    names: Names,
+    homes: BTreeMap<VehicleId, Geodetic>,
+    frame: Option<SwarmFrame>,
+}
+
+impl Writer {
+    fn take(&mut self, told: &Told) -> Result<(), ExportError> {
+        match &told.kind {
+            Kind::Fleet(fleet) => {
+                self.fleet(fleet, told.node.is_none());
+                Ok(())
+            }
+            Kind::Telemetry(telemetry) => self.telemetry(told, telemetry),
+            Kind::Setpoint(setpoint) => {
+                let Some(flown) = setpoint.flown else {
+                    return Ok(());
+                };
+                let name = self.names.of(setpoint.vehicle);
+                match translate::setpoint(told, &flown) {
+                    Some(message) => self.bag.write(&topic(&name, "setpoint"), told, &message),
+                    None => Ok(()),
+                }
+            }
+            Kind::Event(event) => {
+                let name = event.vehicle.map(|vehicle| self.names.of(vehicle));
+                self.bag.write(LOG, told, &translate::log(told, event, name.as_deref()))
+            }
+        }
+    }
+
+    /// What is known of vehicles beside their telemetry. The frame is that of the node of the file.
+    fn fleet(&mut self, fleet: &FleetSnapshot, own: bool) {
+        if own {
+            self.frame = fleet.frame.or(self.frame);
+        }
+        for vehicle in &fleet.vehicles {
+            self.names.named(vehicle.id, &vehicle.name);
+            if let Some(home) = vehicle.home.filter(Geodetic::is_valid) {
+                self.homes.insert(vehicle.id, home);
+            }
+        }
+    }
+
+    fn telemetry(&mut self, told: &Told, of: &VehicleTelemetry) -> Result<(), ExportError> {
+        let name = self.names.of(of.vehicle);
+        if let Some(moves) = &of.kinematics {
+            let stamp_ns = told.moment_ns(of.time, moves.measured);
+            let pose = translate::pose(stamp_ns, of, moves);
+            self.bag.write(&topic(&name, "pose"), told, &pose)?;
+            let twist = translate::twist(stamp_ns, moves);
+            self.bag.write(&topic(&name, "velocity"), told, &twist)?;
+            let home = self.homes.get(&of.vehicle);
+            let origin = self.frame.zip(home).map(|(frame, home)| frame.position(home));
+            let transforms = translate::transforms(&pose, &name, origin.unwrap_or_default());
+            self.bag.write(TF, told, &transforms)?;
+        }
+        if let Some(fix) = translate::fix(told.at_ns, of, &name) {
+            self.bag.write(&topic(&name, "nav_sat_fix"), told, &fix)?;
+        }
+        let battery = translate::battery(told.at_ns, &of.battery, &name);
+        self.bag.write(&topic(&name, "battery"), told, &battery)
+    }
+}
+
+fn topic(vehicle: &str, part: &str) -> String {
+    format!("/skein/{vehicle}/{part}")
+}
