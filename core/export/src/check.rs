@@ -10,8 +10,12 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Nothing recorded for so long is a gap, in seconds.
+/// Nothing recorded for so long while somebody is armed is a gap, in seconds.
 const GAP_S: f64 = 1.0;
+/// The same on the ground, where there is one picture a second.
+const GAP_ON_GROUND_S: f64 = 2.5;
+/// Who was armed less long ago than this is.
+const STILL_ARMED_S: f64 = 0.5;
 /// Of each kind no more findings than this are told one by one.
 const TOLD: usize = 20;
 /// So many messages lie between two reports of progress.
@@ -49,6 +53,12 @@ pub struct Findings {
     pub findings: Vec<Finding>,
 }
 
+/// Of a vehicle's telemetry what is looked at here.
+#[derive(serde::Deserialize)]
+struct Armed {
+    armed: bool,
+}
+
 /// The end of a node's chain in the files that were looked at so far.
 struct End {
     file: PathBuf,
@@ -77,6 +87,8 @@ struct One<'a> {
     all: &'a mut Findings,
     begin: NodeTime,
     gaps: usize,
+    /// When it was last recorded that somebody is armed.
+    armed: Option<NodeTime>,
     /// Records of the audit by topic: where the chain stands, or that it is broken.
     chains: BTreeMap<String, Option<AuditChain>>,
     /// By topic how many messages the recorder had dropped since its node started: at the beginning of the file and last.
@@ -90,6 +102,7 @@ impl<'a> One<'a> {
             all,
             begin: recording.span().0,
             gaps: 0,
+            armed: None,
             chains: BTreeMap::new(),
             dropped: BTreeMap::new(),
         }
@@ -162,7 +175,10 @@ impl<'a> One<'a> {
             return;
         };
         let gap_s = now.seconds_since(before);
-        if gap_s > GAP_S {
+        let armed = self
+            .armed
+            .is_some_and(|armed| before.seconds_since(armed) < STILL_ARMED_S);
+        if gap_s > if armed { GAP_S } else { GAP_ON_GROUND_S } {
             self.gaps += 1;
             if self.gaps <= TOLD {
                 self.found(Some(before), format!("nothing was recorded for {gap_s:.1} s"));
@@ -175,6 +191,11 @@ impl<'a> One<'a> {
             Some((node, Topic::Audit)) => {
                 let node = node.map(str::to_owned);
                 self.audit(message, node.as_deref(), ends);
+            }
+            Some((_, Topic::Telemetry(_))) => {
+                if message.json::<Armed>().is_ok_and(|vehicle| vehicle.armed) {
+                    self.armed = Some(message.recorded);
+                }
             }
             Some((_, Topic::Recorder)) => {
                 if let Ok(state) = message.json::<RecorderState>() {

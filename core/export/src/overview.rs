@@ -108,7 +108,8 @@ impl Overview {
             swarm: header.swarm.clone(),
             begin_unix_ns,
             begin: crate::utc::precise(begin_unix_ns),
-            length_s: last.seconds_since(first),
+            // A damaged file may end before it begins.
+            length_s: last.seconds_since(first).max(0.0),
             vehicles: vehicles.into_iter().collect(),
             topics,
             finished: recording.is_finished(),

@@ -39,8 +39,23 @@ fn a_gap_is_told_with_its_place() {
     );
 }
 
+#[test]
+fn on_the_ground_there_is_less_to_record() {
+    let folder = folder();
+    let message = |_| (Topic::Clock, b"{}".to_vec());
+    let path = of_messages_every(folder.path(), &[0, 1, 2].map(message), 2_000_000);
+    assert_eq!(findings(&[open(&path)]), Vec::<String>::new());
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = of_messages_every(folder.path(), &[0, 1, 2].map(message), 3_000_000);
+    assert_eq!(findings(&[open(&path)]).len(), 2);
+}
+
 /// A recording of these messages, a tenth of a second apart.
 fn of_messages(folder: &Path, messages: &[(Topic, Vec<u8>)]) -> PathBuf {
+    of_messages_every(folder, messages, 100_000)
+}
+
+fn of_messages_every(folder: &Path, messages: &[(Topic, Vec<u8>)], period_us: u64) -> PathBuf {
     let path = folder.join("made.mcap");
     let header = Header {
         format: FORMAT,
@@ -55,7 +70,7 @@ fn of_messages(folder: &Path, messages: &[(Topic, Vec<u8>)]) -> PathBuf {
     };
     let mut writer = Writer::create(&path, header).expect("begins");
     for (number, (topic, bytes)) in (0_u64..).zip(messages) {
-        let at = NodeTime(number * 100_000);
+        let at = NodeTime(number * period_us);
         let message = Encoded {
             topic: topic.clone(),
             at,

@@ -221,11 +221,6 @@ impl Flight {
     }
 
     fn second(&mut self, second: u64) -> Vec<Encoded> {
-        let encoded = |topic: Topic, at: NodeTime, message: &dyn erased::Json| Encoded {
-            topic,
-            at,
-            bytes: message.bytes(),
-        };
         let mut messages = Vec::new();
         let begin = self.at(second as f64);
         if second % 2 == 0 {
@@ -236,40 +231,28 @@ impl Flight {
                 what: format!("POST /api/v1/commands {second}"),
                 ..Audit::default()
             });
-            messages.push(encoded(Topic::Audit, begin, &audit));
+            messages.push(Encoded::json(Topic::Audit, begin, &audit).expect("encodes"));
         }
         let clock = ClockRecord {
             time: begin,
             unix_ns: 0,
             others: self.others.clone(),
         };
-        messages.push(encoded(Topic::Clock, begin, &clock));
-        messages.push(encoded(Topic::Fleet, begin, &self.fleet(second as f64)));
-        messages.push(encoded(Topic::Events, begin, &self.event(second)));
+        messages.push(Encoded::json(Topic::Clock, begin, &clock).expect("encodes"));
+        messages.push(Encoded::json(Topic::Fleet, begin, &self.fleet(second as f64)).expect("encodes"));
+        messages.push(Encoded::json(Topic::Events, begin, &self.event(second)).expect("encodes"));
         for tenth in 0..10_u32 {
             let after_s = second as f64 + f64::from(tenth) / 10.0;
             let at = self.at(after_s);
             for vehicle in 1..=3 {
                 let topic = Topic::Telemetry(VehicleId(vehicle));
-                messages.push(encoded(topic, at, &self.telemetry(vehicle, after_s)));
+                messages.push(Encoded::json(topic, at, &self.telemetry(vehicle, after_s)).expect("encodes"));
             }
             for vehicle in &self.flies {
                 let topic = Topic::Setpoint(VehicleId(*vehicle));
-                messages.push(encoded(topic, at, &self.setpoint(*vehicle, after_s)));
+                messages.push(Encoded::json(topic, at, &self.setpoint(*vehicle, after_s)).expect("encodes"));
             }
         }
         messages
-    }
-}
-
-/// Any message as JSON.
-mod erased {
-    pub trait Json {
-        fn bytes(&self) -> Vec<u8>;
-    }
-    impl<T: serde::Serialize> Json for T {
-        fn bytes(&self) -> Vec<u8> {
-            serde_json::to_vec(self).expect("encodes")
-        }
     }
 }
