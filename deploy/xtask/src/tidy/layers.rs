@@ -5,7 +5,7 @@ use crate::workspace::{Package, Workspace};
 
 /// The crates of `core` from the binary to the words; each may depend on what stands below it.
 /// Names of crates that are not built yet keep their place.
-const ORDER: [&str; 35] = [
+const ORDER: [&str; 36] = [
     "skein",
     "skein-demo",
     "skein-node",
@@ -16,6 +16,7 @@ const ORDER: [&str; 35] = [
     "skein-streaming",
     "skein-tracking",
     "skein-state",
+    "skein-report",
     "skein-export",
     "skein-recording",
     "skein-coordination",
