@@ -54,6 +54,8 @@ pub enum Command {
     Doctor(DoctorArguments),
     /// What nodes of one swarm need to find and trust each other.
     Swarm(SwarmArguments),
+    /// What happened in a recorded flight: one page of HTML that says what went wrong.
+    Report(crate::report::ReportArguments),
     /// Write, check and list plugins.
     Plugin(crate::plugin::PluginArguments),
     /// How well a detector sees, on clips whose truth is known.

@@ -12,6 +12,7 @@ pub mod logging;
 pub mod manual;
 pub mod plugin;
 pub mod replay;
+pub mod report;
 pub mod run;
 pub mod service;
 pub mod simulate;
@@ -42,6 +43,7 @@ pub fn in_runtime(command: Command) -> Pin<Box<dyn Future<Output = anyhow::Resul
             | Command::Completions { .. }
             | Command::Man { .. }
             | Command::ReplaySeed { .. }
+            | Command::Report(_)
             | Command::PluginHost => Ok(ExitCode::SUCCESS),
         }
     })

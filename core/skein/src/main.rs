@@ -3,7 +3,7 @@
 
 use clap::Parser;
 use skein::args::{Arguments, Bench, BenchArguments, Command};
-use skein::{exit, init, logging, manual, replay};
+use skein::{exit, init, logging, manual, replay, report};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -33,6 +33,7 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
         Command::Completions { shell } => return Ok(manual::completions(shell)),
         Command::Man { directory } => return manual::man_pages(&directory).map(|()| ExitCode::SUCCESS),
         Command::ReplaySeed { seed, trace } => return Ok(replay::replay_seed(seed, trace)),
+        Command::Report(arguments) => return report::report(&arguments).map(|()| ExitCode::SUCCESS),
         // Without a runtime: it is one plugin and a socket.
         Command::PluginHost => return plugin_host(),
         _ => {}
