@@ -8,8 +8,8 @@ use super::incidents::{self, Incident, Key};
 use super::wire::JudgedSetpoint;
 use crate::facts::{Finding, FindingKind, Step};
 use crate::nearest::Nearest;
-use skein_domain::exchange::{CommandProgress, Severity};
-use skein_domain::{FlightMode, PositionNed, Refusal, VehicleId};
+use skein_domain::exchange::Severity;
+use skein_domain::{FlightMode, PositionNed, VehicleId};
 use skein_recording::VehicleTelemetry;
 use skein_view::{EventKind, EventRecord};
 use std::collections::{BTreeMap, HashMap};
@@ -291,16 +291,5 @@ impl Findings {
             found.number = at + 1;
         }
         (self.found, self.left_out)
-    }
-}
-
-/// A command that was refused; one that a newer command replaced went its way.
-pub(super) fn refused(progress: &CommandProgress) -> Option<&Refusal> {
-    match progress {
-        CommandProgress::Refused {
-            refusal: Refusal::Superseded,
-        } => None,
-        CommandProgress::Refused { refusal } => Some(refusal),
-        _ => None,
     }
 }

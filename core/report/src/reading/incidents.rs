@@ -2,10 +2,9 @@
 //!
 //! Must never do: say that something was done which no event tells of.
 
-use super::findings::refused;
 use crate::facts::{FindingKind, Step};
-use skein_domain::exchange::Severity;
-use skein_domain::{FailsafeEvent, FailsafeEventKind, ReportOnly, Trigger, VehicleId};
+use skein_domain::exchange::{CommandProgress, Severity};
+use skein_domain::{FailsafeEvent, FailsafeEventKind, Refusal, ReportOnly, Trigger, VehicleId};
 use skein_view::{ActorStatus, Avoidance, EventKind, EventRecord};
 
 /// Something that went wrong once.
@@ -166,4 +165,15 @@ pub fn ends(step: &FailsafeEvent) -> bool {
 pub fn infeasible(change: &Avoidance) -> String {
     let whom = change.because.as_deref().unwrap_or("a fence");
     format!("No way out left: setpoints could only keep as far as possible from {whom}")
+}
+
+/// A command that was refused; one that a newer command replaced went its way.
+fn refused(progress: &CommandProgress) -> Option<&Refusal> {
+    match progress {
+        CommandProgress::Refused {
+            refusal: Refusal::Superseded,
+        } => None,
+        CommandProgress::Refused { refusal } => Some(refusal),
+        _ => None,
+    }
 }
