@@ -54,6 +54,8 @@ pub enum Command {
     Doctor(DoctorArguments),
     /// What nodes of one swarm need to find and trust each other.
     Swarm(SwarmArguments),
+    /// Recordings of flights: list, look into, check, cut, merge, write in the formats of other programs.
+    Log(crate::log::LogArguments),
     /// What happened in a recorded flight: one page of HTML that says what went wrong.
     Report(crate::report::ReportArguments),
     /// Write, check and list plugins.

@@ -8,6 +8,7 @@ pub mod bench;
 pub mod doctor;
 pub mod exit;
 pub mod init;
+pub mod log;
 pub mod logging;
 pub mod manual;
 pub mod plugin;
@@ -40,6 +41,7 @@ pub fn in_runtime(command: Command) -> Pin<Box<dyn Future<Output = anyhow::Resul
             Command::Vision(arguments) => vision::vision(arguments).await,
             Command::Bench(_)
             | Command::Init(_)
+            | Command::Log(_)
             | Command::Completions { .. }
             | Command::Man { .. }
             | Command::ReplaySeed { .. }

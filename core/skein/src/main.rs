@@ -3,7 +3,7 @@
 
 use clap::Parser;
 use skein::args::{Arguments, Bench, BenchArguments, Command};
-use skein::{exit, init, logging, manual, replay, report};
+use skein::{exit, init, log, logging, manual, replay, report};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -30,6 +30,7 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
     match command {
         Command::Bench(BenchArguments { what }) => return bench(what),
         Command::Init(arguments) => return init::init(&arguments).map(|()| ExitCode::SUCCESS),
+        Command::Log(arguments) => return log::log(arguments),
         Command::Completions { shell } => return Ok(manual::completions(shell)),
         Command::Man { directory } => return manual::man_pages(&directory).map(|()| ExitCode::SUCCESS),
         Command::ReplaySeed { seed, trace } => return Ok(replay::replay_seed(seed, trace)),
