@@ -192,10 +192,8 @@ impl<'a> One<'a> {
                 let node = node.map(str::to_owned);
                 self.audit(message, node.as_deref(), ends);
             }
-            Some((_, Topic::Telemetry(_))) => {
-                if message.json::<Armed>().is_ok_and(|vehicle| vehicle.armed) {
-                    self.armed = Some(message.recorded);
-                }
+            Some((_, Topic::Telemetry(_))) if message.json::<Armed>().is_ok_and(|vehicle| vehicle.armed) => {
+                self.armed = Some(message.recorded);
             }
             Some((_, Topic::Recorder)) => {
                 if let Ok(state) = message.json::<RecorderState>() {

@@ -13,12 +13,12 @@ pub enum ExportError {
     #[error(transparent)]
     Read(#[from] ReadError),
     /// A folder cannot be read.
-    #[error("cannot read {path}: {source}")]
+    #[error("cannot read {path}: {reason}")]
     Folder {
         /// Which.
         path: PathBuf,
         /// Why.
-        source: std::io::Error,
+        reason: String,
     },
     /// What was to be made is there.
     #[error("{path} is there already: nothing is written over it")]

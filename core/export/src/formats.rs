@@ -1,12 +1,10 @@
 //! The formats of other programs that a recording is written in.
 //!
-//! Must never do: leave out silently what could not be read.
+//! Must never do: count a format as written that holds nothing.
 
-use crate::told::Unread;
-use crate::{ExportError, Progress, rosbag, tables, tlog, tracks};
-use skein_recording::{Damage, Recording};
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use crate::{ExportError, Exported, Progress, rosbag, tables, tlog, tracks};
+use skein_recording::Recording;
+use std::path::Path;
 
 /// A format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,36 +21,6 @@ pub enum Format {
     Rosbag,
     /// MAVLink as ground stations record it, a file for each vehicle: a folder.
     Tlog,
-}
-
-/// What was written.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Exported {
-    /// The files.
-    pub files: Vec<PathBuf>,
-    /// How much of each kind: rows of a table, points of a vehicle's track, messages of a topic, frames of a vehicle.
-    pub counts: BTreeMap<String, u64>,
-    /// Messages that are not what their topic says.
-    pub unreadable: u64,
-    /// Parts of the recording that could not be read.
-    pub damage: Vec<Damage>,
-}
-
-impl Exported {
-    pub(crate) fn count(&mut self, of: &str) {
-        match self.counts.get_mut(of) {
-            Some(count) => *count += 1,
-            None => {
-                self.counts.insert(of.to_owned(), 1);
-            }
-        }
-    }
-
-    pub(crate) fn without(mut self, unread: Unread) -> Self {
-        self.unreadable += unread.messages;
-        self.damage.extend(unread.damage);
-        self
-    }
 }
 
 /// Writes a recording in a format, to a file or folder that is not there yet.

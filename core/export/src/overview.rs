@@ -2,12 +2,13 @@
 //!
 //! Must never do: hold back a file because something is wrong with it.
 
+use crate::told::{Kind, each};
 use crate::{ExportError, origin};
 use serde::Serialize;
 use skein_domain::exchange::Severity;
-use skein_recording::{ReadError, Recording, Select, Topic};
-use skein_view::EventRecord;
+use skein_recording::{ReadError, Recording, Topic};
 use std::collections::{BTreeMap, BTreeSet};
+use std::convert::Infallible;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -130,13 +131,22 @@ impl Overview {
         ] {
             overview.events.insert(word(severity), 0);
         }
-        for message in recording.messages(Select::only(|topic| *topic == Topic::Events)) {
-            match message.map(|message| message.json::<EventRecord>()) {
-                Ok(Ok(event)) => *overview.events.entry(word(event.severity)).or_default() += 1,
-                Ok(Err(_)) => *overview.events.entry("unreadable".into()).or_default() += 1,
-                Err(damage) => overview.damage.push(damage.to_string()),
-            }
+        let counted = each(
+            recording,
+            |topic| *topic == Topic::Events,
+            &mut |_| {},
+            |told| {
+                if let Kind::Event(event) = &told.kind {
+                    *overview.events.entry(word(event.severity)).or_default() += 1;
+                }
+                Ok::<_, Infallible>(())
+            },
+        );
+        let Ok(unread) = counted;
+        if unread.messages > 0 {
+            overview.events.insert("unreadable".into(), unread.messages);
         }
+        overview.damage.extend(unread.damage.iter().map(ToString::to_string));
         overview
     }
 }
@@ -152,9 +162,9 @@ pub(crate) fn word(severity: Severity) -> String {
 /// When the folder cannot be read.
 pub fn list(folder: &Path) -> Result<(Vec<Overview>, Vec<ReadError>), ExportError> {
     let mut files = Vec::new();
-    let failed = |source| ExportError::Folder {
+    let failed = |error: std::io::Error| ExportError::Folder {
         path: folder.to_owned(),
-        source,
+        reason: error.to_string(),
     };
     for entry in fs::read_dir(folder).map_err(failed)? {
         find(&entry.map_err(failed)?.path(), DEPTH, &mut files);

@@ -11,6 +11,7 @@ use mavlink::{MAVLinkV2MessageRaw, MavHeader, MessageData};
 use skein_domain::VehicleId;
 use skein_recording::{Recording, Topic, VehicleTelemetry};
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fs::File;
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
@@ -106,7 +107,6 @@ impl Logs {
     }
 
     fn log(&mut self, vehicle: VehicleId) -> Result<&mut Log, ExportError> {
-        use std::collections::btree_map::Entry;
         match self.open.entry(vehicle) {
             Entry::Occupied(open) => Ok(open.into_mut()),
             Entry::Vacant(place) => {

@@ -12,6 +12,7 @@ use skein_domain::{Geodetic, VehicleId};
 use skein_recording::{Recording, Topic};
 use spool::Spool;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::Path;
@@ -67,16 +68,19 @@ fn write(
                 let Some(place) = telemetry.global.filter(Geodetic::is_valid) else {
                     return Ok(());
                 };
-                if !tracks.contains_key(&telemetry.vehicle) {
-                    let spool = Spool::new(shape).map_err(failed)?;
-                    let name = String::new();
-                    tracks.insert(telemetry.vehicle, Track { name, spool });
-                }
-                if let Some(track) = tracks.get_mut(&telemetry.vehicle) {
-                    let at_ns = told.at_ns;
-                    track.spool.add(Point { at_ns, place }).map_err(failed)?;
-                    exported.count(&format!("vehicle {}", telemetry.vehicle));
-                }
+                let track = match tracks.entry(telemetry.vehicle) {
+                    Entry::Occupied(track) => track.into_mut(),
+                    Entry::Vacant(place) => {
+                        let spool = Spool::new(shape).map_err(failed)?;
+                        place.insert(Track {
+                            name: String::new(),
+                            spool,
+                        })
+                    }
+                };
+                let at_ns = told.at_ns;
+                track.spool.add(Point { at_ns, place }).map_err(failed)?;
+                exported.count(&format!("vehicle {}", telemetry.vehicle));
             }
             Kind::Setpoint(_) | Kind::Event(_) => {}
         }

@@ -37,7 +37,11 @@ fn read(folder: &Path, path: &Path) {
     if cut(&recording, 0.0, 1e9, &part, &mut |_| {}).is_ok_and(|written| written.messages > 0) {
         assert!(Recording::open(&part).is_ok_and(|part| part.is_finished()));
     }
-    let _ = merge(std::slice::from_ref(&recording), &folder.join("merged.mcap"), &mut |_| {});
+    let _ = merge(
+        std::slice::from_ref(&recording),
+        &folder.join("merged.mcap"),
+        &mut |_| {},
+    );
 }
 
 fuzz_target!(|bytes: &[u8]| {
@@ -45,7 +49,11 @@ fuzz_target!(|bytes: &[u8]| {
         return;
     };
     let path = folder.path().join("fuzzed.mcap");
-    let whole = if bytes.starts_with(MAGIC) { bytes.to_vec() } else { [MAGIC, bytes].concat() };
+    let whole = if bytes.starts_with(MAGIC) {
+        bytes.to_vec()
+    } else {
+        [MAGIC, bytes].concat()
+    };
     if std::fs::write(&path, whole).is_ok() {
         read(folder.path(), &path);
     }

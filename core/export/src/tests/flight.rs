@@ -170,7 +170,7 @@ impl Flight {
             seq: second,
             time: self.at(second as f64),
             node: None,
-            vehicle: (second % 4 != 0).then_some(VehicleId((second % 4) as u16)),
+            vehicle: (!second.is_multiple_of(4)).then_some(VehicleId((second % 4) as u16)),
             severity: severities[(second % 4) as usize],
             kind: EventKind::Notice,
             text: format!("in second {second}: <a> \"quoted\" text & more, long enough for two frames of MAVLink"),
@@ -223,7 +223,7 @@ impl Flight {
     fn second(&mut self, second: u64) -> Vec<Encoded> {
         let mut messages = Vec::new();
         let begin = self.at(second as f64);
-        if second % 2 == 0 {
+        if second.is_multiple_of(2) {
             let audit = self.audit.add(Audit {
                 time: begin,
                 who: "Ada".into(),

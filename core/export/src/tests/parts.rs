@@ -93,6 +93,7 @@ fn recordings_of_two_nodes_are_one_by_their_clocks_and_each_vehicle_is_told_by_w
     assert_eq!(of("/nodes/2/vehicles/1/telemetry"), Some(200));
     assert_eq!((of("/skein/events"), of("/nodes/2/skein/events")), (Some(20), Some(20)));
     assert_eq!(of("/nodes/2/vehicles/2/telemetry"), None);
+    assert_eq!(Overview::with_events(&merged).events["critical"], 10);
     // Both flew at the same time, whatever their times of day say.
     assert!((Overview::of(&merged).length_s - 19.9).abs() < 0.01);
     let total: u64 = counts.iter().map(|(_, count)| count).sum();

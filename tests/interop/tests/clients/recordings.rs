@@ -90,8 +90,14 @@ fn check_tables(script: &mut Script) -> Result<()> {
         ensure!(near(&telemetry["time_s"], 1.0, 1e-9), "{telemetry}");
         let at = position(2, 1.0);
         let told = &telemetry["at"];
-        ensure!(near(&told[0], at.north_m, 1e-9) && near(&told[2], at.down_m, 1e-9), "{telemetry}");
-        ensure!(report["setpoints"]["rows"] == 600 && report["events"]["rows"] == 20, "{report}");
+        ensure!(
+            near(&told[0], at.north_m, 1e-9) && near(&told[2], at.down_m, 1e-9),
+            "{telemetry}"
+        );
+        ensure!(
+            report["setpoints"]["rows"] == 600 && report["events"]["rows"] == 20,
+            "{report}"
+        );
     }
     for kind in ["telemetry", "setpoints", "events"] {
         ensure!(text[kind]["columns"] == by_column[kind]["columns"], "{kind}");
@@ -104,7 +110,10 @@ fn check_tracks(script: &mut Script) -> Result<()> {
     let (kml, gpx) = (next(script, "kml")?, next(script, "gpx")?);
     for report in [&kml, &gpx] {
         let track = &report["uav-2"];
-        ensure!(track["points"] == 200 && near(&track["height_m"], height_m, 1e-3), "{report}");
+        ensure!(
+            track["points"] == 200 && near(&track["height_m"], height_m, 1e-3),
+            "{report}"
+        );
     }
     ensure!(kml["uav-1"]["first"] == "2026-11-28 10:00:00+00:00", "{kml}");
     // 6 m/s for 19.9 s; gpxpy's Earth has another radius.
@@ -128,7 +137,10 @@ fn check_bag(script: &mut Script) -> Result<()> {
         ensure!(report["counts"][topic(part)] == 200, "{part}: {report}");
         ensure!(report["types"][topic(part)] == kind, "{part}: {report}");
     }
-    ensure!(report["counts"]["/tf"] == 600 && report["counts"]["/rosout"] == 20, "{report}");
+    ensure!(
+        report["counts"]["/tf"] == 600 && report["counts"]["/rosout"] == 20,
+        "{report}"
+    );
     let at = position(2, 19.9);
     let pose = &report["pose"];
     let is_there = near(&pose[0], at.east_m, 1e-9) && near(&pose[1], at.north_m, 1e-9) && near(&pose[2], 20.0, 1e-9);
@@ -144,14 +156,21 @@ fn check_bag(script: &mut Script) -> Result<()> {
     ensure!(report["transforms"] == json!([["map", odom], [odom, base]]), "{report}");
     ensure!(near(&report["fix"][1], ORIGIN.altitude_amsl_m + 20.0, 1e-6), "{report}");
     ensure!(near(&report["voltage_v"], 15.2, 1e-6), "{report}");
-    ensure!(report["log"][0] == 40 && report["log"][1] == "skein.uav_3.vehicle", "{report}");
+    ensure!(
+        report["log"][0] == 40 && report["log"][1] == "skein.uav_3.vehicle",
+        "{report}"
+    );
     Ok(())
 }
 
 fn check_logs(script: &mut Script) -> Result<()> {
     let report = next(script, "tlog")?;
     let log = &report["vehicle-2"];
-    for (kind, count) in [("GLOBAL_POSITION_INT", 200), ("POSITION_TARGET_LOCAL_NED", 200), ("HEARTBEAT", 20)] {
+    for (kind, count) in [
+        ("GLOBAL_POSITION_INT", 200),
+        ("POSITION_TARGET_LOCAL_NED", 200),
+        ("HEARTBEAT", 20),
+    ] {
         ensure!(log["counts"][kind] == count, "{kind}: {report}");
     }
     ensure!(near(&log["first"], BEGIN_UNIX_NS as f64 / 1e9, 1e-3), "{log}");
@@ -160,7 +179,10 @@ fn check_logs(script: &mut Script) -> Result<()> {
     ensure!(text.starts_with("in second 2: <a> \"quoted\" text & more"), "{log}");
     ensure!(text.ends_with("two frames of MAVLink"), "{log}");
     ensure!(near(&log["alt_m"], ORIGIN.altitude_amsl_m + 20.0, 2e-3), "{log}");
-    ensure!(near(&log["x_m"], position(2, 19.9).north_m, 1e-4) && near(&log["voltage_v"], 15.2, 1e-3), "{log}");
+    ensure!(
+        near(&log["x_m"], position(2, 19.9).north_m, 1e-4) && near(&log["voltage_v"], 15.2, 1e-3),
+        "{log}"
+    );
     Ok(())
 }
 
