@@ -3,6 +3,7 @@
 
 mod carried;
 mod control;
+mod flights;
 mod formations;
 mod parameters;
 mod resume;
@@ -192,6 +193,7 @@ pub(crate) fn all() -> Vec<Endpoint> {
     all.extend(tracks::tracks());
     all.extend(video::videos());
     all.extend(video::recordings());
+    all.extend(flights::flights());
     all
 }
 

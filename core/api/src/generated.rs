@@ -9,10 +9,10 @@ use crate::body::{DetectionsBody, TrackChangeBody};
 use crate::protocol::{
     Accepted, AcknowledgeBody, Acknowledged, AskedObserverList, CameraViewList, ClientMessage, CommandBody,
     CommandReceipts, ControlBody, ControlReceipts, ControlState, CoordinatorBody, EmergencyStopBody, ErrorBody,
-    EventList, FenceFileBody, FencePlanBody, FormationAnswer, FormationPreview, Health, ImportedFencePlan, LinkReport,
-    ObserverList, OverrideBody, ParameterBody, PayloadList, PluginList, ReadingBody, ReferenceList, RestartList,
-    ResumeBody, RouteBody, ServerMessage, SupervisionTree, TrackList, TrajectoriesEnded, TrajectoryList, VehicleList,
-    VersionInfo, VideoMessage, VideoRecordingAnswer, VideoRecordingList, VideoRequest, VideoStreamList,
+    EventList, FenceFileBody, FencePlanBody, FlightList, FormationAnswer, FormationPreview, Health, ImportedFencePlan,
+    LinkReport, ObserverList, OverrideBody, ParameterBody, PayloadList, PluginList, ReadingBody, ReferenceList,
+    RestartList, ResumeBody, RouteBody, ServerMessage, SupervisionTree, TrackList, TrajectoriesEnded, TrajectoryList,
+    VehicleList, VersionInfo, VideoMessage, VideoRecordingAnswer, VideoRecordingList, VideoRequest, VideoStreamList,
 };
 use crate::wire::{self, Field, Header, Record, flag};
 use skein_config::PayloadRule;
@@ -149,6 +149,7 @@ fn what_is_carried(found: &mut Declarations<'_>) {
     found.visit::<VideoMessage>();
     found.visit::<VideoRequest>();
     found.visit::<VideoRecordingList>();
+    found.visit::<FlightList>();
     found.visit::<VideoRecordingAnswer>();
     found.visit::<UpgradeReceipt>();
     found.visit::<PayloadRule>();

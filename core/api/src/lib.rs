@@ -6,6 +6,7 @@
 
 mod app;
 mod assets;
+mod audit;
 mod body;
 mod connections;
 mod control;
@@ -16,6 +17,8 @@ mod error;
 mod example;
 mod examples;
 mod fences;
+mod files;
+mod flights;
 pub mod generated;
 mod guard;
 mod links;

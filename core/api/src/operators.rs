@@ -5,10 +5,11 @@
 use crate::app::App;
 use crate::error::ApiError;
 use axum::extract::FromRequestParts;
-use axum::http::header;
 use axum::http::request::Parts;
+use axum::http::{HeaderMap, header};
 use sha2::{Digest, Sha256};
 use skein_config::OperatorSettings;
+use skein_runtime::NodeHandle;
 
 /// Somebody the configuration knows.
 pub(crate) struct Operator(pub(crate) OperatorSettings);
@@ -17,16 +18,14 @@ impl FromRequestParts<App> for Operator {
     type Rejection = ApiError;
 
     async fn from_request_parts(parts: &mut Parts, app: &App) -> Result<Self, ApiError> {
-        let shown = parts
-            .headers
-            .get(header::AUTHORIZATION)
-            .and_then(|value| value.to_str().ok())
-            .and_then(|value| value.strip_prefix("Bearer "))
-            .ok_or(ApiError::NoOperator)?;
-        known(&app.node.config().operators, shown)
-            .map(Self)
-            .ok_or(ApiError::NoOperator)
+        named(&app.node, &parts.headers).map(Self).ok_or(ApiError::NoOperator)
     }
+}
+
+/// The operator that a request's secret names, if it shows one.
+pub(crate) fn named(node: &NodeHandle, headers: &HeaderMap) -> Option<OperatorSettings> {
+    let shown = headers.get(header::AUTHORIZATION)?.to_str().ok()?;
+    known(&node.config().operators, shown.strip_prefix("Bearer ")?)
 }
 
 /// The operator with this secret. Digests are compared: how long that takes tells nothing of the secret.

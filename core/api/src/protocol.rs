@@ -2,12 +2,14 @@
 //!
 //! Each type here is exported to TypeScript and to the OpenAPI document. Must never do: hold behaviour.
 
+mod flights;
 mod links;
 mod observed;
 mod parameters;
 mod supervision;
 mod video;
 
+pub use flights::{FlightList, RecordedFlight};
 pub use links::{EndpointReport, LinkReport, VehicleLinkReport};
 pub use observed::{AskedObserverList, CameraView, CameraViewList, ObserverList, TrackList, ViewSource};
 pub use parameters::{ParameterBody, ParameterName, ReadingBody};

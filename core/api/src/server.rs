@@ -8,7 +8,7 @@ use crate::error::ApiError;
 use crate::guard::{Guard, keep_foreign_pages_out};
 use crate::settings::ApiSettings;
 use crate::webrtc::LocalAddress;
-use crate::{assets, body, elsewhere, endpoints, metrics, openapi};
+use crate::{assets, audit, body, elsewhere, endpoints, metrics, openapi};
 use axum::Extension;
 use axum::Router;
 use axum::extract::DefaultBodyLimit;
@@ -61,6 +61,7 @@ pub fn router(node: NodeHandle, settings: &ApiSettings) -> Router {
             app.clone(),
             elsewhere::to_the_vehicles_node,
         ))
+        .layer(middleware::from_fn_with_state(app.clone(), audit::record))
         .with_state(app)
         .layer(DefaultBodyLimit::max(body::MAX_BODY_BYTES))
         .layer(middleware::from_fn_with_state(guard, keep_foreign_pages_out))

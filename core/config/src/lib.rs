@@ -14,6 +14,7 @@ mod loading;
 mod operators;
 mod preflight_settings;
 mod problem;
+mod recorder;
 mod resume;
 mod ros2;
 pub mod settings;
@@ -27,6 +28,7 @@ pub use ids::SystemIdSet;
 pub use loading::Overlay;
 pub use operators::OperatorSettings;
 pub use problem::Problem;
+pub use recorder::RecorderSettings;
 pub use resume::{ResumeSettings, ResumeThen};
 pub use ros2::Ros2Settings;
 pub use settings::{

@@ -53,6 +53,7 @@ impl NodeConfig {
             swarm.state_file = Some(folder.join(format!("{id}-{node}.term.json")));
         }
         self.video.recordings.get_or_insert_with(|| folder.join("recordings"));
+        self.recorder.folder.get_or_insert_with(|| folder.join("flights"));
         let resume = path.with_extension("resume");
         let name = resume.file_name().unwrap_or_default();
         self.resume.file.get_or_insert_with(|| folder.join(name));
@@ -67,6 +68,7 @@ impl NodeConfig {
             .chain(&mut swarm.state_file)
             .chain(&mut self.resume.file)
             .chain(&mut self.video.recordings)
+            .chain(&mut self.recorder.folder)
             .chain(&mut self.safety.fence_files);
         for path in paths.filter(|path| path.is_relative()) {
             *path = folder.join(&*path);

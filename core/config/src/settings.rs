@@ -1,8 +1,8 @@
 //! The settings themselves, one struct per table of the file. `default.toml` says what each key is for.
 
 use crate::{
-    DdsSettings, LinkKind, OperatorSettings, ResumeSettings, Ros2Settings, SwarmSettings, SystemIdSet,
-    TrackingSettings, VideoSettings,
+    DdsSettings, LinkKind, OperatorSettings, RecorderSettings, ResumeSettings, Ros2Settings, SwarmSettings,
+    SystemIdSet, TrackingSettings, VideoSettings,
 };
 use serde::{Deserialize, Serialize};
 use skein_domain::{EnergySettings, FailsafeSettings, FenceZone, PreflightSettings};
@@ -39,6 +39,8 @@ pub struct NodeConfig {
     pub web: WebSettings,
     /// Videos of cameras.
     pub video: VideoSettings,
+    /// What is recorded of flights.
+    pub recorder: RecorderSettings,
     /// How tracks are made of what detectors find.
     pub tracking: TrackingSettings,
     /// The swarm on ROS 2.

@@ -49,6 +49,9 @@ pub struct DemoArguments {
     /// ones; may be given several times. They are judged by their own reports.
     #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["link", "seed"])]
     pub listen: Vec<String>,
+    /// The flight is recorded into this folder [default: `skein/flights` in the user's state folder, `~/.local/state`].
+    #[arg(long, value_name = "DIR")]
+    pub record: Option<PathBuf>,
     /// Another directory of plugins, beside `plugins` where this program is; may be given several times.
     #[arg(long, value_name = "DIR")]
     pub plugins: Vec<PathBuf>,

@@ -28,7 +28,7 @@ use referee::Referee;
 use scenario::{Chosen, Flight, Setup};
 use scenario_runner::ScenarioRunner;
 use skein_config::{EndpointSettings, NodeConfig, PluginSettings};
-use skein_node::{Running, build, plugins_beside_program, stop_asked};
+use skein_node::{Running, build, flights_of_user, plugins_beside_program, stop_asked};
 use skein_sim::{Faces, PayloadPlan, PortPlan, SimSettings, Simulation};
 use skein_sim_dds::DdsSettings;
 use std::net::{SocketAddr, TcpListener};
@@ -63,6 +63,7 @@ async fn flown(arguments: DemoArguments) -> anyhow::Result<ExitCode> {
     let mut flight = Chosen::new(arguments.scenario, layout);
     flight.prepare(&mut setup);
     let domain_id = setup.node.dds.domain_id;
+    let recorded = setup.node.recorder.folder.clone();
     let running = build(setup.node).await?;
     let simulation = if arguments.listen.is_empty() {
         Some(simulate(setup.simulation, &running, domain_id)?)
@@ -104,6 +105,12 @@ async fn flown(arguments: DemoArguments) -> anyhow::Result<ExitCode> {
         None => running.handle().part(|line| println!("{line}")).await,
     }
     running.stop().await;
+    if let Some(folder) = recorded {
+        println!(
+            "Recorded in {}: `skein log list` shows it, `skein report` makes a report of a flight.",
+            folder.display()
+        );
+    }
     outcome
 }
 
@@ -146,6 +153,7 @@ fn configuration(arguments: &DemoArguments, layout: &Layout) -> NodeConfig {
     config.node.name = "demo".into();
     // Of autopilots that are there already only they themselves know.
     config.node.simulated = arguments.listen.is_empty();
+    config.recorder.folder = arguments.record.clone().or_else(flights_of_user);
     config.dds.domain_id = own_domain();
     config.web.listen = SocketAddr::from(([127, 0, 0, 1], port));
     config.coordinator.take_off_stagger_s = layout.take_off_stagger_s;

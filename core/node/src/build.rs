@@ -100,6 +100,7 @@ async fn build_at(config: NodeConfig, swarm: Option<SwarmSetup>, place: Arc<Plac
     if config.ros2.enabled {
         adapters.push(ros2::adapter(place.clone()));
     }
+    adapters.extend(skein_recorder::adapter(&config.recorder));
     let node = Node::start(config, adapters, swarm, place).await?;
     gateway::serve_others(&node.handle());
     Ok(Running { node, web })

@@ -11,5 +11,5 @@ mod ros2;
 mod swarm;
 
 pub use build::{BuildError, Running, build, build_in};
-pub use process::{plugins_beside_program, stop_asked};
+pub use process::{flights_of_user, plugins_beside_program, stop_asked};
 pub use swarm::{SwarmError, setup};

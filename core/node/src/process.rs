@@ -19,6 +19,19 @@ pub fn plugins_beside_program() -> PathBuf {
     }
 }
 
+/// Where the flights of a program without a configuration file are recorded: `skein/flights` in the user's state folder; `None` for a user
+/// without a home.
+#[must_use]
+pub fn flights_of_user() -> Option<PathBuf> {
+    let folder = |name: &str| {
+        std::env::var_os(name)
+            .filter(|folder| !folder.is_empty())
+            .map(PathBuf::from)
+    };
+    let state = folder("XDG_STATE_HOME").or_else(|| Some(folder("HOME")?.join(".local/state")));
+    Some(state?.join("skein/flights"))
+}
+
 /// Returns when the process is asked to stop.
 ///
 /// # Errors

@@ -6,16 +6,70 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use skein_coordination::{Formation, PlanInput, PlanLimits};
 use skein_domain::fence::FencePlan;
+use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{
-    AnchorReference, FailsafeSettings, FormationRequest, NodeTime, Refusal, Route, SwarmFrame, VehicleId,
+    AnchorReference, FailsafeSettings, FormationRequest, NodeTime, PositionNed, Refusal, Route, SwarmFrame, VehicleId,
 };
+use skein_safety::avoidance::Surroundings;
 use skein_safety::failsafe::Health;
 use skein_safety::{FailsafePolicy, FencePlanError, Fences, Gate, Limits};
-use skein_view::PeerSnapshot;
+use skein_view::{PeerEntry, PeerSnapshot};
 use std::sync::Arc;
 
-/// All vehicles at one control period.
-pub type PeersRecord = PeerSnapshot;
+/// One vehicle at one control period, as the safety gate looks at it.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct PeerRecord {
+    /// Which.
+    pub vehicle: VehicleId,
+    /// As it was measured, in the swarm's frame.
+    pub kinematics: Option<VehicleKinematics>,
+    /// In the air.
+    pub airborne: bool,
+    /// Where it took off from.
+    pub home: Option<PositionNed>,
+}
+
+/// All vehicles at one control period, as the safety gate looks at them.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct PeersRecord {
+    /// When that control period began.
+    pub made: NodeTime,
+    /// By ascending id.
+    pub vehicles: Vec<PeerRecord>,
+    /// Everything in the air as the separation filter has it.
+    pub surroundings: Surroundings,
+}
+
+impl PeersRecord {
+    /// Of a control period.
+    #[must_use]
+    pub fn of(peers: &PeerSnapshot) -> Self {
+        let record = |entry: &PeerEntry| PeerRecord {
+            vehicle: entry.id,
+            kinematics: entry.kinematics,
+            airborne: entry.airborne,
+            home: entry.home,
+        };
+        Self {
+            made: peers.made,
+            vehicles: peers.entries.iter().map(record).collect(),
+            surroundings: peers.surroundings.clone(),
+        }
+    }
+
+    /// A vehicle, with nothing else known of it than what the gate looks at.
+    #[must_use]
+    pub fn entry(&self, vehicle: VehicleId) -> Option<PeerEntry> {
+        let record = self.vehicles.iter().find(|record| record.vehicle == vehicle)?;
+        Some(PeerEntry {
+            id: record.vehicle,
+            kinematics: record.kinematics,
+            airborne: record.airborne,
+            home: record.home,
+            ..PeerEntry::default()
+        })
+    }
+}
 
 /// The safety gate as it is from now on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

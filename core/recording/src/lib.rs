@@ -19,7 +19,7 @@ mod telemetry;
 mod topic;
 mod writer;
 
-pub use audit::{Audit, AuditChain, AuditRecord, Broken};
+pub use audit::{AuditChain, AuditRecord, Broken};
 pub use damage::{Damage, ReadError};
 pub use encoded::Encoded;
 pub use header::{FORMAT, Header, TimeBase};
@@ -27,6 +27,7 @@ pub use messages::{Message, Messages, Select};
 pub use order::Merged;
 pub use reader::{Recording, TopicInfo};
 pub use redecide::{Difference, Redecided, Redecider};
+pub use skein_view::Audit;
 pub use telemetry::{ClockOffset, ClockRecord, RecorderState, SetpointRecord, VehicleTelemetry};
 pub use topic::{Topic, TopicSchema};
 pub use writer::{WriteError, Writer};

@@ -87,6 +87,20 @@ impl Recording {
     pub fn messages(&self, select: Select) -> Messages<'_> {
         Messages::new(self, select)
     }
+
+    /// The last message on a topic, as far as it can be read.
+    #[must_use]
+    pub fn last(&self, topic: &Topic) -> Option<Message> {
+        let wanted = topic.clone();
+        let mut messages = Messages::new(self, Select::only(move |topic| *topic == wanted));
+        let mut chunks: Vec<ChunkAt> = std::mem::take(&mut messages.chunks).collect();
+        chunks.reverse();
+        chunks.iter().find_map(|at| {
+            // What is wrong with a chunk is told when it is read from the beginning.
+            let _ = messages.read(at);
+            std::mem::take(&mut messages.ready).next_back()
+        })
+    }
 }
 
 /// Goes through the messages.

@@ -2,7 +2,7 @@
 //!
 //! Must never do: count a decision as the same that it could not make again.
 
-use crate::decisions::{FailsafeDecision, FormationDecision, GateState, outcome};
+use crate::decisions::{FailsafeDecision, FormationDecision, GateState, PeersRecord, outcome};
 use crate::messages::Message;
 use crate::telemetry::SetpointRecord;
 use crate::topic::Topic;
@@ -10,7 +10,6 @@ use serde_json::Value;
 use skein_coordination::{plan, steering};
 use skein_domain::{NodeTime, Refusal, Setpoint, VehicleId};
 use skein_safety::Gate;
-use skein_view::PeerSnapshot;
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt;
 use std::sync::Arc;
@@ -60,6 +59,8 @@ pub struct Redecided {
     pub failsafe: u64,
     /// Plans of formations.
     pub formations: u64,
+    /// Setpoints whose control period the recorder thinned out.
+    pub thinned: u64,
     /// What was not recorded with all that it was made from, or cannot be read.
     pub without_inputs: u64,
     /// What comes out otherwise.
@@ -70,7 +71,7 @@ pub struct Redecided {
 #[derive(Debug, Default)]
 pub struct Redecider {
     gates: BTreeMap<u64, Arc<Gate>>,
-    periods: VecDeque<PeerSnapshot>,
+    periods: VecDeque<PeersRecord>,
     made: Redecided,
 }
 
@@ -119,13 +120,16 @@ impl Redecider {
         Some(())
     }
 
-    /// A setpoint whose period was not recorded is one that the recorder thinned out.
     fn setpoint(&mut self, message: &Message) -> Option<()> {
         let record: SetpointRecord = message.json().ok()?;
-        let period = self.periods.iter().find(|peers| peers.made == record.peers);
+        let Some(made) = record.peers else {
+            self.made.thinned += 1;
+            return Some(());
+        };
+        let period = self.periods.iter().find(|peers| peers.made == made);
         let (gate, peers) = (self.gates.get(&record.gate)?, period?);
         let entry = peers.entry(record.vehicle)?;
-        let answer = steering::steer(gate, entry, &record.asked, &peers.surroundings, record.time);
+        let answer = steering::steer(gate, &entry, &record.asked, &peers.surroundings, record.time);
         let (flown, refusal): (Option<Setpoint>, Option<Refusal>) = match answer.outcome {
             Ok(steered) => (Some(steered.setpoint), None),
             Err(refusal) => (None, Some(refusal)),

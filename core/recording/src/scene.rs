@@ -52,11 +52,17 @@ fn vehicle_frame(vehicle: VehicleId) -> String {
     format!("vehicle/{vehicle}")
 }
 
+/// To a part of two's power: what is cut off of a number in binary is packed to nothing.
+fn cut(value: f64, steps: f64) -> f64 {
+    (value * steps).round() / steps
+}
+
+/// To a millimetre.
 fn enu(position: &PositionNed) -> Vector3 {
     Vector3 {
-        x: position.east_m,
-        y: position.north_m,
-        z: -position.down_m,
+        x: cut(position.east_m, 1_024.0),
+        y: cut(position.north_m, 1_024.0),
+        z: cut(-position.down_m, 1_024.0),
     }
 }
 
@@ -66,11 +72,13 @@ fn attitude(roll_rad: f64, pitch_rad: f64, yaw_rad: f64) -> Quaternion {
     let (sr, cr) = half(roll_rad);
     let (sp, cp) = half(-pitch_rad);
     let (sy, cy) = half(std::f64::consts::FRAC_PI_2 - yaw_rad);
+    // To a twentieth of a degree.
+    let cut = |value: f64| cut(value, 4_096.0);
     Quaternion {
-        w: cr * cp * cy + sr * sp * sy,
-        x: sr * cp * cy - cr * sp * sy,
-        y: cr * sp * cy + sr * cp * sy,
-        z: cr * cp * sy - sr * sp * cy,
+        w: cut(cr * cp * cy + sr * sp * sy),
+        x: cut(sr * cp * cy - cr * sp * sy),
+        y: cut(cr * sp * cy + sr * cp * sy),
+        z: cut(cr * cp * sy - sr * sp * cy),
     }
 }
 

@@ -6,8 +6,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{
-    Battery, FlightMode, FlightState, Geodetic, Gnss, LandedState, LinkHealth, NodeId, NodeTime, PositionNed, Refusal,
-    Setpoint, VehicleId, VelocityNed,
+    AccelerationNed, Battery, FlightMode, FlightState, Geodetic, Gnss, LandedState, LinkHealth, NodeId, NodeTime,
+    PositionNed, Refusal, Setpoint, VehicleId, VelocityNed,
 };
 use skein_view::{Avoidance, VehicleSnapshot};
 
@@ -61,6 +61,10 @@ fn rounded_f32(value: f32, digits: i32) -> f32 {
     (value * scale).round() / scale
 }
 
+fn to_ms(at: NodeTime) -> NodeTime {
+    NodeTime(at.0 / 1_000 * 1_000)
+}
+
 fn place(of: PositionNed) -> PositionNed {
     PositionNed::new(rounded(of.north_m, 3), rounded(of.east_m, 3), rounded(of.down_m, 3))
 }
@@ -77,7 +81,7 @@ impl VehicleTelemetry {
                 rounded(of.velocity.down_m_s, 3),
             ),
             yaw_rad: rounded(of.yaw_rad, 4),
-            measured: of.measured,
+            measured: to_ms(of.measured),
         });
         let global = vehicle.global.map(|of| Geodetic {
             latitude_deg: rounded(of.latitude_deg, 8),
@@ -90,6 +94,7 @@ impl VehicleTelemetry {
             clock_offset_s: vehicle.link.clock_offset_s.map(|s| rounded(s, 4)),
             receive_rate_hz: rounded_f32(vehicle.link.receive_rate_hz, 1),
             setpoint_rate_hz: rounded_f32(vehicle.link.setpoint_rate_hz, 1),
+            last_heard: to_ms(vehicle.link.last_heard),
             ..vehicle.link
         };
         Self {
@@ -145,8 +150,9 @@ pub struct SetpointRecord {
     pub time: NodeTime,
     /// Which vehicle.
     pub vehicle: VehicleId,
-    /// The control period it was judged in: the `made` of a message on `/skein/peers`, if that one was recorded.
-    pub peers: NodeTime,
+    /// The control period it was judged in: the `made` of a message on `/skein/peers`. Null if that one was thinned out; then the numbers here are
+    /// rounded, and it cannot be judged again.
+    pub peers: Option<NodeTime>,
     /// The gate it was judged by: the `number` of a message on `/skein/gate`.
     pub gate: u64,
     /// As the model asked for it, in the swarm's frame.
@@ -159,6 +165,37 @@ pub struct SetpointRecord {
     pub refusal: Option<Refusal>,
     /// What was changed of it.
     pub change: Option<Avoidance>,
+}
+
+impl SetpointRecord {
+    /// The same without its control period, to a tenth of a millimetre.
+    #[must_use]
+    pub fn thinned(self) -> Self {
+        Self {
+            peers: None,
+            asked: short(&self.asked),
+            flown: self.flown.as_ref().map(short),
+            ..self
+        }
+    }
+}
+
+fn short(setpoint: &Setpoint) -> Setpoint {
+    let digits = |value: f64| rounded(value, 4);
+    Setpoint {
+        position: setpoint
+            .position
+            .map(|of| PositionNed::new(digits(of.north_m), digits(of.east_m), digits(of.down_m))),
+        velocity: setpoint
+            .velocity
+            .map(|of| VelocityNed::new(digits(of.north_m_s), digits(of.east_m_s), digits(of.down_m_s))),
+        acceleration: setpoint
+            .acceleration
+            .map(|of| AccelerationNed::new(digits(of.north_m_s2), digits(of.east_m_s2), digits(of.down_m_s2))),
+        yaw_rad: setpoint.yaw_rad.map(digits),
+        yaw_rate_rad_s: setpoint.yaw_rate_rad_s.map(digits),
+        ..*setpoint
+    }
 }
 
 /// Another node's clock.
@@ -192,6 +229,4 @@ pub struct RecorderState {
     pub bytes: u64,
     /// Messages that were dropped since the node started, because the disk did not take them.
     pub dropped: u64,
-    /// Messages that wait.
-    pub waiting: u64,
 }

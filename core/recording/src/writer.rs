@@ -65,6 +65,8 @@ impl Writer {
     /// When it is there, or the disk does not take it.
     pub fn create(path: &Path, header: Header) -> Result<Self, WriteError> {
         let file = File::options().write(true).create_new(true).open(path)?;
+        // Whoever finishes or deletes recordings sees by this that it is being written.
+        file.try_lock().map_err(io::Error::from)?;
         let options = WriteOptions::new()
             .profile("skein")
             .library(format!("skein {}", header.version))

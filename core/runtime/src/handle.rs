@@ -11,6 +11,7 @@ mod parameters;
 mod parting;
 mod plugins;
 mod preflight;
+mod recorder;
 mod resume;
 pub(crate) mod serving;
 mod stick;

@@ -23,7 +23,7 @@ use ractor::{Actor, ActorProcessingErr, ActorRef};
 use skein_domain::exchange::{CommandProgress, Event, FaultDrill, Severity};
 use skein_domain::{CommandId, FlightState, Incarnation, NodeTime, PositionNed, Refusal, VehicleCommand};
 use skein_state::restart::VEHICLE_LIMITS;
-use skein_state::{Itinerary, SharedState, VehicleMessage, VehicleRecord};
+use skein_state::{Itinerary, SharedState, Thinning, VehicleMessage, VehicleRecord};
 use skein_view::{ActorHealth, ActorStatus, CommandReceipt, EventKind};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -59,6 +59,8 @@ pub struct VehicleState {
     refused_at: Option<PositionNed>,
     /// The refusal last told, and when.
     told_refusal: Option<(&'static str, NodeTime)>,
+    /// Which of its setpoints are recorded.
+    thinning: Thinning,
     /// Whom it was last told that the vehicle gives way to, whether it can, and when.
     told_change: Option<((String, bool), NodeTime)>,
 }
@@ -102,6 +104,7 @@ impl Actor for VehicleActor {
             released: false,
             refused_at: None,
             told_refusal: None,
+            thinning: Thinning::default(),
             told_change: None,
         })
     }

@@ -135,6 +135,12 @@ impl FailsafeMonitor {
         self.held.map(|place| place.distance_m(&kinematics.position))
     }
 
+    /// The failsafe policy, for who records what it makes of something.
+    #[must_use]
+    pub fn policy(&self) -> &FailsafePolicy {
+        &self.policy
+    }
+
     /// Applies the failsafe policy to how it fares: what there is to tell, and the state to be shown.
     pub fn judge(
         &mut self,

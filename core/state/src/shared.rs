@@ -13,6 +13,7 @@ use crate::overrun::{Overrun, OverrunEvent};
 use crate::plugins::Plugins;
 use crate::recordings::Recordings;
 use crate::resume::Resume;
+use crate::tape::Tape;
 use crate::vehicles::Vehicles;
 use crate::video::VideosElsewhere;
 use arc_swap::{ArcSwap, ArcSwapOption};
@@ -52,6 +53,8 @@ pub struct SharedState {
     pub videos: VideosElsewhere,
     /// Videos that are being recorded.
     pub recordings: Recordings,
+    /// What the recorder is told.
+    pub tape: Tape,
     /// What was flown when the node was killed, and who of it is taken back.
     pub resume: Resume,
     /// The swarm this node is part of, if any.
@@ -115,6 +118,7 @@ impl SharedState {
             events,
             videos: VideosElsewhere::default(),
             recordings: Recordings::default(),
+            tape: Tape::default(),
             resume,
             frame: ArcSwapOption::from(frame),
             peers: ArcSwap::default(),

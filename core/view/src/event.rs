@@ -136,6 +136,8 @@ pub enum EventKind {
     },
     /// It has come in time for a while.
     OverrunEnded,
+    /// Recording was interrupted, goes on, or dropped something.
+    Recorder,
     /// An operator has seen alerts. It counts at the node that it was said to.
     Acknowledged {
         /// Their numbers, at this node.

@@ -4,6 +4,7 @@
 //! Must never do: contain an actor, decide anything, or make a reader wait for a writer.
 #![forbid(unsafe_code)]
 
+mod audit;
 mod event;
 mod event_log;
 mod fleet;
@@ -12,6 +13,7 @@ mod peers;
 mod receipts;
 mod swarm;
 
+pub use audit::Audit;
 pub use event::{EventKind, EventRecord};
 pub use event_log::EventLog;
 pub use fleet::{

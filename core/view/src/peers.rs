@@ -24,7 +24,7 @@ pub struct PeerSnapshot {
 }
 
 /// One vehicle in a [`PeerSnapshot`].
-#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub struct PeerEntry {
     /// Its id.
     pub id: VehicleId,

@@ -66,6 +66,8 @@ impl Process {
     pub fn skein(arguments: &[&str]) -> Self {
         let mut command = Command::new(crate::skein_binary());
         command.args(arguments);
+        // What it would keep in the home of whoever runs the tests.
+        command.env("XDG_STATE_HOME", std::env::temp_dir().join("skein-tests"));
         Self::start(&format!("skein {}", arguments.join(" ")), command)
     }
 

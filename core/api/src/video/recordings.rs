@@ -3,18 +3,14 @@
 use super::Of;
 use crate::app::App;
 use crate::error::ApiError;
+use crate::files;
 use crate::protocol::{VideoRecording, VideoRecordingAnswer, VideoRecordingList};
 use axum::Json;
-use axum::body::{Body, Bytes};
 use axum::extract::rejection::PathRejection;
 use axum::extract::{Path, State};
-use axum::http::{StatusCode, header};
+use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use skein_runtime::RecordedVideo;
-use tokio::io::AsyncReadExt;
-
-/// A file is sent in pieces of this size.
-const PIECE_BYTES: usize = 64 << 10;
 
 fn answer(recorded: RecordedVideo) -> VideoRecordingAnswer {
     VideoRecordingAnswer {
@@ -60,22 +56,10 @@ pub(crate) async fn file(
     let Path(name) = name?;
     let not_found = || ApiError::UnknownRecording { file: name.clone() };
     let path = app.node.streams().recorded_file(&name).map_err(|_| not_found())?;
-    let file = tokio::fs::File::open(path).await.map_err(|_| not_found())?;
-    let pieces = futures_util::stream::try_unfold(file, |mut file| async move {
-        let mut piece = vec![0; PIECE_BYTES];
-        let len = file.read(&mut piece).await?;
-        piece.truncate(len);
-        Ok::<_, std::io::Error>((len > 0).then_some((Bytes::from(piece), file)))
-    });
     let kind = if name.ends_with(".mp4") {
         "video/mp4"
     } else {
         "application/jsonl"
     };
-    let disposition = format!("attachment; filename=\"{}\"", name.replace('"', ""));
-    let headers = [
-        (header::CONTENT_TYPE, kind.to_owned()),
-        (header::CONTENT_DISPOSITION, disposition),
-    ];
-    Ok((headers, Body::from_stream(pieces)).into_response())
+    files::send(&path, &name, kind).await.map_err(|_| not_found())
 }

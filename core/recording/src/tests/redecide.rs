@@ -1,7 +1,7 @@
 //! Decisions that are made again come out the same, and one that was changed does not.
 
 use super::{header, second};
-use crate::decisions::{FailsafeDecision, GateState};
+use crate::decisions::{FailsafeDecision, GateState, PeersRecord};
 use crate::{Encoded, Recording, Redecided, Redecider, Select, SetpointRecord, Topic, Writer};
 use skein_coordination::steering;
 use skein_domain::telemetry::VehicleKinematics;
@@ -59,18 +59,8 @@ fn peers(at: NodeTime) -> PeerSnapshot {
                 id,
                 kinematics: Some(of),
                 airborne: true,
-                telemetry: Telemetry::default(),
-                link: LinkHealth {
-                    connected: true,
-                    ..LinkHealth::default()
-                },
-                flight_state: Default::default(),
-                anchor: None,
                 home: Some(PositionNed::new(0.0, 0.0, 0.0)),
-                limits: None,
-                under_order: false,
-                may_rejoin: false,
-                energy: None,
+                ..PeerEntry::default()
             })
             .to_vec(),
         surroundings: Surroundings::new(&neighbours, &gate.avoidance(), at),
@@ -86,7 +76,7 @@ fn setpoint(peers: &PeerSnapshot, asked: Setpoint) -> SetpointRecord {
     SetpointRecord {
         time,
         vehicle: VehicleId(1),
-        peers: peers.made,
+        peers: Some(peers.made),
         gate: 1,
         asked,
         flown: answer.outcome.as_ref().ok().map(|steered| steered.setpoint),
@@ -153,7 +143,7 @@ fn told(change: impl FnOnce(&mut SetpointRecord)) -> Vec<Encoded> {
     let refused = setpoint(&peers, Setpoint::hold(PositionNed::new(f64::MAX, 0.0, 0.0), None));
     vec![
         encoded(Topic::Gate, second(0), &gate()),
-        encoded(Topic::Peers, peers.made, &peers),
+        encoded(Topic::Peers, peers.made, &PeersRecord::of(&peers)),
         encoded(Topic::Setpoint(VehicleId(1)), flown.time, &flown),
         encoded(Topic::Setpoint(VehicleId(1)), refused.time, &refused),
         encoded(Topic::Failsafe, second(2), &failsafe()),
@@ -186,4 +176,16 @@ fn a_setpoint_without_its_period_is_counted_as_that() {
     let messages: Vec<_> = told(|_| {}).into_iter().filter(|of| of.topic != Topic::Peers).collect();
     let again = decided(&messages);
     assert_eq!((again.setpoints, again.without_inputs), (0, 2));
+}
+
+#[test]
+fn a_thinned_setpoint_is_counted_and_not_judged() {
+    let mut record = setpoint(
+        &peers(second(1)),
+        Setpoint::hold(PositionNed::new(1.0 / 3.0, 0.0, -5.0), None),
+    );
+    record = record.thinned();
+    assert_eq!(record.asked.position, Some(PositionNed::new(0.3333, 0.0, -5.0)));
+    let again = decided(&[encoded(Topic::Setpoint(VehicleId(1)), second(1), &record)]);
+    assert_eq!((again.thinned, again.setpoints, again.without_inputs), (1, 0, 0));
 }

@@ -6,6 +6,7 @@ use ractor::{ActorRef, RpcReplyPort};
 use skein_coordination::{self as coordination, Formation, Placed, PlanInput, PlanLimits};
 use skein_domain::exchange::Severity;
 use skein_domain::{FormationAnchor, FormationRequest, PositionNed, Refusal, VehicleId};
+use skein_state::{MadePlan, Taken};
 use skein_view::PeerSnapshot;
 use skein_view::{ForeseenWay, FormationForecast, FormationReceipt};
 use std::sync::Arc;
@@ -61,10 +62,22 @@ impl CoordinatorState {
         if request.members.is_none() {
             peers = Arc::new(self.without_flights(&peers));
         }
-        let myself = myself.clone();
+        let (myself, shared) = (myself.clone(), self.shared.clone());
+        let is_recorded = !matches!(purpose, Purpose::Foreseen(_));
         tokio::spawn(async move {
             let planned = tokio::task::spawn_blocking(move || {
-                let (formation, placed) = coordination::plan_with_places(&input, &peers)?;
+                let made = coordination::plan_with_places(&input, &peers);
+                if is_recorded {
+                    shared.tape.take(|| {
+                        Taken::Plan(Box::new(MadePlan {
+                            at: shared.now(),
+                            outcome: made.clone().map(|(formation, _)| formation),
+                            peers: peers.clone(),
+                            input,
+                        }))
+                    });
+                }
+                let (formation, placed) = made?;
                 let forecast = forecast(&formation, &placed, &peers);
                 Ok((formation, forecast))
             })

@@ -42,6 +42,15 @@ impl NodeHandle {
         self.shared.operators.control().picture(self.now())
     }
 
+    /// The name of a console that has control authority over a vehicle.
+    #[must_use]
+    pub fn console_name(&self, console: &str) -> Option<String> {
+        let control = self.shared.operators.control();
+        let mut holders = control.entries().keys().filter_map(|vehicle| control.holder(*vehicle));
+        let named = holders.find(|holder| holder.id == console);
+        named.map(|holder| holder.name.clone())
+    }
+
     /// A console gives a sign of life.
     pub fn hear_console(&self, console: &str) {
         self.shared.operators.change_control().hear(console, self.now());

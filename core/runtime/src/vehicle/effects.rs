@@ -10,7 +10,7 @@ use skein_domain::{
 };
 use skein_safety::avoidance::{Change, NeighbourId};
 use skein_state::emergency;
-use skein_state::{Asker, PayloadMessage};
+use skein_state::{Asker, JudgedSetpoint, PayloadMessage, Taken};
 use skein_view::{Avoidance, EventKind};
 use skein_view::{PeerEntry, PeerSnapshot};
 
@@ -220,6 +220,19 @@ impl VehicleState {
         }
         let gate = self.shared.gate();
         let steered = steering::steer(&gate, entry, setpoint, &peers.surroundings, now);
+        if let Some(with_period) = self.thinning.wants(&self.shared.tape, &steered, &peers) {
+            self.shared.tape.take(|| {
+                Taken::Setpoint(Box::new(JudgedSetpoint {
+                    at: now,
+                    vehicle: self.record.id,
+                    asked: *setpoint,
+                    answer: steered.clone(),
+                    gate: gate.clone(),
+                    peers: peers.clone(),
+                    with_period,
+                }))
+            });
+        }
         if let Some(too_fast) = &steered.slowed {
             self.tell_refusal(now, too_fast);
         }

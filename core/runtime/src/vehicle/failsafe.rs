@@ -10,8 +10,9 @@ use skein_domain::{
     AutopilotCommand, EnergyState, FailsafeEvent, FailsafeEventKind, FlightMode, FlightState, NodeTime, Reaction,
     Refusal, RequestId, Task, VehicleCommand,
 };
+use skein_safety::FailsafePolicy;
 use skein_safety::failsafe::{FenceBreach, Health, TakenUpBy};
-use skein_state::Holding;
+use skein_state::{FailsafeStep, Holding, Taken};
 use skein_view::EventKind;
 use skein_view::{PeerEntry, PeerSnapshot};
 
@@ -40,7 +41,12 @@ impl VehicleState {
                 (Some(a), Some(b)) => Some(a.max(b)),
                 (a, b) => a.or(b),
             };
-            monitor.judge(&health, &settings, now)
+            let before = self.shared.tape.is_on().then(|| monitor.policy().clone());
+            let judged = monitor.judge(&health, &settings, now);
+            if let Some(before) = before.filter(|_| !judged.0.is_empty()) {
+                self.record_step(now, before, health, &judged.0);
+            }
+            judged
         };
         let quiet = state.alarms.is_empty() && state.order.is_none();
         self.record.change_state().failsafe = Some(state).filter(|_| !quiet);
@@ -50,6 +56,18 @@ impl VehicleState {
                 self.react(event.reaction, now).await;
             }
         }
+    }
+
+    fn record_step(&self, at: NodeTime, before: FailsafePolicy, health: Health, events: &[FailsafeEvent]) {
+        self.shared.tape.take(|| {
+            Taken::Failsafe(Box::new(FailsafeStep {
+                at,
+                vehicle: self.record.id,
+                before,
+                health,
+                events: events.to_vec(),
+            }))
+        });
     }
 
     fn holding(&self, now: NodeTime) -> Holding {

@@ -5,11 +5,12 @@ use crate::workspace::{Package, Workspace};
 
 /// The crates of `core` from the binary to the words; each may depend on what stands below it.
 /// Names of crates that are not built yet keep their place.
-const ORDER: [&str; 36] = [
+const ORDER: [&str; 37] = [
     "skein",
     "skein-demo",
     "skein-node",
     "skein-api",
+    "skein-recorder",
     "skein-ros2",
     "skein-runtime",
     "skein-cluster",

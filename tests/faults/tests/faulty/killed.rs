@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 const FLIGHT: Duration = Duration::from_secs(40);
 
 /// Simulated vehicles, and the program that flies them.
-struct Field {
+pub(crate) struct Field {
     simulation: Simulation,
     folder: tempfile::TempDir,
     client: Client,
@@ -21,7 +21,7 @@ struct Field {
 }
 
 impl Field {
-    async fn start(vehicles: usize, then: &str) -> Self {
+    pub(crate) async fn start(vehicles: usize, then: &str) -> Self {
         let (web, port) = (free_tcp_port(), free_udp_port());
         let folder = tempfile::tempdir().expect("a folder");
         let config = format!(
@@ -44,13 +44,24 @@ impl Field {
         }
     }
 
-    async fn get(&self, path: &str) -> Value {
+    pub(crate) async fn get(&self, path: &str) -> Value {
         let asked = self.client.get(format!("http://127.0.0.1:{}/api/v1/{path}", self.web));
         match asked.send().await {
             Ok(answer) => answer.json().await.unwrap_or_default(),
             // It is being started.
             Err(_) => Value::Null,
         }
+    }
+
+    /// Where its configuration is, and what it writes.
+    pub(crate) fn folder(&self) -> &std::path::Path {
+        self.folder.path()
+    }
+
+    /// The same as [`Self::put`], whatever comes of it.
+    pub(crate) async fn try_put(&self, method: reqwest::Method, path: &str, body: Value) {
+        let url = format!("http://127.0.0.1:{}/api/v1/{path}", self.web);
+        let _ = self.client.request(method, url).json(&body).send().await;
     }
 
     async fn put(&self, method: reqwest::Method, path: &str, body: Value) -> Value {
@@ -67,7 +78,7 @@ impl Field {
         serde_json::from_str(&text).unwrap_or_default()
     }
 
-    async fn until(&self, what: &str, wanted: impl Fn(&Value) -> bool) -> Value {
+    pub(crate) async fn until(&self, what: &str, wanted: impl Fn(&Value) -> bool) -> Value {
         let deadline = Instant::now() + patience() + FLIGHT;
         loop {
             let fleet = self.get("fleet").await;
@@ -84,7 +95,7 @@ impl Field {
     }
 
     /// All up, in a wedge.
-    async fn form(&self) {
+    pub(crate) async fn form(&self) {
         let count = self.simulation.system_ids().len();
         self.until("all ready", |fleet| {
             of(fleet, count, |v| v["ready_to_arm"] == json!(true))
@@ -116,12 +127,12 @@ impl Field {
     }
 
     /// The end that nobody can be ready for, and after a while another beginning.
-    async fn kill_for(&mut self, away: Duration) {
+    pub(crate) async fn kill_for(&mut self, away: Duration) {
         self.node.kill().await;
         tokio::time::sleep(away).await;
     }
 
-    fn start_again(&mut self) {
+    pub(crate) fn start_again(&mut self) {
         self.node = run(&self.folder);
     }
 

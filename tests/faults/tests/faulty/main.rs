@@ -1,5 +1,6 @@
 //! Actors and plugins killed, links cut, vehicles lost: one program for all flights, so that several fly at a time and none is linked twice.
 
+mod black_box;
 mod crashes;
 mod failsafe;
 mod killed;

@@ -944,7 +944,7 @@ plugin: string, } | { "kind": "swarm" } | { "kind": "overrun",
 /**
  * By how much, in seconds.
  */
-by_s: number, } | { "kind": "overrun_ended" } | { "kind": "acknowledged", 
+by_s: number, } | { "kind": "overrun_ended" } | { "kind": "recorder" } | { "kind": "acknowledged", 
 /**
  * Their numbers, at this node.
  */
@@ -1336,6 +1336,15 @@ endurance_s: number | null,
  * It carries a camera that looks out of the formation: its slot is chosen so that nobody flies in its view.
  */
 keeps_view: boolean, };
+
+/**
+ * Recordings on this node.
+ */
+export type FlightList = { 
+/**
+ * The newest first.
+ */
+flights: Array<RecordedFlight>, };
 
 /**
  * The autopilot's flight mode, in words that fit PX4 and its peers.
@@ -2778,6 +2787,35 @@ export type ReadingBody = {
  * What.
  */
 action: ReadingAction, };
+
+/**
+ * A recording of a flight, or of vehicles that stood.
+ */
+export type RecordedFlight = { 
+/**
+ * The file's name. One that ends with `_ground.mcap` is of vehicles that stood.
+ */
+file: string, 
+/**
+ * Name of the node that recorded it.
+ */
+node: string, 
+/**
+ * When it begins, in seconds since 1970 by the clock of that node's computer.
+ */
+begun_unix_s: number, 
+/**
+ * How long it is, in seconds.
+ */
+seconds: number, 
+/**
+ * Its size in bytes.
+ */
+bytes: number, 
+/**
+ * It was ended. One that was not is being written, or was cut off with its program.
+ */
+finished: boolean, };
 
 /**
  * Things that formations may be anchored to.

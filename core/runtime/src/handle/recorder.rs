@@ -1,0 +1,41 @@
+//! What the recorder needs of a node.
+
+use super::NodeHandle;
+use skein_domain::SwarmFrame;
+use skein_domain::exchange::Severity;
+use skein_domain::fence::FencePlan;
+use skein_state::Tape;
+use skein_view::{Audit, EventKind};
+
+impl NodeHandle {
+    /// Where the recorder is told what it cannot read by itself.
+    #[must_use]
+    pub fn tape(&self) -> &Tape {
+        &self.shared.tape
+    }
+
+    /// Records what somebody does, if anybody records.
+    pub fn audit(&self, audit: impl FnOnce() -> Audit) {
+        self.shared.tape.take(|| skein_state::Taken::Audit(audit()));
+    }
+
+    /// The fences as they were described.
+    #[must_use]
+    pub fn fence_plan(&self) -> FencePlan {
+        self.shared.fence_plan()
+    }
+
+    /// The swarm's frame, once known.
+    #[must_use]
+    pub fn frame(&self) -> Option<SwarmFrame> {
+        self.shared.frame()
+    }
+
+    /// Tells operators how recording fares.
+    pub fn tell_of_recorder(&self, severity: Severity, text: impl Into<String>) {
+        let now = self.now();
+        self.shared
+            .events
+            .record(now, None, severity, EventKind::Recorder, text);
+    }
+}
