@@ -32,6 +32,7 @@ impl NodeConfig {
         self.ros2.problems(&mut problems);
         self.video.problems(&mut problems);
         self.tracking.problems(&mut problems);
+        self.upgrade.problems(&mut problems);
         if !self.web.enabled && self.swarm.id.is_none() {
             problems.push(problem(
                 "web.enabled",

@@ -11,6 +11,7 @@ mod health;
 mod peers;
 mod receipts;
 mod swarm;
+mod upgrade;
 
 pub use event::{EventKind, EventRecord};
 pub use event_log::EventLog;
@@ -22,3 +23,7 @@ pub use health::{ActorHealth, ActorStatus, PluginHealth, RestartRecord, Restored
 pub use peers::{PeerEntry, PeerSnapshot, airborne, kinematics};
 pub use receipts::{CommandReceipt, ForeseenWay, FormationForecast, FormationReceipt};
 pub use swarm::{LeaderStateKind, NodeRole, NodeSnapshot, SwarmSnapshot, TermSnapshot, WaySnapshot};
+pub use upgrade::{
+    ArchiveInfo, GoneBack, NodeUpgrade, NodeUpgradeState, NodeVersions, Rollout, RolloutEnd, RolloutKind, UpgradeRefusal,
+    UpgradeReport, VersionLabel,
+};
