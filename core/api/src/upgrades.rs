@@ -71,7 +71,9 @@ pub(crate) async fn take_archive(
         what: "another archive is coming in".into(),
     };
     let _alone = COMING_IN.try_acquire().map_err(busy)?;
-    let length = headers.get(header::CONTENT_LENGTH).and_then(|value| value.to_str().ok());
+    let length = headers
+        .get(header::CONTENT_LENGTH)
+        .and_then(|value| value.to_str().ok());
     let bytes = length.and_then(|text| text.parse().ok()).unwrap_or(0);
     let path = ground.incoming(bytes)?;
     if let Err(error) = receive(body, &path).await {
@@ -88,7 +90,10 @@ pub(crate) async fn take_archive(
 async fn receive(body: Stream, path: &Path) -> Result<(), ApiError> {
     let mut file = File::create(path).await.map_err(|e| storage(&e))?;
     let (mut parts, mut received) = (body.into_data_stream(), 0_u64);
-    while let Some(part) = timeout(NEXT_WITHIN, parts.next()).await.map_err(|_| ApiError::TooSlow)? {
+    while let Some(part) = timeout(NEXT_WITHIN, parts.next())
+        .await
+        .map_err(|_| ApiError::TooSlow)?
+    {
         let part = part.map_err(|error| ApiError::Shape {
             problem: error.to_string(),
         })?;
@@ -125,7 +130,12 @@ pub(crate) async fn back(
     begin_one(app.node.versions()?, may_upgrade(operator)?, body, RolloutKind::Back)
 }
 
-fn begin_one(ground: &Arc<Ground>, operator: String, body: RolloutBody, kind: RolloutKind) -> Result<Response, ApiError> {
+fn begin_one(
+    ground: &Arc<Ground>,
+    operator: String,
+    body: RolloutBody,
+    kind: RolloutKind,
+) -> Result<Response, ApiError> {
     let report = ground.begin(RolloutRequest {
         kind,
         operator,

@@ -106,7 +106,10 @@ async fn roll_out(arguments: &UpgradeArguments) -> anyhow::Result<ExitCode> {
     if arguments.archives.is_empty() && !arguments.back {
         let report: UpgradeReport = ground.ask(Method::GET, "/api/v1/upgrades", None).await?;
         println!("this node: {}", of_node(&report.this_node));
-        report.archives.iter().for_each(|info| println!("archive:   {}", of(info)));
+        report
+            .archives
+            .iter()
+            .for_each(|info| println!("archive:   {}", of(info)));
         report.rollout.iter().for_each(tell_all);
         return Ok(ExitCode::SUCCESS);
     }
@@ -116,7 +119,11 @@ async fn roll_out(arguments: &UpgradeArguments) -> anyhow::Result<ExitCode> {
     }
     let nodes = (!arguments.only.is_empty()).then_some(&arguments.only);
     let body = json!({ "nodes": nodes, "this_node": arguments.this_node });
-    let path = if arguments.back { "/api/v1/upgrades/back" } else { "/api/v1/upgrades" };
+    let path = if arguments.back {
+        "/api/v1/upgrades/back"
+    } else {
+        "/api/v1/upgrades"
+    };
     let begun: UpgradeReport = ground.ask(Method::POST, path, Some(body)).await?;
     println!("The roll-out has begun. It goes on if this command is ended; `skein upgrade stop` stops it.");
     ground.follow(begun).await
@@ -215,7 +222,10 @@ impl Ground {
 
 fn of(info: &ArchiveInfo) -> String {
     let (size_mb, digest) = (info.bytes as f64 / 1e6, info.digest.get(..12).unwrap_or(&info.digest));
-    format!("version {} for {}, {size_mb:.1} MB, {digest}", info.version, info.architecture)
+    format!(
+        "version {} for {}, {size_mb:.1} MB, {digest}",
+        info.version, info.architecture
+    )
 }
 
 fn of_label(label: &VersionLabel) -> String {
@@ -280,15 +290,27 @@ fn ended(rollout: &Rollout, end: &RolloutEnd) -> ExitCode {
     }
     if is(|p| matches!(p, NodeUpgradeState::GoneBack { .. })) {
         println!("The node that went back runs its old version; the others keep what they have.");
-        println!("Next: its log says more (journalctl -u skein). Pack a version that is mended and begin again, or `skein upgrade --back`.");
+        println!(
+            "Next: its log says more (journalctl -u skein). Pack a version that is mended and begin again, or `skein upgrade --back`."
+        );
     }
-    if is(|p| matches!(p, NodeUpgradeState::Refused { .. } | NodeUpgradeState::NotReachable { .. })) {
+    if is(|p| {
+        matches!(
+            p,
+            NodeUpgradeState::Refused { .. } | NodeUpgradeState::NotReachable { .. }
+        )
+    }) {
         println!("Next: mend what the nodes above name, then begin again. Nodes that have the version are left alone.");
     }
     if is(|p| matches!(p, NodeUpgradeState::Lost { .. })) {
-        println!("Next: look at that computer. Its service manager must start the program again when it ends (Restart=always).");
+        println!(
+            "Next: look at that computer. Its service manager must start the program again when it ends (Restart=always)."
+        );
     }
-    let all = rollout.nodes.iter().all(|node| node.progress == NodeUpgradeState::Confirmed);
+    let all = rollout
+        .nodes
+        .iter()
+        .all(|node| node.progress == NodeUpgradeState::Confirmed);
     if all {
         println!("All nodes of the roll-out run it. `skein upgrade --back` takes it back.");
         ExitCode::SUCCESS

@@ -28,7 +28,12 @@ pub fn start(state: Option<PathBuf>) -> Option<Kept> {
     let slots = Slots::under(&state);
     let program = std::env::current_exe().ok()?;
     for _ in 0..MOST_CHOICES {
-        match choose(&slots, |key| std::env::var(key).ok(), &program, &plugins_beside_program()) {
+        match choose(
+            &slots,
+            |key| std::env::var(key).ok(),
+            &program,
+            &plugins_beside_program(),
+        ) {
             Chosen::GoOn { running, problem } => {
                 if let Some(problem) = problem {
                     eprintln!("skein: {problem}");

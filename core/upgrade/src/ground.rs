@@ -113,7 +113,11 @@ impl Ground {
     }
 
     fn is_free(&self) -> Result<(), UpgradeRefusal> {
-        let busy = self.rollout.lock().as_ref().is_some_and(|rollout| rollout.ended.is_none());
+        let busy = self
+            .rollout
+            .lock()
+            .as_ref()
+            .is_some_and(|rollout| rollout.ended.is_none());
         if busy {
             let what = "a roll-out goes on already".into();
             return Err(UpgradeRefusal::Busy { what });

@@ -173,7 +173,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut first = Incoming::open(folder.path(), offered(6)).unwrap();
         assert_eq!(first.take(0, b"abc"), Ok(3));
-        let other = ArchiveInfo { digest: "b".repeat(64), ..offered(6) };
+        let other = ArchiveInfo {
+            digest: "b".repeat(64),
+            ..offered(6)
+        };
         assert_eq!(Incoming::open(folder.path(), other).unwrap().has_bytes(), 0);
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
@@ -183,9 +186,21 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let large = Incoming::open(folder.path(), offered(MOST_ARCHIVE_BYTES + 1));
         assert!(matches!(large, Err(UpgradeRefusal::Damaged { .. })));
-        let unpacked = ArchiveInfo { unpacked_bytes: u64::MAX, ..offered(6) };
-        assert!(matches!(Incoming::open(folder.path(), unpacked), Err(UpgradeRefusal::NoRoom { .. })));
-        let outside = ArchiveInfo { digest: "../../escaped".into(), ..offered(6) };
-        assert!(matches!(Incoming::open(folder.path(), outside), Err(UpgradeRefusal::Damaged { .. })));
+        let unpacked = ArchiveInfo {
+            unpacked_bytes: u64::MAX,
+            ..offered(6)
+        };
+        assert!(matches!(
+            Incoming::open(folder.path(), unpacked),
+            Err(UpgradeRefusal::NoRoom { .. })
+        ));
+        let outside = ArchiveInfo {
+            digest: "../../escaped".into(),
+            ..offered(6)
+        };
+        assert!(matches!(
+            Incoming::open(folder.path(), outside),
+            Err(UpgradeRefusal::Damaged { .. })
+        ));
     }
 }

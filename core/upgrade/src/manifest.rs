@@ -59,7 +59,9 @@ pub enum ManifestError {
         is: u32,
     },
     /// The version cannot be part of a folder's name.
-    #[error("the version {0:?} is not made of up to {LONGEST_VERSION} letters, digits, dots, +, - and ~, a letter or digit first")]
+    #[error(
+        "the version {0:?} is not made of up to {LONGEST_VERSION} letters, digits, dots, +, - and ~, a letter or digit first"
+    )]
     Version(String),
     /// A path leads elsewhere.
     #[error("the path {0:?} is neither {PROGRAM} nor {PLUGINS}/NAME")]
@@ -197,17 +199,32 @@ mod tests {
     #[test]
     fn what_makes_no_archive_is_named() {
         let made = |version: &str, files: Vec<PackedFile>| Manifest::new(version.into(), "x86_64".into(), files);
-        assert!(made("0.2.0-rc.1+g12", vec![file(PROGRAM), file("plugins/libgimbal_plugin.so")]).is_ok());
+        assert!(
+            made(
+                "0.2.0-rc.1+g12",
+                vec![file(PROGRAM), file("plugins/libgimbal_plugin.so")]
+            )
+            .is_ok()
+        );
         assert_eq!(made("1", vec![]), Err(ManifestError::NoProgram));
-        assert!(matches!(made("1", vec![file(PROGRAM), file(PROGRAM)]), Err(ManifestError::Twice(_))));
+        assert!(matches!(
+            made("1", vec![file(PROGRAM), file(PROGRAM)]),
+            Err(ManifestError::Twice(_))
+        ));
         for version in ["", "../1", ".1", "1/2", "1 2", &"1".repeat(49)] {
-            assert!(matches!(made(version, vec![file(PROGRAM)]), Err(ManifestError::Version(_))), "{version}");
+            assert!(
+                matches!(made(version, vec![file(PROGRAM)]), Err(ManifestError::Version(_))),
+                "{version}"
+            );
         }
         let large = PackedFile {
             bytes: u64::MAX,
             ..file("plugins/a.so")
         };
-        assert!(matches!(made("1", vec![file(PROGRAM), large]), Err(ManifestError::TooLarge(_))));
+        assert!(matches!(
+            made("1", vec![file(PROGRAM), large]),
+            Err(ManifestError::TooLarge(_))
+        ));
         let later = br#"{"format": 2, "version": "1", "architecture": "x86_64", "files": []}"#;
         assert_eq!(Manifest::read(later), Err(ManifestError::Format { is: 2 }));
         assert!(matches!(Manifest::read(b"{"), Err(ManifestError::Unreadable(_))));

@@ -106,7 +106,9 @@ fn said(outcome: &NodeUpgradeState) -> (Severity, String) {
 
 fn tell(ground: &Ground, severity: Severity, text: String) {
     let shared = ground.upgrader().shared();
-    shared.events.record(shared.now(), None, severity, EventKind::Notice, text);
+    shared
+        .events
+        .record(shared.now(), None, severity, EventKind::Notice, text);
 }
 
 /// Everything with one node, to its end.
@@ -115,7 +117,10 @@ async fn one(ground: &Arc<Ground>, node: NodeId, kind: RolloutKind) -> Result<No
     ground.note(node, |known| known.versions = Some(told.clone()));
     let (wanted, ask) = match kind {
         RolloutKind::Back => {
-            let before = told.before.clone().ok_or(Failed::Refused(UpgradeRefusal::NothingBefore))?;
+            let before = told
+                .before
+                .clone()
+                .ok_or(Failed::Refused(UpgradeRefusal::NothingBefore))?;
             (before, UpgradeAsk::Back)
         }
         RolloutKind::Upgrade => {

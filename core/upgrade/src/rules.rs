@@ -198,7 +198,9 @@ impl Versions {
     /// What must stay on the disk.
     pub fn kept(&self) -> impl Iterator<Item = &Version> {
         let trial = self.trial.as_ref().map(|trial| &trial.version);
-        [Some(&self.confirmed), self.before.as_ref(), trial].into_iter().flatten()
+        [Some(&self.confirmed), self.before.as_ref(), trial]
+            .into_iter()
+            .flatten()
     }
 
     /// A version as it is told of.

@@ -80,8 +80,7 @@ impl Slots {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(error) => Err(error),
         };
-        read.map(Some)
-            .map_err(|source| SlotsError::Unreadable { path, source })
+        read.map(Some).map_err(|source| SlotsError::Unreadable { path, source })
     }
 
     /// Returns when it is on the disk.
@@ -125,7 +124,9 @@ impl Slots {
     /// Whether a version can be started.
     #[must_use]
     pub fn has(&self, version: &Version) -> bool {
-        let program = self.folder_of(version).map(|folder| folder.join(crate::manifest::PROGRAM));
+        let program = self
+            .folder_of(version)
+            .map(|folder| folder.join(crate::manifest::PROGRAM));
         program.is_none_or(|program| program.is_file())
     }
 

@@ -49,12 +49,7 @@ pub enum Chosen {
 
 /// Chooses. `environment` reads the environment, `program` is this process's own, `plugins` the folder of its plugins.
 #[must_use]
-pub fn choose(
-    slots: &Slots,
-    environment: impl Fn(&str) -> Option<String>,
-    program: &Path,
-    plugins: &Path,
-) -> Chosen {
+pub fn choose(slots: &Slots, environment: impl Fn(&str) -> Option<String>, program: &Path, plugins: &Path) -> Chosen {
     let as_package = |problem: Option<String>| Chosen::GoOn {
         running: Running {
             version: Version::Package,
@@ -73,7 +68,11 @@ pub fn choose(
     };
     let package = match package_of(program) {
         Ok(package) => package,
-        Err(error) => return as_package(Some(format!("the installed package runs, for it cannot be looked at: {error}"))),
+        Err(error) => {
+            return as_package(Some(format!(
+                "the installed package runs, for it cannot be looked at: {error}"
+            )));
+        }
     };
     let before = versions.clone();
     let mut start = versions.start(package);
@@ -91,7 +90,10 @@ pub fn choose(
     let chosen = serde_json::to_string(&(&start.version, start.on_trial)).unwrap_or_default();
     Chosen::Become {
         program: become_it.unwrap_or_else(|| program.to_owned()),
-        environment: [(CHOSEN, chosen), (PACKAGE_PLUGINS, plugins.to_string_lossy().into_owned())],
+        environment: [
+            (CHOSEN, chosen),
+            (PACKAGE_PLUGINS, plugins.to_string_lossy().into_owned()),
+        ],
         start,
     }
 }
@@ -164,8 +166,17 @@ mod tests {
         }
 
         fn starts(&self) -> (PathBuf, Start, BTreeMap<&'static str, String>) {
-            match choose(&self.slots, nothing, &self.package(), Path::new("/usr/lib/skein/plugins")) {
-                Chosen::Become { program, environment, start } => (program, start, environment.into_iter().collect()),
+            match choose(
+                &self.slots,
+                nothing,
+                &self.package(),
+                Path::new("/usr/lib/skein/plugins"),
+            ) {
+                Chosen::Become {
+                    program,
+                    environment,
+                    start,
+                } => (program, start, environment.into_iter().collect()),
                 Chosen::GoOn { .. } => panic!("nothing was chosen"),
             }
         }
@@ -175,7 +186,17 @@ mod tests {
     fn without_another_version_the_process_goes_on() {
         let computer = computer();
         let chosen = choose(&computer.slots, nothing, &computer.package(), Path::new("p"));
-        assert!(matches!(chosen, Chosen::GoOn { running: Running { version: Version::Package, on_trial: false, .. }, problem: None }));
+        assert!(matches!(
+            chosen,
+            Chosen::GoOn {
+                running: Running {
+                    version: Version::Package,
+                    on_trial: false,
+                    ..
+                },
+                problem: None
+            }
+        ));
     }
 
     #[test]
@@ -183,14 +204,26 @@ mod tests {
         let computer = computer();
         std::fs::write(computer.package(), "1").unwrap();
         let wanted = computer.slot.clone();
-        assert!(computer.slots.change(|v| v.try_next(wanted, Expectations::default())).unwrap());
+        assert!(
+            computer
+                .slots
+                .change(|v| v.try_next(wanted, Expectations::default()))
+                .unwrap()
+        );
         let (program, start, environment) = computer.starts();
         assert_eq!((start.on_trial, &start.version), (true, &computer.slot));
         assert!(program.starts_with(computer.state.path()) && program.is_file());
         assert!(computer.slots.load().unwrap().unwrap().trial.unwrap().begun);
         // The program that was chosen looks at its environment, not at the disk.
-        let chosen = choose(&computer.slots, |key| environment.get(key).cloned(), &program, Path::new("p"));
-        let Chosen::GoOn { running, .. } = chosen else { panic!("it chooses again") };
+        let chosen = choose(
+            &computer.slots,
+            |key| environment.get(key).cloned(),
+            &program,
+            Path::new("p"),
+        );
+        let Chosen::GoOn { running, .. } = chosen else {
+            panic!("it chooses again")
+        };
         assert_eq!((running.version, running.on_trial), (computer.slot.clone(), true));
         assert_eq!(running.package_plugins, Some(PathBuf::from("/usr/lib/skein/plugins")));
         // It ended without a word.
@@ -204,13 +237,24 @@ mod tests {
         let computer = computer();
         std::fs::write(computer.package(), "1").unwrap();
         let wanted = computer.slot.clone();
-        assert!(computer.slots.change(|v| v.try_next(wanted, Expectations::default())).unwrap());
+        assert!(
+            computer
+                .slots
+                .change(|v| v.try_next(wanted, Expectations::default()))
+                .unwrap()
+        );
         let _ = computer.starts();
         computer.slots.change(Versions::confirm).unwrap();
         let (_, start, _) = computer.starts();
         assert_eq!(start.version, computer.slot);
         cannot_start(&computer.slots, &start, &io::Error::from(io::ErrorKind::NotFound));
-        assert_eq!(computer.starts().1, Start { version: Version::Package, on_trial: false });
+        assert_eq!(
+            computer.starts().1,
+            Start {
+                version: Version::Package,
+                on_trial: false
+            }
+        );
     }
 
     #[test]
@@ -218,7 +262,12 @@ mod tests {
         let computer = computer();
         std::fs::write(computer.package(), "1").unwrap();
         let wanted = computer.slot.clone();
-        assert!(computer.slots.change(|v| v.try_next(wanted, Expectations::default())).unwrap());
+        assert!(
+            computer
+                .slots
+                .change(|v| v.try_next(wanted, Expectations::default()))
+                .unwrap()
+        );
         let _ = computer.starts();
         computer.slots.change(Versions::confirm).unwrap();
         std::fs::write(computer.package(), "another one").unwrap();
@@ -235,13 +284,28 @@ mod tests {
         computer.slots.save(&Versions::default()).unwrap();
         std::fs::write(computer.state.path().join("versions/versions.json"), "{").unwrap();
         let chosen = choose(&computer.slots, nothing, &computer.package(), Path::new("p"));
-        assert!(matches!(chosen, Chosen::GoOn { running: Running { version: Version::Package, .. }, problem: Some(_) }));
+        assert!(matches!(
+            chosen,
+            Chosen::GoOn {
+                running: Running {
+                    version: Version::Package,
+                    ..
+                },
+                problem: Some(_)
+            }
+        ));
         // Where a try cannot be noted, it is not made.
         let wanted = computer.slot.clone();
         let mut versions = Versions::default();
         assert!(versions.try_next(wanted, Expectations::default()));
         computer.slots.save(&versions).unwrap();
         std::fs::create_dir(computer.state.path().join("versions/versions.new")).unwrap();
-        assert_eq!(computer.starts().1, Start { version: Version::Package, on_trial: false });
+        assert_eq!(
+            computer.starts().1,
+            Start {
+                version: Version::Package,
+                on_trial: false
+            }
+        );
     }
 }

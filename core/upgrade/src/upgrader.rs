@@ -2,12 +2,12 @@
 //!
 //! Must never do: swap while a vehicle is armed; answer that something is done before the disk has it.
 
+use crate::archive;
 use crate::incoming::Incoming;
 use crate::rules::{self, Package, Verdict, Version, Versions};
 use crate::slots::{Slots, SlotsError};
 use crate::start::{Running, package_of};
 use crate::trial::{self, HangGuard};
-use crate::archive;
 use parking_lot::Mutex;
 use skein_domain::NodeTime;
 use skein_domain::exchange::Severity;
@@ -284,7 +284,10 @@ impl Upgrader {
         let withdrawn = self.blocking(|own| own.change(|versions| versions.trial = None)).await;
         if let Err(error) = withdrawn {
             // It stands on the disk for the next start, whenever that is: this must not happen silently.
-            self.tell(Severity::Critical, format!("the trial could not be taken back: {error}"));
+            self.tell(
+                Severity::Critical,
+                format!("the trial could not be taken back: {error}"),
+            );
         }
         self.now.lock().broken_off = Some(refusal);
         self.resume();
@@ -331,11 +334,17 @@ impl Upgrader {
         let versions = self.versions();
         if let Some(back) = &versions.gone_back {
             let (from, runs) = (label(&back.from), label(&versions.runs));
-            self.tell(Severity::Warning, format!("version {from} went back to {runs}: {}", back.why));
+            self.tell(
+                Severity::Warning,
+                format!("version {from} went back to {runs}: {}", back.why),
+            );
         }
         if versions.on_trial {
             let runs = label(&versions.runs);
-            self.tell(Severity::Advisory, format!("version {runs} is on trial: nothing is armed until it has confirmed itself"));
+            self.tell(
+                Severity::Advisory,
+                format!("version {runs} is on trial: nothing is armed until it has confirmed itself"),
+            );
             if let Some(swap) = self.on_trial(guard).await {
                 return swap;
             }
@@ -346,7 +355,13 @@ impl Upgrader {
     }
 
     async fn on_trial(self: &Arc<Self>, guard: Option<HangGuard>) -> Option<Swap> {
-        let expects = self.now.lock().versions.trial.as_ref().map(|trial| trial.expects.clone());
+        let expects = self
+            .now
+            .lock()
+            .versions
+            .trial
+            .as_ref()
+            .map(|trial| trial.expects.clone());
         let expects = expects.unwrap_or_default();
         let (started, limit_s) = (self.shared.now(), self.shared.config.upgrade.confirm_within_s);
         let mut well_since: Option<NodeTime> = None;
@@ -377,7 +392,9 @@ impl Upgrader {
                 Verdict::GoBack(why) => {
                     self.tell(Severity::Warning, format!("this version goes back: {why}"));
                     let noted = why.clone();
-                    let given_up = self.blocking(move |own| own.change(|versions| versions.give_up(&noted))).await;
+                    let given_up = self
+                        .blocking(move |own| own.change(|versions| versions.give_up(&noted)))
+                        .await;
                     if let Err(error) = given_up {
                         tracing::error!("{error}");
                     }

@@ -24,6 +24,6 @@ pub use peers::{PeerEntry, PeerSnapshot, airborne, kinematics};
 pub use receipts::{CommandReceipt, ForeseenWay, FormationForecast, FormationReceipt};
 pub use swarm::{LeaderStateKind, NodeRole, NodeSnapshot, SwarmSnapshot, TermSnapshot, WaySnapshot};
 pub use upgrade::{
-    ArchiveInfo, GoneBack, NodeUpgrade, NodeUpgradeState, NodeVersions, Rollout, RolloutEnd, RolloutKind, UpgradeRefusal,
-    UpgradeReport, VersionLabel,
+    ArchiveInfo, GoneBack, NodeUpgrade, NodeUpgradeState, NodeVersions, Rollout, RolloutEnd, RolloutKind,
+    UpgradeRefusal, UpgradeReport, VersionLabel,
 };

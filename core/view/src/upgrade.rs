@@ -61,7 +61,17 @@ pub struct ArchiveInfo {
 }
 
 /// What a roll-out is for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Serialize,
+    Deserialize,
+    ts_rs::TS,
+    schemars::JsonSchema
+)]
 #[serde(rename_all = "snake_case")]
 pub enum RolloutKind {
     /// Nodes get a new version.
@@ -166,14 +176,26 @@ pub struct UpgradeReport {
 }
 
 /// Why a version is not taken, not started, or not sent.
-#[derive(Debug, Clone, PartialEq, Eq, Error, Serialize, Deserialize, ts_rs::TS, schemars::JsonSchema)]
+#[derive(
+    Debug,
+    Clone,
+    PartialEq,
+    Eq,
+    Error,
+    Serialize,
+    Deserialize,
+    ts_rs::TS,
+    schemars::JsonSchema
+)]
 #[serde(tag = "reason", rename_all = "snake_case")]
 pub enum UpgradeRefusal {
     /// The configuration does not permit it.
     #[error("the node takes no upgrades from its swarm: set upgrade.accept = true in its configuration")]
     NotAccepted,
     /// It has no place to keep versions in.
-    #[error("the node has no state folder (STATE_DIRECTORY, which systemd and the containers set): it keeps no versions")]
+    #[error(
+        "the node has no state folder (STATE_DIRECTORY, which systemd and the containers set): it keeps no versions"
+    )]
     NoStateFolder,
     /// A vehicle is armed.
     #[error("vehicle {vehicle} is armed")]

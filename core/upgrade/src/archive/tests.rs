@@ -88,14 +88,25 @@ fn what_is_packed_is_unpacked_and_nothing_else() {
     assert_eq!((info.version.as_str(), info.architecture.as_str()), ("0.2.0", "x86_64"));
     let (around, manifest) = unpacked(&path);
     let paths: Vec<String> = manifest.unwrap().files.into_iter().map(|file| file.path).collect();
-    assert_eq!(paths, ["skein", "plugins/libgeneric_uav_plugin.so", "plugins/libgimbal_plugin.so"]);
+    assert_eq!(
+        paths,
+        [
+            "skein",
+            "plugins/libgeneric_uav_plugin.so",
+            "plugins/libgimbal_plugin.so"
+        ]
+    );
     for path in paths {
         let there = std::fs::read(around.path().join("version").join(&path)).unwrap();
         assert_eq!(there, std::fs::read(built.path().join(&path)).unwrap(), "{path}");
     }
     assert!(!around.path().join("version/plugins/notes.txt").exists());
     let again = built.path().join("again.tar.gz");
-    assert_eq!(pack(built.path(), "0.2.0", &again).unwrap().digest, info.digest, "the same files, the same archive");
+    assert_eq!(
+        pack(built.path(), "0.2.0", &again).unwrap().digest,
+        info.digest,
+        "the same files, the same archive"
+    );
 }
 
 #[test]
@@ -126,21 +137,43 @@ fn a_path_or_a_link_that_leads_out_is_not_followed() {
     let bytes = program("x86_64");
     let good = listed(PROGRAM, &bytes);
     for (files, entries) in [
-        (vec![good.clone(), listed("../../escaped", b"x")], vec![(EntryType::Regular, "../../escaped", b"x".as_slice())]),
-        (vec![good.clone()], vec![(EntryType::Regular, "../../escaped", b"x".as_slice())]),
-        (vec![good.clone()], vec![(EntryType::Regular, "/tmp/escaped", b"x".as_slice())]),
+        (
+            vec![good.clone(), listed("../../escaped", b"x")],
+            vec![(EntryType::Regular, "../../escaped", b"x".as_slice())],
+        ),
+        (
+            vec![good.clone()],
+            vec![(EntryType::Regular, "../../escaped", b"x".as_slice())],
+        ),
+        (
+            vec![good.clone()],
+            vec![(EntryType::Regular, "/tmp/escaped", b"x".as_slice())],
+        ),
         (vec![good.clone()], vec![(EntryType::Symlink, PROGRAM, b"".as_slice())]),
         (vec![good.clone()], vec![(EntryType::Link, PROGRAM, b"".as_slice())]),
-        (vec![good.clone()], vec![(EntryType::Directory, "plugins", b"".as_slice())]),
+        (
+            vec![good.clone()],
+            vec![(EntryType::Directory, "plugins", b"".as_slice())],
+        ),
         (vec![good.clone()], vec![(EntryType::Fifo, PROGRAM, b"".as_slice())]),
         // More than the manifest names.
-        (vec![good.clone()], vec![(EntryType::Regular, PROGRAM, bytes.as_slice()), (EntryType::Symlink, "plugins/x", b"")]),
+        (
+            vec![good.clone()],
+            vec![
+                (EntryType::Regular, PROGRAM, bytes.as_slice()),
+                (EntryType::Symlink, "plugins/x", b""),
+            ],
+        ),
     ] {
         let (_kept, path) = by_hand(files, &entries);
         assert!(check(&path).is_err(), "{entries:?}");
         let (around, outcome) = unpacked(&path);
         assert!(outcome.is_err(), "{entries:?}");
-        let outside: Vec<_> = std::fs::read_dir(around.path()).unwrap().flatten().map(|e| e.file_name()).collect();
+        let outside: Vec<_> = std::fs::read_dir(around.path())
+            .unwrap()
+            .flatten()
+            .map(|e| e.file_name())
+            .collect();
         assert_eq!(outside, ["version"], "{entries:?}");
     }
 }
@@ -148,7 +181,11 @@ fn a_path_or_a_link_that_leads_out_is_not_followed() {
 #[test]
 fn a_file_that_is_longer_shorter_or_other_is_refused() {
     let bytes = program("x86_64");
-    for other in [[bytes.as_slice(), b"!"].concat(), bytes[..bytes.len() - 1].to_vec(), bytes.iter().rev().copied().collect()] {
+    for other in [
+        [bytes.as_slice(), b"!"].concat(),
+        bytes[..bytes.len() - 1].to_vec(),
+        bytes.iter().rev().copied().collect(),
+    ] {
         let (_kept, path) = by_hand(vec![listed(PROGRAM, &bytes)], &[(EntryType::Regular, PROGRAM, &other)]);
         assert!(check(&path).is_err());
     }
@@ -166,12 +203,23 @@ fn what_unpacks_to_far_more_than_it_says_is_stopped() {
     let bytes = program("x86_64");
     let zeros = vec![0; 4 << 20];
     let (_kept, path) = by_hand(
-        vec![listed(PROGRAM, &bytes), PackedFile { bytes: 10, ..listed("plugins/a.so", b"") }],
-        &[(EntryType::Regular, PROGRAM, &bytes), (EntryType::Regular, "plugins/a.so", &zeros)],
+        vec![
+            listed(PROGRAM, &bytes),
+            PackedFile {
+                bytes: 10,
+                ..listed("plugins/a.so", b"")
+            },
+        ],
+        &[
+            (EntryType::Regular, PROGRAM, &bytes),
+            (EntryType::Regular, "plugins/a.so", &zeros),
+        ],
     );
     let (around, outcome) = unpacked(&path);
     assert!(matches!(outcome, Err(ArchiveError::Changed { .. })));
-    let written = std::fs::metadata(around.path().join("version/plugins/a.so")).unwrap().len();
+    let written = std::fs::metadata(around.path().join("version/plugins/a.so"))
+        .unwrap()
+        .len();
     assert!(written <= 10, "{written}");
 }
 

@@ -143,7 +143,13 @@ fn a_version_that_ended_on_trial_is_told_of() {
     assert!(versions.try_next(slot(1), Expectations::default()));
     assert!(versions.start(package(0)).on_trial);
     let start = versions.start(package(0));
-    assert_eq!(start, Start { version: Version::Package, on_trial: false });
+    assert_eq!(
+        start,
+        Start {
+            version: Version::Package,
+            on_trial: false
+        }
+    );
     let back = versions.gone_back.expect("it is told of");
     assert_eq!(back.from.digest, Some(format!("{:064x}", 1)));
 }
@@ -155,12 +161,18 @@ fn after_a_confirmation_the_way_back_is_the_version_before() {
     assert!(versions.try_next(slot(1), Expectations::default()));
     let _ = versions.start(package(0));
     versions.confirm();
-    assert_eq!((versions.confirmed.clone(), versions.before.clone()), (slot(1), Some(Version::Package)));
+    assert_eq!(
+        (versions.confirmed.clone(), versions.before.clone()),
+        (slot(1), Some(Version::Package))
+    );
     assert!(!versions.try_next(slot(1), Expectations::default()), "it runs already");
     assert!(versions.try_next(Version::Package, Expectations::default()));
     assert!(versions.start(package(0)).on_trial);
     versions.confirm();
-    assert_eq!((versions.confirmed.clone(), versions.before), (Version::Package, Some(slot(1))));
+    assert_eq!(
+        (versions.confirmed.clone(), versions.before),
+        (Version::Package, Some(slot(1)))
+    );
 }
 
 #[test]
@@ -172,9 +184,17 @@ fn a_file_of_a_later_version_is_read_as_far_as_it_is_known() {
 
 #[test]
 fn what_is_missing_is_named() {
-    let expects = Expectations { vehicles: vec![VehicleId(3)], others: true, led: true };
+    let expects = Expectations {
+        vehicles: vec![VehicleId(3)],
+        others: true,
+        led: true,
+    };
     let mut seen = Seen::default();
-    assert!(expects.missing(&seen).is_some_and(|missing| missing.contains("vehicle 3")));
+    assert!(
+        expects
+            .missing(&seen)
+            .is_some_and(|missing| missing.contains("vehicle 3"))
+    );
     seen.vehicles = vec![VehicleId(3), VehicleId(4)];
     assert!(expects.missing(&seen).is_some_and(|missing| missing.contains("node")));
     (seen.others, seen.led) = (true, true);
@@ -184,7 +204,10 @@ fn what_is_missing_is_named() {
 
 #[test]
 fn a_roll_out_stops_where_a_version_did_not_stay() {
-    let label = |digest: Option<&str>| VersionLabel { version: "1".into(), digest: digest.map(str::to_owned) };
+    let label = |digest: Option<&str>| VersionLabel {
+        version: "1".into(),
+        digest: digest.map(str::to_owned),
+    };
     let mut told = NodeVersions {
         architecture: "x86_64".into(),
         runs: label(None),
@@ -198,10 +221,16 @@ fn a_roll_out_stops_where_a_version_did_not_stay() {
     let wanted = label(Some("new"));
     assert_eq!(progress(&wanted, &told), NodeUpgradeState::Starting);
     told.pending = None;
-    assert!(!goes_on(&progress(&wanted, &told)), "a trial that nobody knows of any more is none that went well");
+    assert!(
+        !goes_on(&progress(&wanted, &told)),
+        "a trial that nobody knows of any more is none that went well"
+    );
     told.broken_off = Some(skein_view::UpgradeRefusal::NothingBefore);
     assert!(goes_on(&progress(&wanted, &told)));
-    told.gone_back = Some(GoneBack { from: wanted.clone(), why: "it ended".into() });
+    told.gone_back = Some(GoneBack {
+        from: wanted.clone(),
+        why: "it ended".into(),
+    });
     assert!(!goes_on(&progress(&wanted, &told)));
     (told.runs, told.on_trial) = (wanted.clone(), true);
     assert_eq!(progress(&wanted, &told), NodeUpgradeState::OnTrial);
