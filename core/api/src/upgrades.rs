@@ -74,7 +74,7 @@ pub(crate) async fn take_archive(
     let length = headers
         .get(header::CONTENT_LENGTH)
         .and_then(|value| value.to_str().ok());
-    let bytes = length.and_then(|text| text.parse().ok()).unwrap_or(0);
+    let bytes = length.and_then(|text| text.parse().ok()).unwrap_or(MOST_ARCHIVE_BYTES);
     let path = ground.incoming(bytes)?;
     if let Err(error) = receive(body, &path).await {
         // The next one takes its place otherwise.

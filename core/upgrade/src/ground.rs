@@ -135,6 +135,9 @@ impl Ground {
             return Err(UpgradeRefusal::NoArchive { node });
         }
         let nodes = self.chosen(&request)?;
+        if nodes.is_empty() {
+            return Err(UpgradeRefusal::NoNodes);
+        }
         {
             let mut rollout = self.rollout.lock();
             if rollout.as_ref().is_some_and(|known| known.ended.is_none()) {

@@ -143,9 +143,16 @@ async fn one(ground: &Arc<Ground>, node: NodeId, kind: RolloutKind) -> Result<No
         }
     };
     ground.note(node, |known| known.progress = NodeUpgradeState::Starting);
-    // Once: where the answer is lost, what the node tells next says what came of it.
-    if let Err(Failed::Refused(refusal)) = ask_once(ground, node, ask, ARRANGED_WITHIN).await {
-        return Err(Failed::Refused(refusal));
+    // Once: where the answer is lost, what the node tells next says whether it was arranged.
+    match ask_once(ground, node, ask, ARRANGED_WITHIN).await {
+        Err(Failed::Refused(refusal)) => return Err(Failed::Refused(refusal)),
+        Err(Failed::NotReached(why)) => {
+            let told = versions(ground, node, TRIES).await;
+            if told.is_ok_and(|told| rules::knows_nothing_of(&wanted, &told)) {
+                return Err(Failed::NotReached(why));
+            }
+        }
+        Ok(_) => {}
     }
     Ok(until_known(ground, node, &wanted, told.confirm_within_s).await)
 }

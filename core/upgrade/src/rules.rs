@@ -263,6 +263,14 @@ pub fn goes_on(after: &NodeUpgradeState) -> bool {
     !matches!(after, NodeUpgradeState::GoneBack { .. } | NodeUpgradeState::Lost { .. })
 }
 
+/// Whether a node was never told to start `wanted`: it neither runs it nor is about to, and has not gone back from it.
+#[must_use]
+pub fn knows_nothing_of(wanted: &VersionLabel, told: &NodeVersions) -> bool {
+    let gone_back = told.gone_back.as_ref().map(|back| &back.from);
+    let known = [Some(&told.runs), told.pending.as_ref(), gone_back];
+    told.broken_off.is_none() && known.into_iter().flatten().all(|label| label.digest != wanted.digest)
+}
+
 /// What a node's own word means for a roll-out that had told it to start `wanted`.
 #[must_use]
 pub fn progress(wanted: &VersionLabel, told: &NodeVersions) -> NodeUpgradeState {

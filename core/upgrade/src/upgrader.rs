@@ -40,8 +40,8 @@ pub enum Swap {
 struct Now {
     versions: Versions,
     on_trial: bool,
-    /// A swap is being arranged.
-    swapping: bool,
+    /// A swap to this version is being arranged.
+    swapping: Option<Version>,
     broken_off: Option<UpgradeRefusal>,
 }
 
@@ -89,7 +89,7 @@ impl Upgrader {
             now: Mutex::new(Now {
                 versions,
                 on_trial,
-                swapping: false,
+                swapping: None,
                 broken_off: None,
             }),
             writing: Mutex::new(()),
@@ -108,12 +108,13 @@ impl Upgrader {
         let now = self.now.lock();
         let label = |version: &Version| now.versions.label(version);
         let runs = label(&self.running.version);
-        let pending = now.versions.trial.as_ref().filter(|trial| !trial.begun);
+        let trial = now.versions.trial.as_ref().filter(|trial| !trial.begun);
+        let pending = now.swapping.as_ref().or(trial.map(|trial| &trial.version));
         NodeVersions {
             architecture: std::env::consts::ARCH.to_owned(),
             runs,
             on_trial: now.on_trial,
-            pending: pending.map(|trial| label(&trial.version)),
+            pending: pending.map(label),
             before: now.versions.before.as_ref().map(label),
             gone_back: now.versions.gone_back.clone(),
             broken_off: now.broken_off.clone(),
@@ -137,7 +138,7 @@ impl Upgrader {
             if now.on_trial {
                 return Err(busy("the version that runs there is on trial itself"));
             }
-            if now.swapping {
+            if now.swapping.is_some() {
                 return Err(busy("another version is about to be started there"));
             }
         }
@@ -179,6 +180,10 @@ impl Upgrader {
                 archive: info.architecture,
                 node: node.to_owned(),
             });
+        }
+        if self.slots.find(&info.digest).is_some() {
+            // Unpacked when it was sent before.
+            return Ok(UpgradeAnswer::Has { bytes: info.bytes });
         }
         let mut incoming = self.incoming.lock();
         if let Some(known) = incoming.as_ref().filter(|known| *known.offered() == info) {
@@ -248,8 +253,13 @@ impl Upgrader {
             return Ok(UpgradeAnswer::Done);
         }
         trial::may_swap(&self.shared)?;
-        if std::mem::replace(&mut self.now.lock().swapping, true) {
-            return Err(busy("another version is about to be started there"));
+        {
+            let mut now = self.now.lock();
+            if now.swapping.is_some() {
+                return Err(busy("another version is about to be started there"));
+            }
+            now.swapping = Some(version.clone());
+            now.broken_off = None;
         }
         self.shared.hold_arming(true);
         // What is to be seen again is what is seen before anything ends.
@@ -263,10 +273,9 @@ impl Upgrader {
             Err(refusal) => Err(refusal),
         };
         if let Err(refusal) = arranged {
-            self.resume();
+            self.resume(&refusal);
             return Err(refusal);
         }
-        self.now.lock().broken_off = None;
         let own = self.clone();
         tokio::spawn(async move { own.leave().await });
         Ok(UpgradeAnswer::Done)
@@ -289,12 +298,13 @@ impl Upgrader {
                 format!("the trial could not be taken back: {error}"),
             );
         }
-        self.now.lock().broken_off = Some(refusal);
-        self.resume();
+        self.resume(&refusal);
     }
 
-    fn resume(&self) {
-        self.now.lock().swapping = false;
+    /// There is no swap.
+    fn resume(&self, because: &UpgradeRefusal) {
+        let mut now = self.now.lock();
+        (now.swapping, now.broken_off) = (None, Some(because.clone()));
         self.shared.hold_arming(false);
     }
 

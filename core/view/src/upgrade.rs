@@ -258,6 +258,9 @@ pub enum UpgradeRefusal {
         /// What.
         what: String,
     },
+    /// A roll-out would reach nobody.
+    #[error("no other node of a swarm is known here, and this one was not asked for")]
+    NoNodes,
     /// No such node is known.
     #[error("node {node} is not known here")]
     UnknownNode {
@@ -289,6 +292,7 @@ impl UpgradeRefusal {
             Self::Unknown { .. } => "unknown",
             Self::NothingBefore => "nothing_before",
             Self::Busy { .. } => "busy",
+            Self::NoNodes => "no_nodes",
             Self::UnknownNode { .. } => "unknown_node",
             Self::Storage { .. } => "storage",
         }

@@ -220,7 +220,9 @@ fn a_roll_out_stops_where_a_version_did_not_stay() {
     };
     let wanted = label(Some("new"));
     assert_eq!(progress(&wanted, &told), NodeUpgradeState::Starting);
+    assert!(!knows_nothing_of(&wanted, &told));
     told.pending = None;
+    assert!(knows_nothing_of(&wanted, &told));
     assert!(
         !goes_on(&progress(&wanted, &told)),
         "a trial that nobody knows of any more is none that went well"
