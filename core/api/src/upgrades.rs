@@ -136,12 +136,13 @@ fn begin_one(
     body: RolloutBody,
     kind: RolloutKind,
 ) -> Result<Response, ApiError> {
-    let report = ground.begin(RolloutRequest {
+    let request = RolloutRequest {
         kind,
         operator,
         nodes: body.nodes,
         this_node: body.this_node,
-    })?;
+    };
+    let report = skein_upgrade::begin(ground, request)?;
     Ok((StatusCode::ACCEPTED, Json(report)).into_response())
 }
 

@@ -8,6 +8,7 @@ use clap::{Args, Subcommand};
 use reqwest::{Client, Method, RequestBuilder, Url};
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
+use skein_domain::NodeId;
 use skein_view::{
     ArchiveInfo, NodeUpgrade, NodeUpgradeState, NodeVersions, Rollout, RolloutEnd, UpgradeReport, VersionLabel,
 };
@@ -195,20 +196,24 @@ impl Ground {
         let mut told = BTreeMap::new();
         let (mut report, mut answered) = (begun, Instant::now());
         loop {
-            let Some(rollout) = &report.rollout else {
-                // It has started its own other version, which knows nothing of the roll-out.
-                println!("this node: {}", of_node(&report.this_node));
-                return Ok(ExitCode::SUCCESS);
-            };
-            for node in &rollout.nodes {
-                let words = words(&node.progress);
-                if told.get(&node.node) != Some(&words) {
-                    println!("{}: {words}", name(node));
-                    told.insert(node.node, words);
+            match &report.rollout {
+                Some(rollout) => {
+                    tell_changes(rollout, &mut told);
+                    if let Some(end) = &rollout.ended {
+                        return Ok(ended(rollout, end));
+                    }
                 }
-            }
-            if let Some(end) = &rollout.ended {
-                return Ok(ended(rollout, end));
+                // It has started its own other version, which knows nothing of the roll-out.
+                None if !report.this_node.on_trial => {
+                    println!("this node: {}", of_node(&report.this_node));
+                    let stayed = report.this_node.gone_back.is_none();
+                    return Ok(if stayed {
+                        ExitCode::SUCCESS
+                    } else {
+                        ExitCode::from(exit::FAILED)
+                    });
+                }
+                None => {}
             }
             tokio::time::sleep(LOOK).await;
             match self.ask(Method::GET, "/api/v1/upgrades", None).await {
@@ -270,6 +275,17 @@ fn words(progress: &NodeUpgradeState) -> String {
         NodeUpgradeState::NotReachable { why } => format!("not reached: {why}"),
         NodeUpgradeState::Lost { silent_s } => format!("NOT HEARD for {silent_s:.0} s since it was told to start"),
         NodeUpgradeState::Skipped => "left as it is".into(),
+    }
+}
+
+/// A line for each node that is further than when it was last told of.
+fn tell_changes(rollout: &Rollout, told: &mut BTreeMap<NodeId, String>) {
+    for node in &rollout.nodes {
+        let words = words(&node.progress);
+        if told.get(&node.node) != Some(&words) {
+            println!("{}: {words}", name(node));
+            told.insert(node.node, words);
+        }
     }
 }
 

@@ -4,7 +4,6 @@
 
 use crate::archive;
 use crate::incoming::{MOST_ARCHIVE_BYTES, room};
-use crate::rollout::{self, RolloutRequest};
 use crate::upgrader::Upgrader;
 use parking_lot::Mutex;
 use skein_domain::NodeId;
@@ -19,6 +18,19 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The folder of archives under the node's state folder.
 const FOLDER: &str = "archives";
+
+/// What an operator asks for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RolloutRequest {
+    /// To another version, or back.
+    pub kind: RolloutKind,
+    /// Who asks.
+    pub operator: String,
+    /// These nodes; all others of the swarm if none are named.
+    pub nodes: Option<Vec<NodeId>>,
+    /// This node too, as the last one.
+    pub this_node: bool,
+}
 
 /// The ground station's end.
 pub struct Ground {
@@ -125,11 +137,11 @@ impl Ground {
         Ok(())
     }
 
-    /// Begins a roll-out; it goes on by itself.
+    /// A roll-out is about to begin: nobody has had a turn yet.
     ///
     /// # Errors
     /// When one goes on already, a node is not known, or there is no archive.
-    pub fn begin(self: &Arc<Self>, request: RolloutRequest) -> Result<UpgradeReport, UpgradeRefusal> {
+    pub(crate) fn prepare(&self, request: RolloutRequest) -> Result<(), UpgradeRefusal> {
         if request.kind == RolloutKind::Upgrade && self.archives.lock().is_empty() {
             let node = "any node: send one first".into();
             return Err(UpgradeRefusal::NoArchive { node });
@@ -152,8 +164,7 @@ impl Ground {
                 ended: None,
             });
         }
-        tokio::spawn(rollout::run(self.clone(), request.kind));
-        Ok(self.report())
+        Ok(())
     }
 
     /// Has a roll-out go no further than the node whose turn it is.

@@ -17,10 +17,10 @@ mod trial;
 mod upgrader;
 
 pub use archive::{ArchiveError, check, pack};
-pub use ground::Ground;
+pub use ground::{Ground, RolloutRequest};
 pub use incoming::MOST_ARCHIVE_BYTES;
 pub use manifest::{Manifest, ManifestError};
-pub use rollout::RolloutRequest;
+pub use rollout::begin;
 pub use rules::{Expectations, Package, Seen, Start, Trial, Verdict, Version, Versions};
 pub use slots::{Slots, SlotsError};
 pub use start::{Chosen, Running, cannot_start, choose};

@@ -2,13 +2,14 @@
 //!
 //! Must never do: begin with a node before the one before it has confirmed itself, refused or not answered; go on after a version that did not stay.
 
-use crate::ground::Ground;
+use crate::ground::{Ground, RolloutRequest};
 use crate::rules;
 use skein_domain::NodeId;
 use skein_domain::exchange::Severity;
 use skein_state::asks::{Answer, Ask, UpgradeAnswer, UpgradeAsk};
 use skein_view::{
-    ArchiveInfo, EventKind, NodeUpgradeState, NodeVersions, RolloutEnd, RolloutKind, UpgradeRefusal, VersionLabel,
+    ArchiveInfo, EventKind, NodeUpgradeState, NodeVersions, RolloutEnd, RolloutKind, UpgradeRefusal, UpgradeReport,
+    VersionLabel,
 };
 use std::io::SeekFrom;
 use std::sync::Arc;
@@ -32,19 +33,6 @@ const PAUSE: Duration = Duration::from_secs(1);
 /// A node that has not been heard for longer than its trial may take and this is lost: it may have hung, and been started again by its watchdog.
 const LOST_AFTER: Duration = Duration::from_secs(150);
 
-/// What an operator asks for.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct RolloutRequest {
-    /// To another version, or back.
-    pub kind: RolloutKind,
-    /// Who asks.
-    pub operator: String,
-    /// These nodes; all others of the swarm if none are named.
-    pub nodes: Option<Vec<NodeId>>,
-    /// This node too, as the last one.
-    pub this_node: bool,
-}
-
 /// Why nothing came of a question.
 enum Failed {
     Refused(UpgradeRefusal),
@@ -60,8 +48,19 @@ impl From<Failed> for NodeUpgradeState {
     }
 }
 
+/// Begins a roll-out; it goes on by itself.
+///
+/// # Errors
+/// When one goes on already, a node is not known, or there is no archive.
+pub fn begin(ground: &Arc<Ground>, request: RolloutRequest) -> Result<UpgradeReport, UpgradeRefusal> {
+    let kind = request.kind;
+    ground.prepare(request)?;
+    tokio::spawn(run(ground.clone(), kind));
+    Ok(ground.report())
+}
+
 /// Goes from node to node.
-pub async fn run(ground: Arc<Ground>, kind: RolloutKind) {
+async fn run(ground: Arc<Ground>, kind: RolloutKind) {
     tell(&ground, Severity::Advisory, "a roll-out begins".into());
     let end = loop {
         let shared = ground.upgrader().shared();

@@ -196,9 +196,15 @@ fn pack(workspace: &Workspace, cargo_deb: &Path, architecture: Architecture, tri
 
 /// What is in a package, as `skein upgrade` sends it to the nodes of a swarm.
 fn archive(workspace: &Workspace, architecture: Architecture, package: &Path) -> Result<PathBuf> {
-    let unpacked = tempfile::tempdir()?;
+    let unpacked = workspace
+        .target
+        .join("packages")
+        .join(format!("unpacked-{architecture}"));
+    if unpacked.exists() {
+        std::fs::remove_dir_all(&unpacked)?;
+    }
     let mut unpack = Command::new("dpkg-deb");
-    ended_well(unpack.arg("-x").arg(package).arg(unpacked.path()), "dpkg-deb")?;
+    ended_well(unpack.arg("-x").arg(package).arg(&unpacked), "dpkg-deb")?;
     let version = workspace.version()?;
     let archive = workspace
         .target
@@ -206,7 +212,8 @@ fn archive(workspace: &Workspace, architecture: Architecture, package: &Path) ->
         .join(format!("skein_{version}_{architecture}.tar.gz"));
     let mut pack = Command::new(workspace.target.join("release/skein"));
     pack.args(["upgrade", "pack", "--version", version]);
-    ended_well(pack.arg(unpacked.path()).arg(&archive), "skein upgrade pack")?;
+    ended_well(pack.arg(&unpacked).arg(&archive), "skein upgrade pack")?;
+    std::fs::remove_dir_all(&unpacked)?;
     Ok(archive)
 }
 

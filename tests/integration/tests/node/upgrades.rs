@@ -7,9 +7,9 @@
 
 use serde_json::{Value, json};
 use skein_config::OperatorSettings;
-use skein_domain::VehicleCommand;
+use skein_domain::{VehicleCommand, VehicleId};
 use skein_testkit::{Swarm, eventually, patience};
-use skein_upgrade::{Running, Upgrader, Version, pack};
+use skein_upgrade::{Expectations, Running, Slots, Swap, Trial, Upgrader, Version, Versions, pack};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -178,4 +178,43 @@ async fn nothing_is_armed_while_a_version_is_on_trial() {
         .until("armed", Duration::ZERO, |fleet| fleet.vehicles.iter().all(|v| v.armed))
         .await;
     watch.abort();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_version_that_does_not_hear_a_vehicle_again_goes_back_and_says_which() {
+    let swarm = Swarm::start_with(1, |config, _| config.upgrade.confirm_within_s = 10.0).await;
+    swarm.ready().await;
+    let state = tempfile::tempdir().unwrap();
+    let slots = Slots::under(state.path());
+    let version = Version::Slot {
+        version: "9.0.0".into(),
+        digest: "ab".repeat(32),
+    };
+    let trial = Trial {
+        version: version.clone(),
+        begun: true,
+        expects: Expectations {
+            vehicles: vec![VehicleId(1), VehicleId(9)],
+            ..Expectations::default()
+        },
+    };
+    let kept = Versions {
+        trial: Some(trial),
+        ..Versions::default()
+    };
+    slots.save(&kept).unwrap();
+    let running = Running {
+        version,
+        on_trial: true,
+        package_plugins: None,
+    };
+    let upgrader = swarm.node().keep_versions(state.path(), running).unwrap();
+    let Swap::GoneBack(why) = upgrader.run(None).await else {
+        panic!("it does not go back")
+    };
+    assert!(why.contains("vehicle 9"), "{why}");
+    // The next start knows it from the disk.
+    let kept = slots.load().unwrap().unwrap();
+    assert_eq!((kept.trial, kept.confirmed), (None, Version::Package));
+    assert_eq!(kept.gone_back.map(|back| back.why), Some(why));
 }
