@@ -3851,7 +3851,7 @@ digest: string, } | { "reason": "nothing_before" } | { "reason": "busy",
 /**
  * What.
  */
-what: string, } | { "reason": "unknown_node", 
+what: string, } | { "reason": "no_nodes" } | { "reason": "unknown_node", 
 /**
  * Which.
  */
