@@ -11,6 +11,7 @@ mod safety;
 mod swarm;
 mod tracks;
 mod trajectories;
+mod upgrades;
 mod video;
 
 use crate::app::App;
@@ -186,6 +187,7 @@ pub(crate) fn all() -> Vec<Endpoint> {
     all.extend(trajectories::trajectories());
     all.extend(safety::safety());
     all.extend(swarm::swarm());
+    all.extend(upgrades::upgrades());
     all.extend(resume::resume());
     all.extend(carried::plugins());
     all.extend(carried::payloads());

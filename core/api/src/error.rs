@@ -11,6 +11,7 @@ use axum::response::{IntoResponse, Response};
 use serde_json::{Value, json};
 use skein_domain::{ParameterError, Refusal, TrajectoryObjection};
 use skein_runtime::{Detected, PluginRefusal};
+use skein_view::UpgradeRefusal;
 use thiserror::Error;
 
 /// Everything that can go wrong with a request.
@@ -22,6 +23,9 @@ pub enum ApiError {
     /// The node refused something about a plugin.
     #[error("{0}")]
     Plugin(#[from] PluginRefusal),
+    /// The node refused something about another version of the program.
+    #[error("{0}")]
+    Upgrade(#[from] UpgradeRefusal),
     /// A parameter was not written.
     #[error("{0}")]
     Parameter(ParameterError),
@@ -160,6 +164,7 @@ impl ApiError {
             Self::Refused(refusal) => refusal_status(refusal),
             Self::Plugin(refusal) => plugin_refusal(refusal).0,
             Self::Parameter(error) => parameter_status(error),
+            Self::Upgrade(refusal) => upgrade_status(refusal),
             // Of several the status of what they have in common, which is a conflict with the state of things.
             Self::Trajectories(against) => match against.as_slice() {
                 [one] => refusal_status(&one.refusal),
@@ -192,6 +197,7 @@ impl ApiError {
         match self {
             Self::Refused(refusal) => refusal.code(),
             Self::Parameter(error) => error.code(),
+            Self::Upgrade(refusal) => refusal.code(),
             Self::Plugin(refusal) => plugin_refusal(refusal).1,
             Self::Trajectories(_) => "trajectories_refused",
             Self::NoneKnown(_) => "unknown_vehicle",
@@ -225,6 +231,7 @@ impl ApiError {
         match self {
             Self::Refused(refusal) => json!(refusal),
             Self::Parameter(error) => json!(error),
+            Self::Upgrade(refusal) => json!(refusal),
             Self::NoneKnown(receipts) => json!(receipts),
             Self::Trajectories(against) => json!({ "against": against }),
             Self::UnknownField { field } => json!({ "field": field }),
@@ -300,6 +307,15 @@ fn parameter_status(error: &ParameterError) -> StatusCode {
         | ParameterError::Armed { .. }
         | ParameterError::Busy
         | ParameterError::BrokenOff { .. } => StatusCode::CONFLICT,
+    }
+}
+
+/// Which status a refusal about another version is.
+fn upgrade_status(refusal: &UpgradeRefusal) -> StatusCode {
+    match refusal {
+        UpgradeRefusal::Unknown { .. } | UpgradeRefusal::UnknownNode { .. } => StatusCode::NOT_FOUND,
+        UpgradeRefusal::NotAccepted | UpgradeRefusal::NoStateFolder => StatusCode::FORBIDDEN,
+        _ => StatusCode::CONFLICT,
     }
 }
 

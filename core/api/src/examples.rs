@@ -9,6 +9,7 @@ use crate::protocol::{
     AcknowledgeBody, CommandBody, ControlBody, CoordinatorBody, EmergencyStopBody, FenceFileBody, FencePlanBody,
     OverrideBody, ParameterBody, ReadingBody, ResumeBody, RouteBody,
 };
+use crate::upgrades::RolloutBody;
 use serde_json::{Value, json};
 use skein_config::PayloadRule;
 use skein_coordination::ReferenceReport;
@@ -78,6 +79,7 @@ examples! {
     AcknowledgeBody => { "events": [17, 18] },
     ResumeBody => { "fly_on": true },
     CoordinatorBody => { "node": 1 },
+    RolloutBody => { "nodes": [2, 3], "this_node": false },
     PayloadRule => { "name": "gimbal-2", "plugin": "gimbal" },
     PayloadCommandBody => { "command": "angles", "pitch_rad": (-0.8), "yaw_rad": 0.3 },
     TracksBody => {

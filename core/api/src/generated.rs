@@ -14,6 +14,7 @@ use crate::protocol::{
     RestartList, ResumeBody, RouteBody, ServerMessage, SupervisionTree, TrackList, TrajectoriesEnded, TrajectoryList,
     VehicleList, VersionInfo, VideoMessage, VideoRecordingAnswer, VideoRecordingList, VideoRequest, VideoStreamList,
 };
+use crate::upgrades::RolloutBody;
 use crate::wire::{self, Field, Header, Record, flag};
 use skein_config::PayloadRule;
 use skein_coordination::ReferenceReport;
@@ -29,6 +30,7 @@ use skein_runtime::{
 };
 use skein_view::FleetSnapshot;
 use skein_view::FormationReceipt;
+use skein_view::UpgradeReport;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use ts_rs::{Config, TS, TypeVisitor};
@@ -126,6 +128,8 @@ fn plans_and_safety(found: &mut Declarations<'_>) {
     found.visit::<EmergencyStopBody>();
     found.visit::<RouteBody>();
     found.visit::<ResumeBody>();
+    found.visit::<RolloutBody>();
+    found.visit::<UpgradeReport>();
     found.visit::<Accepted>();
     found.visit::<Fault>();
 }

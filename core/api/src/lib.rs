@@ -41,6 +41,7 @@ mod stream;
 mod supervision;
 mod swarm;
 mod trajectories;
+mod upgrades;
 mod video;
 mod view;
 mod webrtc;

@@ -48,6 +48,7 @@ mod tests {
             // Of "password".
             token_sha256: "5E884898DA28047151D0E56F8DC6292773603D0D6AABBDD62A11EF721D1542D8".into(),
             may_override_preflight: true,
+            may_upgrade: false,
         }
     }
 

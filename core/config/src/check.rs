@@ -33,6 +33,7 @@ impl NodeConfig {
         self.video.problems(&mut problems);
         self.tracking.problems(&mut problems);
         self.recorder.problems(&mut problems);
+        self.upgrade.problems(&mut problems);
         if !self.web.enabled && self.swarm.id.is_none() {
             problems.push(problem(
                 "web.enabled",

@@ -20,6 +20,7 @@ mod ros2;
 pub mod settings;
 mod swarm;
 mod tracking;
+mod upgrade;
 mod video;
 
 pub use dds::{DdsPeer, DdsPeerError, DdsSettings, LinkKind};
@@ -38,6 +39,7 @@ pub use settings::{
 };
 pub use swarm::{Apart, SwarmSettings, SwarmTransport, ZenohSettings};
 pub use tracking::TrackingSettings;
+pub use upgrade::UpgradeSettings;
 pub use video::{RtpQuality, RtpSettings, VideoSettings};
 
 use std::path::{Path, PathBuf};

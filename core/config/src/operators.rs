@@ -13,6 +13,9 @@ pub struct OperatorSettings {
     /// May arm vehicles although items of the preflight report are red.
     #[serde(default)]
     pub may_override_preflight: bool,
+    /// May give the nodes of the swarm another version of the program.
+    #[serde(default)]
+    pub may_upgrade: bool,
 }
 
 impl OperatorSettings {

@@ -2,7 +2,7 @@
 
 use crate::{
     DdsSettings, LinkKind, OperatorSettings, RecorderSettings, ResumeSettings, Ros2Settings, SwarmSettings,
-    SystemIdSet, TrackingSettings, VideoSettings,
+    SystemIdSet, TrackingSettings, UpgradeSettings, VideoSettings,
 };
 use serde::{Deserialize, Serialize};
 use skein_domain::{EnergySettings, FailsafeSettings, FenceZone, PreflightSettings};
@@ -35,6 +35,8 @@ pub struct NodeConfig {
     pub coordinator: CoordinatorSettings,
     /// What is done with its vehicles in the air after it was killed.
     pub resume: ResumeSettings,
+    /// Other versions of the program, from the swarm.
+    pub upgrade: UpgradeSettings,
     /// The web API and dashboard.
     pub web: WebSettings,
     /// Videos of cameras.

@@ -31,8 +31,9 @@ pub fn own_items(plugin: &str, items: Vec<PreflightItem>) -> Vec<PreflightItem> 
 /// Whether the vehicle may be armed as things stand. What somebody took upon himself is recorded when it is made use of.
 ///
 /// # Errors
-/// [`Refusal::Preflight`] with the red items.
+/// [`Refusal::Preflight`] with the red items; [`Refusal::NotPermitted`] while the node's version is exchanged.
 pub fn may_arm(shared: &SharedState, record: &VehicleRecord) -> Result<(), Refusal> {
+    not_held(shared)?;
     let now = shared.now();
     let overrides = shared.operators.overrides(now);
     let reports = [vehicle_report(shared, record, now), swarm_report(shared, now)];
@@ -53,6 +54,19 @@ pub fn may_arm(shared: &SharedState, record: &VehicleRecord) -> Result<(), Refus
         shared
             .events
             .record(now, Some(record.id), Severity::Warning, EventKind::Preflight, text);
+    }
+    Ok(())
+}
+
+/// Whether nothing is armed for the sake of another version of the program.
+///
+/// # Errors
+/// [`Refusal::NotPermitted`] while it is so.
+pub fn not_held(shared: &SharedState) -> Result<(), Refusal> {
+    if shared.is_arming_held() {
+        return Err(Refusal::not_permitted(
+            "the node's version is being exchanged: nothing is armed until the new one has confirmed itself",
+        ));
     }
     Ok(())
 }

@@ -16,6 +16,7 @@ mod resume;
 pub(crate) mod serving;
 mod stick;
 mod trajectories;
+mod versions;
 
 pub use control::{ControlAction, ControlReceipt};
 pub use emergency::EmergencyKey;

@@ -9,9 +9,10 @@ use ractor::ActorRef;
 use skein_link_dds::DdsLinkTable;
 use skein_link_mavlink::LinkTable;
 use skein_state::TrackingMessage;
+use skein_upgrade::Ground;
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Where the parts of the node can be reached; empty while one is being restarted.
 #[derive(Default)]
@@ -28,4 +29,6 @@ pub struct Parts {
     pub dds_links: Arc<DdsLinkTable>,
     /// Local addresses of the endpoints that are bound, by name.
     pub bound: parking_lot::Mutex<BTreeMap<String, SocketAddr>>,
+    /// What exchanges the program, where the node has a place to keep versions in.
+    pub versions: OnceLock<Arc<Ground>>,
 }

@@ -28,7 +28,8 @@ Start here:
   skein doctor --config node.toml   what is wrong on this machine, and how to mend it
 
 Exit codes: 0 done · 1 failed, or the demo did not meet its criteria · 2 wrong arguments ·
-  64 wrong configuration or a missing plugin · 69 a port or device is not available · 70 fault of the program";
+  64 wrong configuration or a missing plugin · 69 a port or device is not available · 70 fault of the program ·
+  75 another version is to be started";
 
 /// Shape of log lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -58,6 +59,8 @@ pub enum Command {
     Log(crate::log::LogArguments),
     /// What happened in a recorded flight: one page of HTML that says what went wrong.
     Report(crate::report::ReportArguments),
+    /// Give the nodes of a swarm another version of the program, or the one before.
+    Upgrade(crate::upgrade::UpgradeArguments),
     /// Write, check and list plugins.
     Plugin(crate::plugin::PluginArguments),
     /// How well a detector sees, on clips whose truth is known.

@@ -11,6 +11,8 @@ pub const FAILED: u8 = 1;
 pub const CONFIGURATION: u8 = 64;
 /// A port or device is not available.
 pub const UNAVAILABLE: u8 = 69;
+/// Another version is to be started: the service manager starts the program again.
+pub const ANOTHER_VERSION: u8 = 75;
 /// A fault of the program itself.
 pub const INTERNAL: u8 = 70;
 

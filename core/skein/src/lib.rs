@@ -18,6 +18,8 @@ pub mod run;
 pub mod service;
 pub mod simulate;
 pub mod swarm;
+pub mod upgrade;
+pub mod versions;
 pub mod vision;
 
 use args::Command;
@@ -33,9 +35,10 @@ pub fn in_runtime(command: Command) -> Pin<Box<dyn Future<Output = anyhow::Resul
     Box::pin(async move {
         match command {
             Command::Demo(arguments) => skein_demo::demo(arguments).await,
-            Command::Run(arguments) => run::run(arguments).await.map(done),
+            Command::Run(arguments) => run::run(arguments).await,
             Command::Sim(arguments) => simulate::simulate(arguments).await.map(done),
             Command::Doctor(arguments) => doctor::doctor(&arguments).await,
+            Command::Upgrade(arguments) => upgrade::upgrade(arguments).await,
             Command::Swarm(arguments) => swarm::swarm(&arguments).map(done),
             Command::Plugin(arguments) => plugin::plugin(arguments).await,
             Command::Vision(arguments) => vision::vision(arguments).await,

@@ -12,7 +12,7 @@ use skein_domain::{
     FormationRequest, NodeId, NodeTime, Refusal, Route, Stick, TrajectoryObjection, TrajectoryPlan, TrajectoryRequest,
     VehicleCommand, VehicleId,
 };
-use skein_view::{CommandReceipt, FormationForecast, FormationReceipt};
+use skein_view::{ArchiveInfo, CommandReceipt, FormationForecast, FormationReceipt, NodeVersions, UpgradeRefusal};
 use std::collections::VecDeque;
 use std::pin::Pin;
 use std::sync::Arc;
@@ -85,6 +85,51 @@ pub enum TrackOrder {
     Observe(TrackObservation),
 }
 
+/// What is asked about the version that a node runs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum UpgradeAsk {
+    /// Which versions it has.
+    Versions,
+    /// Would it take this archive, and how much of it does it have?
+    Offer(ArchiveInfo),
+    /// A part of the archive that was offered.
+    Part {
+        /// Of which archive.
+        digest: String,
+        /// Where it begins.
+        at_byte: u64,
+        /// It.
+        #[serde(with = "serde_bytes")]
+        bytes: Vec<u8>,
+    },
+    /// Check and unpack the archive, which is there whole.
+    Unpack {
+        /// Which.
+        digest: String,
+    },
+    /// Start the unpacked version, on trial.
+    Try {
+        /// Of which archive.
+        digest: String,
+    },
+    /// Start the version before, on trial.
+    Back,
+}
+
+/// The answer to an [`UpgradeAsk`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum UpgradeAnswer {
+    /// To which versions it has.
+    Versions(Box<NodeVersions>),
+    /// To an offer and to a part: so many bytes of the archive are there.
+    Has {
+        /// How many.
+        bytes: u64,
+    },
+    /// It is unpacked; or another version is started in a moment.
+    Done,
+}
+
 /// What is asked.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Ask {
@@ -143,6 +188,8 @@ pub enum Ask {
         /// When.
         told: NodeTime,
     },
+    /// About the version that the asked node runs.
+    Upgrade(UpgradeAsk),
 }
 
 /// The answer to an [`Ask`].
@@ -166,4 +213,6 @@ pub enum Answer {
     Ended(Result<Vec<VehicleId>, Refusal>),
     /// To a request to the API.
     Api(ApiAnswer),
+    /// About versions.
+    Upgrade(Result<UpgradeAnswer, UpgradeRefusal>),
 }

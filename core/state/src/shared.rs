@@ -75,6 +75,8 @@ pub struct SharedState {
     overrun: Mutex<Overrun>,
     /// The node is stopping: nobody goes into OFFBOARD any more.
     stopping: AtomicBool,
+    /// Another version is about to be started, or is on trial: nothing is armed.
+    arming_held: AtomicBool,
     next_command: AtomicU64,
 }
 
@@ -126,6 +128,7 @@ impl SharedState {
             actors: Mutex::default(),
             overrun: Mutex::default(),
             stopping: AtomicBool::new(false),
+            arming_held: AtomicBool::new(false),
             // Each node of a swarm counts from elsewhere, so that a command can be told from another node's.
             next_command: AtomicU64::new(node.map_or(0, |node| node.0 & 0x1FFF) << 40 | 1),
         }
@@ -213,6 +216,17 @@ impl SharedState {
     #[must_use]
     pub fn is_stopping(&self) -> bool {
         self.stopping.load(Ordering::Acquire)
+    }
+
+    /// Nothing is armed from now on, or it may be again: while another version is about to be started, and while this one is on trial.
+    pub fn hold_arming(&self, held: bool) {
+        self.arming_held.store(held, Ordering::Release);
+    }
+
+    /// Whether nothing is armed for the sake of another version.
+    #[must_use]
+    pub fn is_arming_held(&self) -> bool {
+        self.arming_held.load(Ordering::Acquire)
     }
 
     /// When the coordinator that this node obeys last gave a sign of life.

@@ -12,6 +12,7 @@ mod health;
 mod peers;
 mod receipts;
 mod swarm;
+mod upgrade;
 
 pub use audit::Audit;
 pub use event::{EventKind, EventRecord};
@@ -24,3 +25,7 @@ pub use health::{ActorHealth, ActorStatus, PluginHealth, RestartRecord, Restored
 pub use peers::{PeerEntry, PeerSnapshot, airborne, kinematics};
 pub use receipts::{CommandReceipt, ForeseenWay, FormationForecast, FormationReceipt};
 pub use swarm::{LeaderStateKind, NodeRole, NodeSnapshot, SwarmSnapshot, TermSnapshot, WaySnapshot};
+pub use upgrade::{
+    ArchiveInfo, GoneBack, NodeUpgrade, NodeUpgradeState, NodeVersions, Rollout, RolloutEnd, RolloutKind,
+    UpgradeRefusal, UpgradeReport, VersionLabel,
+};

@@ -1,4 +1,4 @@
-//! `packages`: Debian packages of the program with its plugins, and whether they install, upgrade and go without a trace.
+//! `packages`: Debian packages of the program with its plugins, archives of the same for `skein upgrade`, and whether they install, upgrade and go without a trace.
 //!
 //! Must never do: put into a package what was not built from this tree, or install anything outside a root of its own.
 
@@ -43,9 +43,12 @@ pub fn run(workspace: &Workspace, arguments: &PackagesArguments) -> Result<ExitC
             chroot::check(workspace, *architecture, package)?;
         }
     }
-    for (_, package) in &made {
-        let size_mb = std::fs::metadata(package)?.len() as f64 / 1e6;
-        println!("{} ({size_mb:.1} MB)", package.display());
+    for (architecture, package) in &made {
+        let archive = archive(workspace, *architecture, package)?;
+        for file in [package, &archive] {
+            let size_mb = std::fs::metadata(file)?.len() as f64 / 1e6;
+            println!("{} ({size_mb:.1} MB)", file.display());
+        }
     }
     println!("install one by: apt install ./FILE, and fly a simulated swarm by: skein demo");
     Ok(ExitCode::SUCCESS)
@@ -189,6 +192,29 @@ fn pack(workspace: &Workspace, cargo_deb: &Path, architecture: Architecture, tri
     }
     ended_well(&mut command, "cargo-deb")?;
     Ok(package)
+}
+
+/// What is in a package, as `skein upgrade` sends it to the nodes of a swarm.
+fn archive(workspace: &Workspace, architecture: Architecture, package: &Path) -> Result<PathBuf> {
+    let unpacked = workspace
+        .target
+        .join("packages")
+        .join(format!("unpacked-{architecture}"));
+    if unpacked.exists() {
+        std::fs::remove_dir_all(&unpacked)?;
+    }
+    let mut unpack = Command::new("dpkg-deb");
+    ended_well(unpack.arg("-x").arg(package).arg(&unpacked), "dpkg-deb")?;
+    let version = workspace.version()?;
+    let archive = workspace
+        .target
+        .join("packages")
+        .join(format!("skein_{version}_{architecture}.tar.gz"));
+    let mut pack = Command::new(workspace.target.join("release/skein"));
+    pack.args(["upgrade", "pack", "--version", version]);
+    ended_well(pack.arg(&unpacked).arg(&archive), "skein upgrade pack")?;
+    std::fs::remove_dir_all(&unpacked)?;
+    Ok(archive)
 }
 
 fn ended_well(command: &mut Command, name: &str) -> Result<()> {

@@ -41,6 +41,7 @@ pub fn usual() -> Vec<Plan> {
         max_bytes_per_s: None,
         camera: false,
         steppable_clock: false,
+        supervised: false,
         composed: None,
     };
     let place = |i: u8| (4.0 * f64::from(i % 2), 6.0 * f64::from(i));

@@ -22,6 +22,24 @@ pub const ORIGIN: [f64; 3] = [47.397_742, 8.545_594, 489.4];
 pub const FENCE_M: f64 = 150.0;
 /// Distance that the nodes are configured to keep, in metres.
 pub const SEPARATION_M: f64 = 2.0;
+/// Secret of an operator who may exchange the version of a supervised node.
+pub const OPERATOR: &str = "password";
+/// SHA-256 of that.
+const OPERATOR_SHA256: &str = "5e884898da28047151d0e56f8dc6292773603d0d6aabbdd62a11ef721d1542d8";
+/// What systemd does by the unit that ships: starts it again half a second after it ended, but not with a wrong configuration.
+const SUPERVISOR: &str = r#"
+end() { kill -TERM "$node"; wait "$node"; exit 0; }
+trap end INT TERM
+while :; do
+    "$@" &
+    node=$!
+    wait "$node"
+    code=$?
+    echo "the node ended with code $code"
+    [ "$code" -eq 64 ] && exit 64
+    sleep 0.5
+done
+"#;
 /// Where vehicles send to, on the loopback of their host.
 const ENDPOINT: &str = "127.0.0.1:14540";
 
@@ -71,6 +89,8 @@ pub struct Plan {
     pub camera: bool,
     /// Its node's clock of the day can be stepped: see [`Host::step_clock`].
     pub steppable_clock: bool,
+    /// Its node is started again whenever it ends, as by systemd, has a state folder, and takes other versions of the program: see [`OPERATOR`].
+    pub supervised: bool,
     /// It runs what a compose file says, in place of a configuration of the tests.
     pub composed: Option<Composed>,
 }
@@ -182,6 +202,15 @@ impl Host {
         &self.track
     }
 
+    /// So often the node of a supervised host has ended so far.
+    #[must_use]
+    pub fn ends(&self) -> usize {
+        self.said()
+            .lines()
+            .filter(|line| line.starts_with("the node ended with code"))
+            .count()
+    }
+
     /// Everything its nodes have said so far.
     #[must_use]
     pub fn said(&self) -> String {
@@ -271,7 +300,16 @@ impl Host {
         let key = self.folder.join("swarm.key");
         std::fs::write(&key, &self.plan.secret).expect("the secret can be written");
         std::fs::set_permissions(&key, Permissions::from_mode(0o600)).expect("nobody else reads it");
-        let mut command = self.namespace.command(&skein_binary());
+        let mut command = if self.plan.supervised {
+            let mut command = self.namespace.command(Path::new("sh"));
+            command.args(["-c", SUPERVISOR, "sh"]).arg(skein_binary());
+            let state = self.folder.join("state");
+            std::fs::create_dir_all(&state).expect("a state folder");
+            command.env("STATE_DIRECTORY", state);
+            command
+        } else {
+            self.namespace.command(&skein_binary())
+        };
         if self.plan.steppable_clock {
             self.step_clock(0);
             let library = Path::new(FAKETIME);
@@ -392,6 +430,10 @@ floor_m = -20.0
 ceiling_m = 60.0
 "#
         ));
+        if self.plan.supervised {
+            text += "[upgrade]\naccept = true\n[[operators]]\nname = \"anna\"\nmay_upgrade = true\n";
+            text += &format!("token_sha256 = \"{OPERATOR_SHA256}\"\n");
+        }
         text + &self.carried()
     }
 

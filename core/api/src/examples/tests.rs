@@ -29,6 +29,7 @@ fn each_example_is_what_it_is_an_example_of() {
     is_taken::<AcknowledgeBody>();
     is_taken::<ResumeBody>();
     is_taken::<CoordinatorBody>();
+    is_taken::<RolloutBody>();
     is_taken::<PayloadRule>();
     is_taken::<PayloadCommandBody>();
     is_taken::<TracksBody>();

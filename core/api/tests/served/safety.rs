@@ -24,6 +24,7 @@ async fn start() -> Served {
             // Of "password".
             token_sha256: "5e884898da28047151d0e56f8dc6292773603d0d6aabbdd62a11ef721d1542d8".into(),
             may_override_preflight: true,
+            may_upgrade: false,
         }];
     })
     .await

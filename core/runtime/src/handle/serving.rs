@@ -33,6 +33,7 @@ pub async fn carry_out(handle: NodeHandle, ask: Ask, ahead_us: Option<i64>) -> A
         Ask::Stick { vehicle, stick, told } => {
             Answer::Done(handle.stick_from_elsewhere(vehicle, stick, told, ahead_us))
         }
+        Ask::Upgrade(ask) => Answer::Upgrade(handle.exchange_version(ask).await),
         Ask::Api(request) => {
             let server = handle.shared().swarm.as_ref().and_then(|swarm| swarm.api().cloned());
             Answer::Api(match server {

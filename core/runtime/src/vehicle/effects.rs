@@ -1,7 +1,7 @@
 //! Carries out what a UAV model wants. The only place from which setpoints and requests reach a link, and each passes the gate.
 
 use super::VehicleState;
-use crate::arming::own_items;
+use crate::arming::{not_held, own_items};
 use skein_coordination::steering;
 use skein_domain::exchange::{CommandProgress, Effect, Event, Severity};
 use skein_domain::setpoint::LocalSetpoint;
@@ -169,6 +169,10 @@ impl VehicleState {
             Err(Refusal::PilotInControl)
         } else if self.shared.is_stopping() && command == AutopilotCommand::EnterOffboard {
             Err(Refusal::not_permitted("the node is stopping"))
+        } else if let (AutopilotCommand::Arm | AutopilotCommand::TakeOff { .. }, Err(held)) =
+            (command, not_held(&self.shared))
+        {
+            Err(held)
         } else if self.record.is_stopped() && command != AutopilotCommand::Disarm {
             Err(emergency::stopped())
         } else {

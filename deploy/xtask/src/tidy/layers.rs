@@ -5,7 +5,7 @@ use crate::workspace::{Package, Workspace};
 
 /// The crates of `core` from the binary to the words; each may depend on what stands below it.
 /// Names of crates that are not built yet keep their place.
-const ORDER: [&str; 37] = [
+const ORDER: [&str; 38] = [
     "skein",
     "skein-demo",
     "skein-node",
@@ -16,6 +16,7 @@ const ORDER: [&str; 37] = [
     "skein-cluster",
     "skein-streaming",
     "skein-tracking",
+    "skein-upgrade",
     "skein-state",
     "skein-report",
     "skein-export",

@@ -15,13 +15,15 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 /// Paths in the order in which a flight has a use for them, and how each is answered.
-const IN_ORDER: [(&str, u16); 24] = [
+const IN_ORDER: [(&str, u16); 26] = [
     ("POST /api/v1/vehicles/{id}/parameters/reading", 202),
     ("PUT /api/v1/vehicles/{id}/parameters/{name}", 200),
     ("POST /api/v1/vehicles/{id}/payloads", 202),
     ("POST /api/v1/vehicles/{id}/payloads/{payload}/command", 200),
     // No operator is configured.
     ("POST /api/v1/preflight/overrides", 401),
+    ("POST /api/v1/upgrades", 401),
+    ("POST /api/v1/upgrades/back", 401),
     ("POST /api/v1/fences/import", 200),
     ("PUT /api/v1/fences", 200),
     ("PUT /api/v1/references/{name}", 204),

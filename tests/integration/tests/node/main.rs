@@ -19,6 +19,7 @@ mod software_in_the_loop;
 mod tracking;
 mod trajectories;
 mod twice;
+mod upgrades;
 mod versions;
 mod video;
 mod web;

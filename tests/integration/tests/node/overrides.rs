@@ -20,6 +20,7 @@ fn operator(name: &str, sha256: &str, may_override_preflight: bool) -> OperatorS
         name: name.into(),
         token_sha256: sha256.into(),
         may_override_preflight,
+        may_upgrade: false,
     }
 }
 

@@ -5,4 +5,5 @@ mod failover;
 mod flights;
 mod namespaces;
 mod unicast;
+mod upgrades;
 mod video;

@@ -96,6 +96,31 @@ report_only: ReportOnly | null, };
 export type AltitudeReference = "origin" | "amsl";
 
 /**
+ * An archive with a version for one kind of processor.
+ */
+export type ArchiveInfo = { 
+/**
+ * SHA-256 of the whole archive.
+ */
+digest: string, 
+/**
+ * As it was packed.
+ */
+version: string, 
+/**
+ * For which processor.
+ */
+architecture: string, 
+/**
+ * Its size.
+ */
+bytes: number, 
+/**
+ * The size of what is in it.
+ */
+unpacked_bytes: number, };
+
+/**
  * A vehicle that was asked to keep a track in view, and what it answered.
  */
 export type AskedObserver = { 
@@ -1800,6 +1825,19 @@ horizontal_accuracy_m: number | null, };
 export type GnssFix = "unknown" | "none" | "two_d" | "three_d" | "dgps" | "rtk_float" | "rtk_fixed";
 
 /**
+ * A version that did not stay, and why.
+ */
+export type GoneBack = { 
+/**
+ * Which.
+ */
+from: VersionLabel, 
+/**
+ * Why.
+ */
+why: string, };
+
+/**
  * How the heading of a formation is chosen, as an operator asks for it.
  */
 export type HeadingRequest = { "kind": "auto" } | { "kind": "course" } | { "kind": "fixed", 
@@ -2095,6 +2133,93 @@ loss: number | null, };
  * tell of what others did before it was there.
  */
 export type NodeTime = number;
+
+/**
+ * One node of a roll-out.
+ */
+export type NodeUpgrade = { 
+/**
+ * Its number.
+ */
+node: NodeId, 
+/**
+ * What it is called.
+ */
+name: string, 
+/**
+ * How far it is.
+ */
+progress: NodeUpgradeState, 
+/**
+ * Its versions, as it last told.
+ */
+versions: NodeVersions | null, };
+
+/**
+ * How far one node is.
+ */
+export type NodeUpgradeState = { "state": "waiting" } | { "state": "sending", 
+/**
+ * So much is there.
+ */
+sent_bytes: number, 
+/**
+ * Of so much.
+ */
+of_bytes: number, } | { "state": "unpacking" } | { "state": "starting" } | { "state": "on_trial" } | { "state": "confirmed" } | { "state": "gone_back", 
+/**
+ * Why.
+ */
+why: string, } | { "state": "refused", 
+/**
+ * Why.
+ */
+refusal: UpgradeRefusal, } | { "state": "not_reachable", 
+/**
+ * What happened.
+ */
+why: string, } | { "state": "lost", 
+/**
+ * For how long, in seconds.
+ */
+silent_s: number, } | { "state": "skipped" };
+
+/**
+ * The versions of one node.
+ */
+export type NodeVersions = { 
+/**
+ * Its processor, as `x86_64` or `aarch64`.
+ */
+architecture: string, 
+/**
+ * What it runs.
+ */
+runs: VersionLabel, 
+/**
+ * What it runs has not confirmed itself yet.
+ */
+on_trial: boolean, 
+/**
+ * What is to be started next, on trial.
+ */
+pending: VersionLabel | null, 
+/**
+ * What it ran before.
+ */
+before: VersionLabel | null, 
+/**
+ * The last version that went back.
+ */
+gone_back: GoneBack | null, 
+/**
+ * Why the last swap was broken off before it began.
+ */
+broken_off: UpgradeRefusal | null, 
+/**
+ * A version on trial has so long to confirm itself, in seconds.
+ */
+confirm_within_s: number, };
 
 /**
  * How a track is to be kept in view.
@@ -3080,6 +3205,54 @@ formation: boolean,
 since: NodeTime, };
 
 /**
+ * A roll-out: one node after the other.
+ */
+export type Rollout = { 
+/**
+ * What it is for.
+ */
+kind: RolloutKind, 
+/**
+ * Who began it.
+ */
+operator: string, 
+/**
+ * Nodes, in ascending order.
+ */
+nodes: Array<NodeUpgrade>, 
+/**
+ * How it ended; absent while it goes on.
+ */
+ended: RolloutEnd | null, };
+
+/**
+ * Which nodes a roll-out is for.
+ */
+export type RolloutBody = { 
+/**
+ * Their numbers; all others of the swarm if left out.
+ */
+nodes: Array<NodeId> | null, 
+/**
+ * The node that is asked too, as the last one.
+ */
+this_node: boolean, };
+
+/**
+ * How a roll-out ended.
+ */
+export type RolloutEnd = { "end": "done" } | { "end": "stopped", 
+/**
+ * Why.
+ */
+why: string, };
+
+/**
+ * What a roll-out is for.
+ */
+export type RolloutKind = "upgrade" | "back";
+
+/**
  * A leader's route in the swarm frame, flown with rounded corners at one speed.
  */
 export type Route = { 
@@ -3670,6 +3843,80 @@ instances: Array<InstanceUpgrade>,
 rolled_back: boolean, };
 
 /**
+ * Why a version is not taken, not started, or not sent.
+ */
+export type UpgradeRefusal = { "reason": "not_accepted" } | { "reason": "no_state_folder" } | { "reason": "armed", 
+/**
+ * Which.
+ */
+vehicle: VehicleId, } | { "reason": "not_heard", 
+/**
+ * Which.
+ */
+vehicle: VehicleId, } | { "reason": "coordinates", 
+/**
+ * Which.
+ */
+vehicle: VehicleId, } | { "reason": "architecture", 
+/**
+ * What the archive is for.
+ */
+archive: string, 
+/**
+ * What the node is.
+ */
+node: string, } | { "reason": "no_archive", 
+/**
+ * What the node is.
+ */
+node: string, } | { "reason": "damaged", 
+/**
+ * What is wrong.
+ */
+detail: string, } | { "reason": "no_room", 
+/**
+ * What would be needed.
+ */
+needed_bytes: number, 
+/**
+ * What is free.
+ */
+free_bytes: number, } | { "reason": "unknown", 
+/**
+ * Which was asked for.
+ */
+digest: string, } | { "reason": "nothing_before" } | { "reason": "busy", 
+/**
+ * What.
+ */
+what: string, } | { "reason": "no_nodes" } | { "reason": "unknown_node", 
+/**
+ * Which.
+ */
+node: NodeId, } | { "reason": "storage", 
+/**
+ * How.
+ */
+detail: string, };
+
+/**
+ * Everything about upgrades at one node.
+ */
+export type UpgradeReport = { 
+/**
+ * The versions of the node that is asked.
+ */
+this_node: NodeVersions, 
+/**
+ * Archives that it keeps for a roll-out, one for each kind of processor.
+ */
+archives: Array<ArchiveInfo>, 
+/**
+ * The last roll-out that was begun at it since it started.
+ */
+rollout: Rollout | null, };
+
+/**
  * What an operator, the coordinator or another program may ask of one vehicle.
  */
 export type VehicleCommand = { "command": "arm" } | { "command": "disarm" } | { "command": "take_off", 
@@ -4100,6 +4347,19 @@ node: string,
  * Version of the stream's messages and of the binary frame.
  */
 protocol: number, };
+
+/**
+ * A version of the program, by name and content.
+ */
+export type VersionLabel = { 
+/**
+ * As it was packed; of the installed package, as it was built.
+ */
+version: string, 
+/**
+ * SHA-256 of its archive; absent for the installed package.
+ */
+digest: string | null, };
 
 /**
  * What a viewer is told as text.
