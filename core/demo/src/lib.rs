@@ -63,7 +63,6 @@ async fn flown(arguments: DemoArguments) -> anyhow::Result<ExitCode> {
     let mut flight = Chosen::new(arguments.scenario, layout);
     flight.prepare(&mut setup);
     let domain_id = setup.node.dds.domain_id;
-    let recorded = setup.node.recorder.folder.clone();
     let running = build(setup.node).await?;
     let simulation = if arguments.listen.is_empty() {
         Some(simulate(setup.simulation, &running, domain_id)?)
@@ -100,6 +99,13 @@ async fn flown(arguments: DemoArguments) -> anyhow::Result<ExitCode> {
         }
         other => other,
     };
+    end(simulation, running).await;
+    outcome
+}
+
+/// Ends what flies, and says where it was recorded.
+async fn end(simulation: Option<Simulation>, running: Running) {
+    let recorded = running.handle().config().recorder.folder.clone();
     match simulation {
         Some(simulation) => simulation.stop(),
         None => running.handle().part(|line| println!("{line}")).await,
@@ -111,7 +117,6 @@ async fn flown(arguments: DemoArguments) -> anyhow::Result<ExitCode> {
             folder.display()
         );
     }
-    outcome
 }
 
 /// Who judges the flight, and what feeds it, if it is not the simulation itself.

@@ -153,15 +153,19 @@ async fn one_after_the_other_and_back_where_a_version_does_not_come_up() {
     assert_eq!(run(&field).await, ["9.1.0"; 5]);
     assert_eq!(field.host(4).ends(), 1);
 
-    // Back, one of them; and the swarm flies with both.
-    let (code, said) = upgrade(&field, &["--back", "--only", "4"]).await;
+    back_and_up(&mut field).await;
+    field.end("one version after the other", &[]).await;
+}
+
+/// Back, one of them; and the swarm flies with both.
+async fn back_and_up(field: &mut Field) {
+    let (code, said) = upgrade(field, &["--back", "--only", "4"]).await;
     assert_eq!(code, 0, "{said}");
-    assert_eq!(run(&field).await, ["9.1.0", "9.1.0", "9.1.0", "package", "9.1.0"]);
+    assert_eq!(run(field).await, ["9.1.0", "9.1.0", "9.1.0", "package", "9.1.0"]);
     field.one_swarm(&ALL, TOGETHER_S).await;
-    let mut mission = Mission::new(&mut field, GROUND);
+    let mut mission = Mission::new(field, GROUND);
     mission.take_off().await;
     mission.land().await;
-    field.end("one version after the other", &[]).await;
 }
 
 /// Until no vehicle is armed any more, as the ground station sees it, and an operator without the right to is refused.
