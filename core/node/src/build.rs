@@ -51,7 +51,9 @@ impl Running {
 
     /// Stops everything and waits for it.
     pub async fn stop(self) {
+        let handle = self.node.handle();
         self.node.stop().await;
+        skein_recorder::ended(&handle).await;
     }
 }
 

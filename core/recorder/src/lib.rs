@@ -14,7 +14,7 @@ mod recorder;
 mod tapes;
 mod thread;
 
-pub use recorder::{Recorder, adapter};
+pub use recorder::{Recorder, adapter, ended};
 
 #[cfg(test)]
 mod tests;

@@ -1,5 +1,5 @@
-//! The recorder actor: hands its thread what the node shows and tells, looks whether that thread still goes round, and waits for it a moment
-//! when the node stops.
+//! The recorder actor: hands its thread what the node shows and tells, looks whether that thread still goes round. [`ended`]
+//! waits for it a moment when the node has stopped.
 //!
 //! Bound: the queue to the thread holds [`QUEUE`] messages; more are dropped and counted. Must never do: write a file.
 
@@ -17,7 +17,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::sync_channel;
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use tokio::sync::broadcast::error::RecvError;
 use tokio::time::MissedTickBehavior;
 
@@ -25,8 +25,8 @@ use tokio::time::MissedTickBehavior;
 const QUEUE: usize = 16_384;
 /// A thread that has not gone round for so long waits for the disk, in seconds.
 const STALLED_S: f64 = 3.0;
-/// A node that stops waits for its recording so long, in seconds: no longer than that for a disk that does not answer.
-const END_WITHIN: Duration = Duration::from_secs(2);
+/// A node that has stopped waits for its recording so long: no longer than that for a disk that does not answer.
+const END_WITHIN: Duration = Duration::from_secs(3);
 
 /// The actor.
 pub struct Recorder;
@@ -42,15 +42,11 @@ pub struct RecorderState {
 }
 
 impl Drop for RecorderState {
-    /// Whoever stops the node kills its actors: this is the only place where the file can be ended.
+    /// Whoever stops the node kills its actors: this is where the thread is told to end the file.
     fn drop(&mut self) {
         self.node.tape().end();
         for task in &self.tasks {
             task.abort();
-        }
-        let until = Instant::now() + END_WITHIN;
-        while self.thread.as_ref().is_some_and(|thread| !thread.is_finished()) && Instant::now() < until {
-            std::thread::sleep(Duration::from_millis(5));
         }
     }
 }
@@ -80,9 +76,10 @@ impl Actor for Recorder {
             age: Duration::from_secs_f64(settings.keep_days * 86_400.0),
         };
         let thread = {
+            let ending = Ending::of(progress.clone(), node.tape().writing());
             let (node, progress) = (node.clone(), progress.clone());
             std::thread::Builder::new().name("recorder".into()).spawn(move || {
-                let _ending = Ending(progress.clone());
+                let _ending = ending;
                 if let Some(folder) = folder.clone() {
                     finish_beside(folder);
                 }
@@ -168,6 +165,19 @@ async fn look(node: NodeHandle, progress: Arc<Progress>, myself: ActorRef<Ended>
             let _ = myself.cast(Ended);
             return;
         }
+    }
+}
+
+/// Waits until the recording of a node that has stopped is ended. What the disk does not take in time can be read all the same.
+pub async fn ended(node: &NodeHandle) {
+    node.tape().end();
+    let waiting = async {
+        while node.tape().is_being_written() {
+            tokio::time::sleep(Duration::from_millis(5)).await;
+        }
+    };
+    if tokio::time::timeout(END_WITHIN, waiting).await.is_err() {
+        tracing::warn!("the recording was not ended in time");
     }
 }
 

@@ -10,7 +10,7 @@ use skein_domain::exchange::Severity;
 use skein_domain::{NodeId, NodeTime};
 use skein_recording::{Encoded, FORMAT, Header, RecorderState, TimeBase};
 use skein_runtime::NodeHandle;
-use skein_state::Taken;
+use skein_state::{Taken, Writing};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
@@ -29,11 +29,23 @@ pub struct Progress {
 }
 
 /// Says that the thread has ended, however it does.
-pub struct Ending(pub Arc<Progress>);
+pub struct Ending {
+    progress: Arc<Progress>,
+    _writing: Writing,
+}
+
+impl Ending {
+    pub fn of(progress: Arc<Progress>, writing: Writing) -> Self {
+        Self {
+            progress,
+            _writing: writing,
+        }
+    }
+}
 
 impl Drop for Ending {
     fn drop(&mut self) {
-        self.0.ended.store(true, Ordering::Release);
+        self.progress.ended.store(true, Ordering::Release);
     }
 }
 

@@ -54,7 +54,7 @@ pub struct SharedState {
     /// Videos that are being recorded.
     pub recordings: Recordings,
     /// What the recorder is told.
-    pub tape: Tape,
+    pub tape: Arc<Tape>,
     /// What was flown when the node was killed, and who of it is taken back.
     pub resume: Resume,
     /// The swarm this node is part of, if any.
@@ -120,7 +120,7 @@ impl SharedState {
             events,
             videos: VideosElsewhere::default(),
             recordings: Recordings::default(),
-            tape: Tape::default(),
+            tape: Arc::default(),
             resume,
             frame: ArcSwapOption::from(frame),
             peers: ArcSwap::default(),

@@ -11,7 +11,7 @@ use skein_safety::failsafe::Health;
 use skein_safety::{FailsafePolicy, Gate};
 use skein_view::{Audit, EventRecord, FleetSnapshot, PeerSnapshot};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::SyncSender;
 
 /// Of what is decided in every control period so much is recorded, in hertz: of setpoints, and of setpoints with all vehicles beside them.
@@ -83,6 +83,7 @@ pub struct MadePlan {
 pub struct Tape {
     recorder: ArcSwapOption<Recorder>,
     dropped: AtomicU64,
+    writers: AtomicUsize,
 }
 
 struct Recorder {
@@ -99,6 +100,19 @@ impl Tape {
     /// Nobody records any more.
     pub fn end(&self) {
         self.recorder.store(None);
+    }
+
+    /// Somebody writes what comes from here, until the value that is returned goes.
+    #[must_use]
+    pub fn writing(self: &Arc<Self>) -> Writing {
+        self.writers.fetch_add(1, Ordering::AcqRel);
+        Writing(self.clone())
+    }
+
+    /// Whether somebody still writes.
+    #[must_use]
+    pub fn is_being_written(&self) -> bool {
+        self.writers.load(Ordering::Acquire) > 0
     }
 
     /// Whether anybody records.
@@ -133,6 +147,15 @@ impl Tape {
             .load()
             .as_ref()
             .is_some_and(|recorder| recorder.everything)
+    }
+}
+
+/// Somebody writes.
+pub struct Writing(Arc<Tape>);
+
+impl Drop for Writing {
+    fn drop(&mut self) {
+        self.0.writers.fetch_sub(1, Ordering::AcqRel);
     }
 }
 

@@ -76,31 +76,43 @@ pub fn run_fleet_bench(args: &FleetBenchArgs) -> Result<FleetBenchReport, BenchE
         .build()
         .map_err(BenchError::system("runtime"))?;
     runtime.block_on(async {
-        let (mut program, mut bare) = (Vec::new(), Vec::new());
+        let (mut program, mut recording, mut bare) = (Vec::new(), Vec::new(), Vec::new());
         for round in 1..=args.rounds {
             eprintln!(
                 "round {round} of {}: the program with {} vehicles",
                 args.rounds, args.vehicles
             );
-            program.push(program_window(args).await?);
+            program.push(program_window(args, false).await?);
+            eprintln!("round {round} of {}: the same while it records", args.rounds);
+            recording.push(program_window(args, true).await?);
             eprintln!("round {round} of {}: the bare loop", args.rounds);
             bare.push(bare_window(args).await?);
         }
         Ok(FleetBenchReport {
             scheduling: args.scheduling,
-            ..FleetBenchReport::of(args.vehicles, f64::from(args.seconds), program, bare)
+            ..FleetBenchReport::of(args.vehicles, f64::from(args.seconds), program, recording, bare)
         })
     })
 }
 
-async fn program_window(args: &FleetBenchArgs) -> Result<WindowFigures, BenchError> {
-    let program = Program::start(&Setup::plain(&args.program, &args.plugins, args.scheduling)).await?;
+async fn program_window(args: &FleetBenchArgs, recorder: bool) -> Result<WindowFigures, BenchError> {
+    let setup = Setup {
+        recorder,
+        ..Setup::plain(&args.program, &args.plugins, args.scheduling)
+    };
+    let program = Program::start(&setup).await?;
     let mut generator = start_generator(args, program.endpoint)?;
     program.take_off(args.vehicles).await?;
+    let (before, began) = (program.recorded_bytes(), Instant::now());
     let figures = window(args, &program.part, &mut generator).await;
+    let recorded = program.recorded_bytes().saturating_sub(before) as f64;
+    let per_s = recorded / began.elapsed().as_secs_f64() / f64::from(args.vehicles.max(1));
     program.part.stop().await;
     generator.stop().await;
-    figures
+    figures.map(|figures| WindowFigures {
+        recorded_bytes_per_s_per_vehicle: per_s,
+        ..figures
+    })
 }
 
 async fn bare_window(args: &FleetBenchArgs) -> Result<WindowFigures, BenchError> {
@@ -176,6 +188,7 @@ pub(crate) async fn window(
         return Err(BenchError::Program(detail));
     }
     Ok(WindowFigures {
+        recorded_bytes_per_s_per_vehicle: 0.0,
         cpu_percent,
         rss_mib: side_after.rss_mib,
         threads: side_after.threads,

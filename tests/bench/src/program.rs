@@ -59,6 +59,8 @@ pub(crate) struct Setup<'a> {
     pub dds_domain: u16,
     /// Whether it shows itself to ROS 2.
     pub ros2: bool,
+    /// Whether it records.
+    pub recorder: bool,
     /// Ports of cameras that send RTP, the first for vehicle 1, the next for vehicle 2.
     pub cameras: &'a [u16],
 }
@@ -73,6 +75,7 @@ impl<'a> Setup<'a> {
             link: VehicleLink::Mavlink,
             dds_domain: 0,
             ros2: false,
+            recorder: false,
             cameras: &[],
         }
     }
@@ -100,12 +103,13 @@ impl<'a> Setup<'a> {
             }
             VehicleLink::Dds => "[[adopt]]\nmodel = \"generic-uav\"\nlinks = [\"dds\"]\n".to_owned(),
         };
-        let (domain, ros2) = (self.dds_domain, self.ros2);
+        let (domain, ros2, recorder) = (self.dds_domain, self.ros2, self.recorder);
         format!(
             "[plugins]\ndirectories = [{plugins:?}]\n\n\
              [coordinator]\ntake_off_stagger_s = 0.02\n\n\
              [dds]\ndomain_id = {domain}\n\n\
              [ros2]\nenabled = {ros2}\n\n\
+             [recorder]\nenabled = {recorder}\n\n\
              [web]\nlisten = \"127.0.0.1:0\"\n\n\
              {vehicles}"
         )
@@ -113,6 +117,15 @@ impl<'a> Setup<'a> {
 }
 
 impl Program {
+    /// What it has recorded until now, in bytes.
+    pub fn recorded_bytes(&self) -> u64 {
+        let files = std::fs::read_dir(self.files.path().join("flights"))
+            .into_iter()
+            .flatten();
+        let sizes = files.filter_map(|entry| Some(entry.ok()?.metadata().ok()?.len()));
+        sizes.sum()
+    }
+
     /// Starts it and reads from its first lines where it listens.
     pub async fn start(setup: &Setup<'_>) -> Result<Self, BenchError> {
         let files = TempDir::with_prefix("skein-bench-").map_err(BenchError::system("temporary directory"))?;

@@ -53,6 +53,8 @@ pub struct WindowFigures {
     pub threads: u32,
     /// Processor time of the load generator.
     pub generator_cpu_percent: f64,
+    /// What was recorded in the window, in bytes per second and vehicle.
+    pub recorded_bytes_per_s_per_vehicle: f64,
     /// Processor time of everything else on the machine.
     pub other_cpu_percent: f64,
     /// Datagrams that the system dropped because a receive buffer was full, on the whole machine.
@@ -152,8 +154,14 @@ pub struct FleetBenchReport {
     pub scheduling: Scheduling,
     /// The program.
     pub program: SideFigures,
+    /// The program while it records.
+    pub recording: SideFigures,
     /// The bare loop.
     pub bare: SideFigures,
+    /// Processor time of the program while it records over that without, by the medians.
+    pub recording_cpu_ratio: f64,
+    /// What it records, in bytes per second and vehicle.
+    pub recorded_bytes_per_s_per_vehicle: Spread,
     /// Processor time of the program over that of the bare loop, by the medians.
     pub cpu_ratio: f64,
     /// The same per pair of windows.
@@ -161,16 +169,25 @@ pub struct FleetBenchReport {
 }
 
 impl FleetBenchReport {
-    /// From the windows of both sides in the order in which they were taken.
+    /// From the windows of all sides in the order in which they were taken.
     #[must_use]
-    pub fn of(vehicles: u16, window_s: f64, program: Vec<WindowFigures>, bare: Vec<WindowFigures>) -> Self {
+    pub fn of(
+        vehicles: u16,
+        window_s: f64,
+        program: Vec<WindowFigures>,
+        recording: Vec<WindowFigures>,
+        bare: Vec<WindowFigures>,
+    ) -> Self {
         let ratio = |of: f64, to: f64| if to > 0.0 { of / to } else { 0.0 };
         let rounds = program
             .iter()
             .zip(&bare)
             .map(|(p, b)| ratio(p.cpu_percent, b.cpu_percent));
         let cpu_ratio_of_rounds = Spread::of(rounds.collect::<Vec<_>>());
+        let recorded = recording.iter().map(|window| window.recorded_bytes_per_s_per_vehicle);
+        let recorded = Spread::of(recorded.collect::<Vec<_>>());
         let (program, bare) = (SideFigures::of(program, vehicles), SideFigures::of(bare, vehicles));
+        let recording = SideFigures::of(recording, vehicles);
         Self {
             vehicles,
             window_s,
@@ -178,6 +195,9 @@ impl FleetBenchReport {
             scheduling: Scheduling::default(),
             cpu_ratio: ratio(program.cpu_percent.median, bare.cpu_percent.median),
             cpu_ratio_of_rounds,
+            recording_cpu_ratio: ratio(recording.cpu_percent.median, program.cpu_percent.median),
+            recorded_bytes_per_s_per_vehicle: recorded,
+            recording,
             program,
             bare,
         }
@@ -194,15 +214,21 @@ impl fmt::Display for FleetBenchReport {
         )?;
         writeln!(
             f,
-            "{:<34} {:>24} {:>24}",
-            "median [smallest .. largest]", "program", "bare loop"
+            "{:<34} {:>24} {:>24} {:>24}",
+            "median [smallest .. largest]", "program", "while it records", "bare loop"
         )?;
         let mut row = |name: &str, pick: fn(&SideFigures) -> Spread, digits: usize| {
             let cell = |side: &SideFigures| {
                 let Spread { min, median, max } = pick(side);
                 format!("{median:.digits$} [{min:.digits$} .. {max:.digits$}]")
             };
-            writeln!(f, "{name:<34} {:>24} {:>24}", cell(&self.program), cell(&self.bare))
+            writeln!(
+                f,
+                "{name:<34} {:>24} {:>24} {:>24}",
+                cell(&self.program),
+                cell(&self.recording),
+                cell(&self.bare)
+            )
         };
         row("processor time, % of a core", |s| s.cpu_percent, 1)?;
         row("  per vehicle", |s| s.cpu_percent_per_vehicle, 3)?;
@@ -213,8 +239,13 @@ impl fmt::Display for FleetBenchReport {
         row("longest setpoint gap, ms", |s| s.gap_max_ms, 1)?;
         writeln!(
             f,
-            "{:<34} {:>24} {:>24}",
-            "gaps over 60 ms", self.program.gaps_over_60_ms, self.bare.gaps_over_60_ms
+            "{:<34} {:>24} {:>24} {:>24}",
+            "gaps over 60 ms", self.program.gaps_over_60_ms, self.recording.gaps_over_60_ms, self.bare.gaps_over_60_ms
+        )?;
+        writeln!(
+            f,
+            "processor time, recording over not: {:.2}; recorded, bytes per second and vehicle: {:.0}",
+            self.recording_cpu_ratio, self.recorded_bytes_per_s_per_vehicle.median
         )?;
         let Spread { min, max, .. } = self.cpu_ratio_of_rounds;
         write!(

@@ -6,11 +6,12 @@ use skein_domain::exchange::Severity;
 use skein_domain::fence::FencePlan;
 use skein_state::Tape;
 use skein_view::{Audit, EventKind};
+use std::sync::Arc;
 
 impl NodeHandle {
     /// Where the recorder is told what it cannot read by itself.
     #[must_use]
-    pub fn tape(&self) -> &Tape {
+    pub fn tape(&self) -> &Arc<Tape> {
         &self.shared.tape
     }
 

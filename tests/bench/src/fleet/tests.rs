@@ -44,7 +44,13 @@ fn figures(cpu_percent: f64, p99_ms: f64) -> WindowFigures {
 fn medians_and_ratios_come_from_the_windows() {
     let program = vec![figures(30.0, 22.0), figures(60.0, 24.0), figures(36.0, 23.0)];
     let bare = vec![figures(10.0, 21.0), figures(12.0, 21.0), figures(18.0, 21.0)];
-    let report = FleetBenchReport::of(20, 10.0, program, bare);
+    let recording = vec![WindowFigures {
+        recorded_bytes_per_s_per_vehicle: 800.0,
+        ..figures(39.6, 25.0)
+    }];
+    let report = FleetBenchReport::of(20, 10.0, program, recording, bare);
+    assert_eq!(report.recording_cpu_ratio, 1.1);
+    assert_eq!(report.recorded_bytes_per_s_per_vehicle.median, 800.0);
     assert_eq!(
         report.program.cpu_percent,
         Spread {
@@ -71,5 +77,5 @@ fn medians_and_ratios_come_from_the_windows() {
     assert_eq!(serde_json::from_str::<FleetBenchReport>(&json).unwrap(), report);
     assert!(report.to_string().contains("3.00 [2.00 .. 5.00]"), "{report}");
     assert_eq!(Spread::of([4.0, 1.0]).median, 2.5);
-    assert_eq!(FleetBenchReport::of(20, 10.0, vec![], vec![]).cpu_ratio, 0.0);
+    assert_eq!(FleetBenchReport::of(20, 10.0, vec![], vec![], vec![]).cpu_ratio, 0.0);
 }

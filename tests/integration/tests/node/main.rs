@@ -15,6 +15,7 @@ mod overrides;
 mod parameters;
 mod payloads;
 mod pilot;
+mod recorder;
 mod software_in_the_loop;
 mod tracking;
 mod trajectories;
