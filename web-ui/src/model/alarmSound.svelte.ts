@@ -50,10 +50,13 @@ export class AlarmSound {
   played = $state(0);
   readonly #outstanding: () => readonly LogEntry[];
   readonly #plan = new SoundPlan();
+  readonly #silent: () => boolean;
   #audio: AudioContext | null = null;
 
-  constructor(outstanding: () => readonly LogEntry[]) {
+  /** `silent` says that nothing is to be heard, whatever happens: what is shown is over. */
+  constructor(outstanding: () => readonly LogEntry[], silent: () => boolean = () => false) {
     this.#outstanding = outstanding;
+    this.#silent = silent;
   }
 
   /** By a click or a key: the browser lets nothing else turn it on. */
@@ -69,7 +72,7 @@ export class AlarmSound {
 
   /** Called with every tick. */
   beat(nowMs: number): void {
-    if (!this.on) return;
+    if (!this.on || this.#silent()) return;
     const tone = this.#plan.next(this.#outstanding(), nowMs);
     if (tone) this.#play(tone);
   }

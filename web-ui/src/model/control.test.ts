@@ -24,7 +24,7 @@ function made() {
   const source = {
     control: new Map<number, VehicleControl>() as ReadonlyMap<number, VehicleControl>,
     onControl: (listener: () => void) => void listeners.push(listener),
-    onRestart: (listener: () => void) => void restarts.push(listener),
+    onRestart: (listener: (sameVehicles: boolean) => void) => void restarts.push(() => listener(false)),
   };
   const journal = new Journal();
   const operator = new Operator(ME);

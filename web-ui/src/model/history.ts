@@ -14,22 +14,23 @@ export const KEPT = 360;
 const HEARD_WITHIN_MS = 2000;
 
 export class History {
-  /** Seconds on the page's clock, as a ring. */
+  /** Seconds, as a ring. */
   readonly #times = new Float64Array(KEPT);
   readonly #values = new Map<number, Float32Array>();
   #next = 0;
   #count = 0;
   #lastMs = -Infinity;
 
-  /** Takes a sample if it is time for one. `heightOf` gives the height above the launch place by index. */
-  take(fleet: Fleet, heightOf: (index: number) => number, nowMs: number): void {
+  /** Takes a sample if it is time for one. `heightOf` gives the height above the launch place by index; `pageMs` is the time on the page's clock, where that
+      is not the one that samples go by. */
+  take(fleet: Fleet, heightOf: (index: number) => number, nowMs: number, pageMs = nowMs): void {
     if (nowMs - this.#lastMs < SAMPLE_MS) return;
     this.#lastMs = nowMs;
     const at = this.#next;
     this.#times[at] = nowMs / 1000;
     for (const values of this.#values.values()) values.fill(NaN, at * SERIES.length, (at + 1) * SERIES.length);
     for (let i = 0; i < fleet.size; i++) {
-      if (fleet.present[i] !== 1 || fleet.ageMs(i, nowMs) > HEARD_WITHIN_MS) continue;
+      if (fleet.present[i] !== 1 || fleet.ageMs(i, pageMs) > HEARD_WITHIN_MS) continue;
       const values = this.#of(fleet.ids[i] ?? 0);
       values.set(sample(fleet, i, heightOf(i)), at * SERIES.length);
     }

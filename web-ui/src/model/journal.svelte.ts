@@ -29,6 +29,11 @@ export class Journal {
     this.log = restarted(this.log, this.#nextNotice++);
   }
 
+  /** What is shown is another moment: nothing that was said before is known there. */
+  clear(): void {
+    this.log = EMPTY_LOG;
+  }
+
   /** What is over by itself wants nobody's look any more. */
   pass(now: number): void {
     this.log = pass(this.log, now);

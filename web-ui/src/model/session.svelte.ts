@@ -5,11 +5,12 @@ import { getEvents, measureLatencyMs } from '../protocol/rest';
 import { Stream } from '../protocol/stream';
 import type { SaidStick, StreamState } from '../protocol/stream';
 import { streamUrl } from '../protocol/streamUrl';
-import type { EventRecord, FleetInfo, Refusal, SwarmSnapshot, VehicleControl, VehicleInfo, VehicleSafety } from '../protocol/types';
+import type { EventRecord, FleetInfo, Refusal, ReplayState, SwarmSnapshot, VehicleControl, VehicleInfo, VehicleSafety } from '../protocol/types';
 import { carry } from '../telemetry/carry';
 import { Fleet } from '../telemetry/fleet';
 import type { Commander } from './commander.svelte';
 import type { Journal } from './journal.svelte';
+import { Replay } from './replay.svelte';
 import { Tracks } from './tracks.svelte';
 import { VehicleRow } from './vehicleRow.svelte';
 import { t } from '../language/language.svelte';
@@ -30,6 +31,7 @@ const NO_INFO: FleetInfo = {
   frame: null, vehicles: [], unadopted: [], formation: null, actors: [], faults_enabled: false,
   dead_man: { state: 'off', warns_after_s: null },
   resume: null,
+  recorder: { state: 'off', file: null, in_flight: false, why: null, last_flight: null },
 };
 
 export class Session {
@@ -40,7 +42,9 @@ export class Session {
   swarm = $state.raw<SwarmSnapshot | null>(null);
   /** Who has control authority over which vehicle, by its id; nobody has it over the others. */
   control = $state.raw<ReadonlyMap<number, VehicleControl>>(new Map());
-  readonly tracks = new Tracks();
+  /** The recorded flight that is shown, if it is one. */
+  readonly replay = new Replay();
+  readonly tracks = new Tracks(() => this.replay.pace);
   rows = $state.raw<readonly VehicleRow[]>([]);
   /** Counts ticks; reading it in an effect makes the effect run with the list. */
   tick = $state(0);
@@ -52,8 +56,10 @@ export class Session {
   lostAt = $state<number | null>(null);
   everLive = $state(false);
   hasFrame = $state(false);
-  /** Commands go out only while frames come in. */
-  canCommand = $derived(this.state.name === 'live' && this.hasFrame);
+  /** Frames come in. */
+  hears = $derived(this.state.name === 'live' && this.hasFrame);
+  /** Commands go out only while frames come in, and never to what is a recorded flight. */
+  canCommand = $derived(this.hears && !this.replay.on);
   hello = $derived(this.state.name === 'live' || this.state.name === 'incompatible' ? this.state.hello : null);
 
   #stream: Stream;
@@ -65,13 +71,19 @@ export class Session {
   #frameListeners: (() => void)[] = [];
   #eventListeners: ((event: EventRecord) => void)[] = [];
   #liveListeners: (() => void)[] = [];
-  #restartListeners: (() => void)[] = [];
+  #restartListeners: ((sameVehicles: boolean) => void)[] = [];
   #controlListeners: (() => void)[] = [];
   #stickListeners: ((vehicle: number, refusal: Refusal) => void)[] = [];
   #waiting: EventRecord[] = [];
   #historyLoaded = false;
   #historyRequested = false;
+  /** What is loaded happened before the page looked at it: it is no news. */
   #firstLoad = true;
+  #load = 0;
+  /** On this connection it was said that a recorded flight is shown. */
+  #saidReplay = false;
+  /** The next frame is the first one of another moment. */
+  #elsewhere = false;
   #framesAtTick = 0;
   #timers: ReturnType<typeof setInterval>[] = [];
 
@@ -88,6 +100,7 @@ export class Session {
       safety: (vehicles) => this.#onSafety(vehicles),
       control: (vehicles) => this.#onControl(vehicles),
       tracks: (list, at) => this.tracks.take(list, at),
+      replay: (state) => this.#onReplay(state),
       swarm: (swarm) => (this.swarm = swarm),
       event: (event) => (this.#historyLoaded ? this.#takeEvent(event) : this.#waiting.push(event)),
       gap: (missed) => journal.notice('warning', 'stream', t('{missed} events did not reach this page', { missed })),
@@ -128,8 +141,9 @@ export class Session {
     this.#liveListeners.push(listener);
   }
 
-  /** Calls `listener` when the server turns out to be another run: nothing that was known of its vehicles holds. */
-  onRestart(listener: () => void): void {
+  /** Calls `listener` when nothing that was known of the vehicles holds any more: the server turns out to be another run, or a recording is at another
+      moment, where they are the same vehicles. */
+  onRestart(listener: (sameVehicles: boolean) => void): void {
     this.#restartListeners.push(listener);
   }
 
@@ -150,7 +164,12 @@ export class Session {
 
   /** What the node's clock says now, in ms. */
   serverNowMs(): number {
-    return this.fleet.serverTimeMs + (performance.now() - this.fleet.receivedAt);
+    return this.fleet.serverTimeMs + (performance.now() - this.fleet.receivedAt) * this.replay.pace;
+  }
+
+  /** The clock that what is shown goes by, in ms: this page's, but in a recording that of the flight. */
+  shownNowMs(): number {
+    return this.replay.on ? this.fleet.serverTimeMs : performance.now();
   }
 
   /** The row of the vehicle at an index of the live arrays, once the list has seen it. */
@@ -164,7 +183,7 @@ export class Session {
 
   /** Wall-clock ms of a moment on the node's clock. */
   wallClockOf(nodeTimeUs: number): number {
-    return Date.now() - (this.serverNowMs() - nodeTimeUs / 1000);
+    return this.replay.wallClockMs(nodeTimeUs) ?? Date.now() - (this.serverNowMs() - nodeTimeUs / 1000);
   }
 
   #applyRate(): void {
@@ -178,6 +197,7 @@ export class Session {
     if (state.name === 'live') {
       this.#historyLoaded = false;
       this.#historyRequested = false;
+      this.#saidReplay = false;
       this.#waiting = [];
       // It is said again at once if anybody has a vehicle, and not at all if nobody has.
       this.control = new Map();
@@ -195,22 +215,31 @@ export class Session {
 
   #onFrame(buffer: ArrayBuffer, at: number): void {
     const expectedMs = this.serverNowMs();
+    const arrived = this.#elsewhere;
+    if (arrived) this.#forgetVehicles();
+    this.#elsewhere = false;
     try {
       this.fleet.take(buffer, at);
     } catch (error) {
       this.journal.notice('warning', 'stream', error instanceof Error ? error.message : String(error));
       return;
     }
-    if (!this.hasFrame) this.#firstFrame(expectedMs, buffer, at);
+    this.replay.heard(this.fleet.serverTimeMs, at, arrived);
+    if (!this.hasFrame) this.#firstFrame(arrived ? -Infinity : expectedMs, buffer, at);
+    else if (arrived) this.#beat();
     // Not back to what was said until the next picture: what is picked is what is seen.
-    carry(this.fleet, performance.now());
+    carry(this.fleet, performance.now(), this.replay.pace);
     for (const listener of this.#frameListeners) listener();
   }
 
   /** The first frame of a connection tells whether the server is the one we knew. */
   #firstFrame(expectedMs: number, buffer: ArrayBuffer, at: number): void {
     if (this.everLive && this.fleet.serverTimeMs + RESTART_MS < expectedMs) {
-      this.#serverRestarted();
+      this.#forgetVehicles();
+      // Of a recording it is another moment of it.
+      if (this.replay.on) this.#goElsewhere(true);
+      else this.#serverRestarted();
+      this.#elsewhere = false;
       this.fleet.take(buffer, at);
     }
     if (this.everLive && this.lostAt !== null) this.journal.notice('info', 'connection', t('connection to the server is back'));
@@ -226,23 +255,52 @@ export class Session {
   }
 
   #serverRestarted(): void {
-    this.fleet.reset();
-    this.#rowById.clear();
     this.#safetyById.clear();
-    this.#rowByIndex = [];
     this.rows = [];
-    this.fleet.setOrigin(this.info.frame?.origin ?? null);
     this.journal.restart();
     this.commander.dispatch({ type: 'server_restarted' });
     this.journal.notice('advisory', 'connection', t('the server was restarted'));
-    for (const listener of this.#restartListeners) listener();
+    for (const listener of this.#restartListeners) listener(false);
+  }
+
+  #onReplay(state: ReplayState): void {
+    const wasOn = this.replay.on;
+    this.#saidReplay = true;
+    const is = this.replay.take(state);
+    if (is !== 'same') this.#goElsewhere(is === 'moment');
+    else if (!wasOn && this.everLive) this.#goElsewhere(false);
+  }
+
+  /** What the server says from now on is of another moment, or of other vehicles: nothing that is known holds, and nothing that led there is news. The
+      vehicles are forgotten with its first frame, so that the page is not empty meanwhile. */
+  #goElsewhere(sameVehicles: boolean): void {
+    this.#elsewhere = true;
+    this.#safetyById.clear();
+    this.tracks.restart();
+    this.journal.clear();
+    this.#firstLoad = true;
+    this.#historyLoaded = false;
+    this.#historyRequested = true;
+    this.#waiting = [];
+    void this.#loadHistory();
+    for (const listener of this.#restartListeners) listener(sameVehicles);
+  }
+
+  #forgetVehicles(): void {
+    this.fleet.reset();
+    this.#rowById.clear();
+    this.#rowByIndex = [];
+    this.fleet.setOrigin(this.info.frame?.origin ?? null);
   }
 
   async #loadHistory(): Promise<void> {
+    const load = ++this.#load;
     try {
       const { events } = await getEvents(this.journal.log.lastSeq);
+      if (load !== this.#load) return;
       for (const event of events) this.#takeEvent(event);
     } catch {
+      if (load !== this.#load) return;
       this.journal.notice('advisory', 'connection', t('earlier events could not be fetched'));
     }
     this.#firstLoad = false;
@@ -254,11 +312,16 @@ export class Session {
     const name = event.vehicle === null ? '' : this.#infoById.get(event.vehicle)?.name;
     if (!this.journal.take(event, this.wallClockOf(event.time), name)) return;
     if (this.#firstLoad) return;
-    this.commander.takeEvent(event);
+    if (!this.replay.on) this.commander.takeEvent(event);
     for (const listener of this.#eventListeners) listener(event);
   }
 
   #onFleet(info: FleetInfo): void {
+    // A recorded flight is named before anything else is said.
+    if (this.replay.on && !this.#saidReplay) {
+      this.replay.leave();
+      this.#goElsewhere(false);
+    }
     this.info = info;
     this.#infoById = new Map(info.vehicles.map((v) => [v.id, v]));
     this.fleet.setOrigin(info.frame?.origin ?? null);
@@ -300,7 +363,7 @@ export class Session {
     const elapsed = Math.max(1, now - this.now);
     if (elapsed > TICK_MS / 2) this.frameHz += ((frames * 1000) / elapsed - this.frameHz) * 0.3;
     this.now = now;
-    this.journal.pass(Date.now());
+    this.journal.pass(this.replay.wallNowMs() ?? Date.now());
     this.tick++;
   }
 

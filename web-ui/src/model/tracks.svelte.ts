@@ -15,6 +15,9 @@ export class Tracks {
   at = 0;
   readonly trails = new TrackTrails();
 
+  /** `pace`: so many seconds of what is tracked pass in one. */
+  constructor(readonly pace: () => number = () => 1) {}
+
   take(list: TrackList, at: number): void {
     this.list = list;
     this.at = at;
@@ -27,12 +30,18 @@ export class Tracks {
     this.list = NOTHING;
   }
 
+  /** What is said from now on is of another moment. */
+  restart(): void {
+    this.clear();
+    this.trails.take([]);
+  }
+
   of(track: number): TrackEstimate | undefined {
     return this.list.tracks.find((one) => one.track === track);
   }
 
   /** Seconds since a moment on the node's clock. */
   secondsSince(nodeTimeUs: number, now: number): number {
-    return Math.max(0, (this.list.time - nodeTimeUs) / 1e6 + (now - this.at) / 1000);
+    return Math.max(0, (this.list.time - nodeTimeUs) / 1e6 + ((now - this.at) / 1000) * this.pace());
   }
 }

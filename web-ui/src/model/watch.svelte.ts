@@ -24,8 +24,10 @@ export class Watch {
   constructor(session: Session) {
     this.#session = session;
     const live = () => session.canCommand;
+    // The fences were recorded.
+    const heard = () => session.hears;
     const crowd = () => Math.max(1, session.rows.length / FULL_PACE);
-    this.#fencePulse = new Pulse(async () => void (this.fences = await getFences()), () => FENCES_EVERY_MS, live);
+    this.#fencePulse = new Pulse(async () => void (this.fences = await getFences()), () => FENCES_EVERY_MS, heard);
     this.#preflightPulse = new Pulse(async () => void (this.preflight = await getPreflight()), () => PREFLIGHT_EVERY_MS * crowd(), live);
     this.#referencePulse = new Pulse(async () => void (this.references = await getReferences()), () => REFERENCES_EVERY_MS, live);
   }
@@ -34,6 +36,7 @@ export class Watch {
     this.#fencePulse.start();
     this.#preflightPulse.start();
     this.#session.onEvent((event) => this.#event(event));
+    this.#session.onRestart(() => this.#fencePulse.soon());
     this.#session.onLive(() => {
       for (const pulse of [this.#fencePulse, this.#preflightPulse]) pulse.soon();
     });

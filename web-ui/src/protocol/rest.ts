@@ -4,9 +4,9 @@ import { t } from '../language/language.svelte';
 
 import type {
   AcknowledgeBody, CameraViewList, CommandBody, CommandReceipt, CommandReceipts, Console, ControlAction, ControlBody, ControlReceipt, ControlReceipts, EmergencyKey,
-  EmergencyStopBody, ErrorBody, EventList, FenceAnswer, FenceFileBody, FencePlan, FencePlanBody, FormationPreview, FormationReceipt, FormationRequest, ImportedFencePlan, OverrideBody, ParameterBody,
+  EmergencyStopBody, ErrorBody, EventList, FenceAnswer, FenceFileBody, FencePlan, FencePlanBody, FlightList, FormationPreview, FormationReceipt, FormationRequest, ImportedFencePlan, OverrideBody, ParameterBody,
   ParameterList, ParameterReceipt, PreflightAnswer, PluginList, PreflightOverride, ReadingAction, ReadingBody, ReferenceList, ReferenceSnapshot, ResumeBody, RestartList, RestartRecord, Route, RouteBody, SupervisionTree, Targets,
-  UpgradeReceipt, VehicleCommand, VehicleSnapshot, LinkReport, AskedObserver, AskedObserverList, ObserveRequest, ObserverList, ObserverProposal,
+  RecordedFlight, ReplayChange, ReplayState, Timeline, UpgradeReceipt, VehicleCommand, VehicleSnapshot, LinkReport, AskedObserver, AskedObserverList, ObserveRequest, ObserverList, ObserverProposal,
   PayloadList, PayloadSnapshot, TrackChangeBody,
 } from './types';
 import { videoPath } from './video';
@@ -237,6 +237,36 @@ export async function getRecordings(): Promise<Recording[]> {
 /** Where a recording is. */
 export function recordingUrl(file: string): string {
   return new URL(`api/v1/video/recordings/${encodeURIComponent(file)}`, document.baseURI).href;
+}
+
+/** The recordings of flights that the node keeps, the newest first. */
+export async function getFlights(): Promise<RecordedFlight[]> {
+  return ((await (await call('GET', 'flights')).json()) as FlightList).flights;
+}
+
+/** Where the recording of a flight is. */
+export function flightUrl(file: string): string {
+  return new URL(`api/v1/flights/${encodeURIComponent(file)}`, document.baseURI).href;
+}
+
+/** Where its report is: a page by itself. */
+export function flightReportUrl(file: string): string {
+  return `${flightUrl(file)}/report`;
+}
+
+/** Where it is shown again: this page, below an address of its own. */
+export function flightReplayUrl(file: string): string {
+  return new URL(`replay/${encodeURIComponent(file)}/`, document.baseURI).href;
+}
+
+/** Has a replay go to another moment, at another pace, go on or stand still. */
+export async function changeReplay(change: ReplayChange): Promise<ReplayState> {
+  return (await (await call('PUT', 'replay', change)).json()) as ReplayState;
+}
+
+/** What happened in the recording that is shown. */
+export async function getTimeline(): Promise<Timeline> {
+  return (await (await call('GET', 'replay/timeline')).json()) as Timeline;
 }
 
 /** Marks alerts as seen, for all pages. That they are comes as an event. */

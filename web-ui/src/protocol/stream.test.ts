@@ -37,7 +37,7 @@ const newest = (): Socket => Socket.all.at(-1)!;
 
 function started() {
   const states: StreamState[] = [];
-  const heard = { frames: 0, cameAt: 0, fleets: 0, safeties: 0, controls: 0, tracks: 0, swarms: 0, events: 0, gaps: 0, unreadable: [] as string[], refused: [] as [number, string][] };
+  const heard = { frames: 0, cameAt: 0, fleets: 0, safeties: 0, controls: 0, tracks: 0, swarms: 0, replays: 0, events: 0, gaps: 0, unreadable: [] as string[], refused: [] as [number, string][] };
   const stream = new Stream('ws://test/api/v1/stream', {
     state: (state) => states.push(state),
     frame: (_, at) => {
@@ -49,6 +49,7 @@ function started() {
     control: (vehicles) => (heard.controls += vehicles.length),
     tracks: (list) => (heard.tracks += list.tracks.length),
     swarm: () => heard.swarms++,
+    replay: () => heard.replays++,
     event: () => heard.events++,
     gap: (missed) => (heard.gaps += missed),
     unreadable: (why) => heard.unreadable.push(why),

@@ -4,7 +4,9 @@
 import { waitMs } from './backoff';
 import { takeEarly } from './early';
 import type { Said } from './early';
-import type { ClientMessage, ErrorDetail, EventRecord, FleetInfo, Refusal, ServerMessage, SwarmSnapshot, TrackList, VehicleControl, VehicleSafety } from './types';
+import type {
+  ClientMessage, ErrorDetail, EventRecord, FleetInfo, Refusal, ReplayState, ServerMessage, SwarmSnapshot, TrackList, VehicleControl, VehicleSafety,
+} from './types';
 import { t } from '../language/language.svelte';
 
 /** The server's greeting. */
@@ -41,6 +43,8 @@ export type StreamListener = {
   /** What is tracked, whole. On a new connection there is nothing until this says so. */
   tracks(list: TrackList, at: number): void;
   swarm(swarm: SwarmSnapshot): void;
+  /** What is shown is a recorded flight, and where in it. On a new connection this is said before anything of vehicles; a node that flies never says it. */
+  replay(state: ReplayState): void;
   event(event: EventRecord): void;
   /** A stick was refused. */
   stickRefused(vehicle: number, refusal: Refusal): void;
@@ -144,6 +148,9 @@ export class Stream {
         break;
       case 'swarm':
         if (this.#greeted) this.listener.swarm(message);
+        break;
+      case 'replay':
+        if (this.#greeted) this.listener.replay(message);
         break;
       case 'safety':
         if (this.#greeted) this.listener.safety(message.vehicles);

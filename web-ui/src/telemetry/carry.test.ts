@@ -111,3 +111,23 @@ describe('under way', () => {
     expect(carry(new Fleet(), 0)).toBe(false);
   });
 });
+
+describe('in a recording', () => {
+  it('a place is carried by the seconds of the flight, and not at all while it stands', () => {
+    const fleet = swarm({ north: 10 });
+    carry(fleet, 1100, 5);
+    expect(fleet.shownNorthM[0]! - fleet.northM[0]!).toBeCloseTo(5, 3);
+    expect(carry(fleet, 1200, 0)).toBe(false);
+    expect(fleet.shownNorthM[0]).toBe(fleet.northM[0]);
+  });
+
+  it('it is carried no longer than through a lost frame, of the screen when it goes fast, of the flight when it goes slowly', () => {
+    const fleet = swarm({ north: 10 });
+    carry(fleet, 1000 + 2 * CARRY_LIMIT_MS, 2);
+    expect(fleet.shownNorthM[0]! - fleet.northM[0]!).toBeCloseTo((10 * 2 * CARRY_LIMIT_MS) / 1000, 3);
+    carry(fleet, 1000 + 2 * CARRY_LIMIT_MS, 0.25);
+    expect(fleet.shownNorthM[0]! - fleet.northM[0]!).toBeCloseTo((10 * 0.5 * CARRY_LIMIT_MS) / 1000, 3);
+    carry(fleet, 1000 + 900, 0.25);
+    expect(fleet.shownNorthM[0]! - fleet.northM[0]!).toBeCloseTo(10 * 0.225, 3);
+  });
+});

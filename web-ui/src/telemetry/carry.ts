@@ -11,18 +11,19 @@ export const CARRY_LIMIT_MS = 300;
 /** One that is slower than this and on the ground stands. */
 const STANDS_BELOW_M_S = 0.1;
 
-/** Carries the shown places to `now`, those of vehicles that are live; says whether anything is under way. */
-export function carry(fleet: Fleet, now: number): boolean {
+/** Carries the shown places to `now`, those of vehicles that are live; says whether anything is under way. `pace`: so many seconds of their flight pass in
+ *  one, other than one in a recording only; none while it stands. */
+export function carry(fleet: Fleet, now: number, pace = 1): boolean {
   let underWay = false;
   for (let i = 0; i < fleet.size; i++) {
     if (fleet.present[i] !== 1 || !fleet.has(i, FLAG.position)) continue;
     const live = classify(fleet.ageMs(i, now), fleet.has(i, FLAG.connected)) === 'live';
     const [north, east, down] = [fleet.velocityNorth[i] ?? 0, fleet.velocityEast[i] ?? 0, fleet.velocityDown[i] ?? 0];
-    const seconds = live ? Math.min(CARRY_LIMIT_MS, Math.max(0, now - (fleet.placedAt[i] ?? now))) / 1000 : 0;
+    const seconds = live ? Math.min(CARRY_LIMIT_MS * Math.max(1, pace), Math.max(0, now - (fleet.placedAt[i] ?? now)) * pace) / 1000 : 0;
     fleet.shownNorthM[i] = (fleet.northM[i] ?? 0) + north * seconds;
     fleet.shownEastM[i] = (fleet.eastM[i] ?? 0) + east * seconds;
     fleet.shownAltitudeM[i] = (fleet.altitudeM[i] ?? 0) - down * seconds;
-    underWay ||= live && (isAirborne(fleet, i) || Math.hypot(north, east, down) >= STANDS_BELOW_M_S);
+    underWay ||= live && pace > 0 && (isAirborne(fleet, i) || Math.hypot(north, east, down) >= STANDS_BELOW_M_S);
   }
   return underWay;
 }
