@@ -9,12 +9,12 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum ReadError {
     /// It cannot be read at all.
-    #[error("cannot read {path}: {source}")]
+    #[error("cannot read {path}: {why}")]
     Io {
         /// Which file.
         path: PathBuf,
-        /// Why.
-        source: std::io::Error,
+        /// Why. Not called its source: who prints an error with all its causes would say it twice.
+        why: std::io::Error,
     },
     /// It is something else.
     #[error("{path} is no MCAP file: it begins otherwise")]

@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 
 /// The version of what is written on the topics. It grows when a reader of the one before would misunderstand.
 pub const FORMAT: u32 = 1;
-/// The name of the metadata record that holds it.
-pub(crate) const NAME: &str = "skein";
+/// The name of the metadata record that holds a [`Header`].
+pub const METADATA: &str = "skein";
 
 /// Node time told in time of day. It is fixed when a recording begins: a clock that is set in flight moves nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -56,7 +56,9 @@ pub struct Header {
 }
 
 impl Header {
-    pub(crate) fn to_map(&self) -> BTreeMap<String, String> {
+    /// As it stands in the file, in the metadata called [`METADATA`].
+    #[must_use]
+    pub fn to_map(&self) -> BTreeMap<String, String> {
         let pairs = [
             ("format", self.format.to_string()),
             ("version", self.version.clone()),

@@ -22,7 +22,7 @@ mod writer;
 pub use audit::{AuditChain, AuditRecord, Broken};
 pub use damage::{Damage, ReadError};
 pub use encoded::Encoded;
-pub use header::{FORMAT, Header, TimeBase};
+pub use header::{FORMAT, Header, METADATA, TimeBase};
 pub use messages::{Message, Messages, Select};
 pub use order::Merged;
 pub use reader::{Recording, TopicInfo};

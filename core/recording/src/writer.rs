@@ -4,7 +4,7 @@
 //! Must never do: go on with a file after a write to it failed; a new one is begun then.
 
 use crate::encoded::Encoded;
-use crate::header::{self, Header};
+use crate::header::{Header, METADATA};
 use crate::topic::Topic;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Compression, McapError, WriteOptions};
@@ -79,7 +79,7 @@ impl Writer {
             .disable_seeking(true);
         let mut writer = options.create(BufWriter::new(file.try_clone()?))?;
         writer.write_metadata(&Metadata {
-            name: header::NAME.to_owned(),
+            name: METADATA.to_owned(),
             metadata: header.to_map(),
         })?;
         writer.flush()?;

@@ -315,7 +315,7 @@ pub struct VehicleFacts {
     pub fastest_m_s: Option<Extreme>,
     /// The nearest another vehicle came.
     pub nearest: Option<Near>,
-    /// The largest distance from its place in metres.
+    /// The largest distance from its place in a formation, once all had the time to come into theirs, in metres.
     pub largest_error_m: Option<Extreme>,
     /// Its battery.
     pub battery: Option<Battery>,

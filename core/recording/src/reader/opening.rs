@@ -5,7 +5,7 @@
 use super::{ChunkAt, Recording, TopicInfo, body_at, each_record};
 use crate::chunk::{self, HEAD, Records};
 use crate::damage::{Damage, ReadError};
-use crate::header::{self, Header};
+use crate::header::{FORMAT, Header, METADATA};
 use crate::topic::Topic;
 use mcap::records::{Channel, Record, SchemaHeader, op};
 use std::collections::BTreeMap;
@@ -37,9 +37,9 @@ struct Found {
 }
 
 pub(super) fn open(path: &Path) -> Result<Recording, ReadError> {
-    let failed = |source| ReadError::Io {
+    let failed = |why| ReadError::Io {
         path: path.to_owned(),
-        source,
+        why,
     };
     let file = File::open(path).map_err(failed)?;
     let metadata = file.metadata().map_err(failed)?;
@@ -70,7 +70,7 @@ impl Found {
         let path = path.to_owned();
         let Some(header) = self.header else {
             return Err(match self.format_seen {
-                Some(format) if format > header::FORMAT => ReadError::Later { path, format },
+                Some(format) if format > FORMAT => ReadError::Later { path, format },
                 _ if self.chunks.is_empty() => ReadError::Empty { path },
                 _ => {
                     let library = self.library;
@@ -243,11 +243,11 @@ impl Found {
     }
 
     fn metadata(&mut self, metadata: &mcap::records::Metadata) {
-        if metadata.name != header::NAME {
+        if metadata.name != METADATA {
             return;
         }
         self.format_seen = metadata.metadata.get("format").and_then(|format| format.parse().ok());
-        self.header = Header::from_map(&metadata.metadata).filter(|header| header.format <= header::FORMAT);
+        self.header = Header::from_map(&metadata.metadata).filter(|header| header.format <= FORMAT);
     }
 }
 

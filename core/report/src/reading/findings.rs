@@ -43,6 +43,8 @@ pub struct Findings {
     open: BTreeMap<incidents::Open, usize>,
     close: BTreeMap<[VehicleId; 2], Close>,
     slow: BTreeMap<VehicleId, u32>,
+    /// When each vehicle was armed first.
+    armed_s: BTreeMap<VehicleId, f64>,
     left_out: u64,
 }
 
@@ -55,6 +57,7 @@ impl Findings {
             open: BTreeMap::new(),
             close: BTreeMap::new(),
             slow: BTreeMap::new(),
+            armed_s: BTreeMap::new(),
             left_out: 0,
         }
     }
@@ -194,6 +197,9 @@ impl Findings {
 
     /// A vehicle in OFFBOARD that gets too few setpoints.
     pub fn telemetry(&mut self, of: &VehicleTelemetry) {
+        if of.armed {
+            self.armed_s.entry(of.vehicle).or_insert(self.since.s(of.time));
+        }
         let flown = of.armed && of.link.connected && of.mode == FlightMode::Offboard;
         let slow = flown && of.link.setpoint_rate_hz < LEAST_RATE_HZ;
         let samples = self.slow.entry(of.vehicle).or_default();
@@ -286,10 +292,18 @@ impl Findings {
                 });
             }
         }
+        let armed_s = &self.armed_s;
+        self.found.retain(|found| !is_before_flight(found, armed_s));
         self.found.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
         for (at, found) in self.found.iter_mut().enumerate() {
             found.number = at + 1;
         }
         (self.found, self.left_out)
     }
+}
+
+/// What an autopilot had against being armed, and had no more when it was: it is among the events. Of one that never was armed it says why.
+fn is_before_flight(found: &Finding, armed_s: &BTreeMap<VehicleId, f64>) -> bool {
+    let armed_s = found.vehicle.and_then(|vehicle| armed_s.get(&vehicle));
+    found.kind == FindingKind::Warning && armed_s.is_some_and(|armed_s| found.last_s < *armed_s)
 }

@@ -5,7 +5,7 @@
 use super::Since;
 use super::findings::Findings;
 use super::vehicle::{Vehicle, airborne, place_now};
-use super::wire::{FailsafeRules, JudgedSetpoint, WholeFleet};
+use super::wire::{FailsafeRules, JudgedSetpoint, WholeFleet, WholeFormation};
 use crate::curve::{Sample, Thinner};
 use crate::facts::{ChartFacts, LimitFrom, MapFacts, Near, VehicleFacts, ZoneFacts};
 use crate::nearest::{Nearest, nearest};
@@ -30,6 +30,7 @@ pub struct Fleet {
     vehicles: BTreeMap<VehicleId, Vehicle>,
     frame: Option<SwarmFrame>,
     whole_at: Option<NodeTime>,
+    formation: Option<WholeFormation>,
     tick: Tick,
     distance: Thinner,
     charts: ChartFacts,
@@ -51,6 +52,7 @@ impl Fleet {
             vehicles: BTreeMap::new(),
             frame: None,
             whole_at: None,
+            formation: None,
             tick: Tick::default(),
             distance: Thinner::new(super::POINTS),
             charts: ChartFacts::default(),
@@ -84,8 +86,14 @@ impl Fleet {
             self.tick.places.push((of.vehicle, place));
         }
         findings.telemetry(&of);
-        let since = self.since;
-        self.vehicle(of.vehicle).telemetry(since, of);
+        let (since, in_place) = (self.since, self.is_in_place(&of));
+        self.vehicle(of.vehicle).telemetry(since, of, in_place);
+    }
+
+    /// Whether it has a place in a formation that all had the time to come into. On the way to a place it is not off it.
+    fn is_in_place(&self, of: &VehicleTelemetry) -> bool {
+        let formation = self.formation.as_ref().filter(|one| one.settled_at <= of.time);
+        formation.is_some_and(|formation| formation.members.contains(&of.vehicle))
     }
 
     /// All vehicles of a moment are there: who is nearest to whom.
@@ -145,6 +153,7 @@ impl Fleet {
                 _ => {}
             }
         }
+        self.formation = of.formation;
         for vehicle in of.vehicles {
             if let Some(energy) = vehicle.energy {
                 self.charts.reserve = Some(energy.reserve);

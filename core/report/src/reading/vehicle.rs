@@ -133,7 +133,7 @@ impl Vehicle {
         }
     }
 
-    pub fn telemetry(&mut self, since: Since, of: VehicleTelemetry) {
+    pub fn telemetry(&mut self, since: Since, of: VehicleTelemetry, in_place: bool) {
         let t_s = since.s(of.time);
         let flies = airborne(&of);
         let before = self.last.as_ref();
@@ -147,7 +147,9 @@ impl Vehicle {
             self.moved(t_s, &of, place, flies);
             if flies && let Some(error_m) = of.tracking_error_m {
                 self.error.push(Sample::new(t_s, error_m));
-                higher(&mut self.facts.largest_error_m, t_s, error_m);
+                if in_place {
+                    higher(&mut self.facts.largest_error_m, t_s, error_m);
+                }
             }
         }
         if let Some(remaining) = of.battery.remaining.map(f64::from) {

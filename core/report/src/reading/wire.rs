@@ -3,7 +3,6 @@
 //! Must never do: ask for a field that a recording of format 1 may lack.
 
 use serde::Deserialize;
-use serde::de::IgnoredAny;
 use skein_domain::{EnergyState, FailsafeSettings, Geodetic, NodeTime, Refusal, SwarmFrame, VehicleId};
 use skein_view::Avoidance;
 
@@ -12,7 +11,14 @@ use skein_view::Avoidance;
 pub struct WholeFleet {
     pub frame: Option<SwarmFrame>,
     pub vehicles: Vec<WholeVehicle>,
-    pub formation: Option<IgnoredAny>,
+    pub formation: Option<WholeFormation>,
+}
+
+/// Of a `FormationSnapshot`.
+#[derive(Debug, Deserialize)]
+pub struct WholeFormation {
+    pub members: Vec<VehicleId>,
+    pub settled_at: NodeTime,
 }
 
 /// Of a `VehicleSnapshot`.
