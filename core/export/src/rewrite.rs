@@ -6,7 +6,7 @@ use crate::{ExportError, origin, target};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Compression, WriteOptions};
 use skein_domain::NodeTime;
-use skein_recording::{Damage, Header, Topic};
+use skein_recording::{Damage, Header, METADATA, Topic};
 use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
 use std::io::BufWriter;
@@ -32,16 +32,10 @@ pub(crate) struct Rewriter {
 
 /// The metadata by which a reader knows the file as one of ours.
 fn metadata(header: &Header) -> Metadata {
-    let pairs = [
-        ("format", header.format.to_string()),
-        ("version", header.version.clone()),
-        ("node", header.node.map_or_else(String::new, |node| node.0.to_string())),
-        ("name", header.name.clone()),
-        ("swarm", header.swarm.clone()),
-        ("node_us", header.base.node.0.to_string()),
-        ("unix_ns", header.base.unix_ns.to_string()),
-    ];
-    of_pairs("skein", pairs)
+    Metadata {
+        name: METADATA.to_owned(),
+        metadata: header.to_map(),
+    }
 }
 
 fn of_pairs<const N: usize>(name: &str, pairs: [(&str, String); N]) -> Metadata {

@@ -4,18 +4,14 @@
 //! Must never do: tell a message in another layout than its definition has; what is not known has the value that the definition says.
 
 mod bag;
-mod definitions;
-mod frames;
-mod messages;
-mod names;
 mod translate;
 
 use crate::told::{Kind, Told, each};
 use crate::{ExportError, Exported, Progress, target};
 use bag::Bag;
-use names::Names;
 use skein_domain::{Geodetic, SwarmFrame, VehicleId};
 use skein_recording::{Recording, Topic, VehicleTelemetry};
+use skein_ros2_messages::names::Names;
 use skein_view::FleetSnapshot;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -54,6 +50,11 @@ struct Writer {
 }
 
 impl Writer {
+    /// What a vehicle is called; before anything told its name, by its number.
+    fn name(&mut self, vehicle: VehicleId) -> String {
+        self.names.of(vehicle, "")
+    }
+
     fn take(&mut self, told: &Told) -> Result<(), ExportError> {
         match &told.kind {
             Kind::Fleet(fleet) => {
@@ -65,14 +66,14 @@ impl Writer {
                 let Some(flown) = setpoint.flown else {
                     return Ok(());
                 };
-                let name = self.names.of(setpoint.vehicle);
+                let name = self.name(setpoint.vehicle);
                 match translate::setpoint(told, &flown) {
                     Some(message) => self.bag.write(&topic(&name, "setpoint"), told, &message),
                     None => Ok(()),
                 }
             }
             Kind::Event(event) => {
-                let name = event.vehicle.map(|vehicle| self.names.of(vehicle));
+                let name = event.vehicle.map(|vehicle| self.name(vehicle));
                 self.bag.write(LOG, told, &translate::log(told, event, name.as_deref()))
             }
         }
@@ -84,7 +85,7 @@ impl Writer {
             self.frame = fleet.frame.or(self.frame);
         }
         for vehicle in &fleet.vehicles {
-            self.names.named(vehicle.id, &vehicle.name);
+            self.names.of(vehicle.id, &vehicle.name);
             if let Some(home) = vehicle.home.filter(Geodetic::is_valid) {
                 self.homes.insert(vehicle.id, home);
             }
@@ -92,7 +93,7 @@ impl Writer {
     }
 
     fn telemetry(&mut self, told: &Told, of: &VehicleTelemetry) -> Result<(), ExportError> {
-        let name = self.names.of(of.vehicle);
+        let name = self.name(of.vehicle);
         if let Some(moves) = &of.kinematics {
             let stamp_ns = told.moment_ns(of.time, moves.measured);
             let pose = translate::pose(stamp_ns, of, moves);
@@ -101,13 +102,13 @@ impl Writer {
             self.bag.write(&topic(&name, "velocity"), told, &twist)?;
             let home = self.homes.get(&of.vehicle);
             let origin = self.frame.zip(home).map(|(frame, home)| frame.position(home));
-            let transforms = translate::transforms(&pose, &name, origin.unwrap_or_default());
+            let transforms = translate::transforms(&pose, &moves.position, &name, &origin.unwrap_or_default());
             self.bag.write(TF, told, &transforms)?;
         }
         if let Some(fix) = translate::fix(told.at_ns, of, &name) {
             self.bag.write(&topic(&name, "nav_sat_fix"), told, &fix)?;
         }
-        let battery = translate::battery(told.at_ns, &of.battery, &name);
+        let battery = translate::battery(told.at_ns, of, &name);
         self.bag.write(&topic(&name, "battery"), told, &battery)
     }
 }

@@ -10,10 +10,7 @@ mod camera;
 pub mod cmd_vel;
 pub mod detections;
 mod endpoints;
-pub mod frames;
-pub mod interfaces;
 pub mod limit;
-pub mod names;
 pub mod picture;
 pub mod quality;
 mod rate;
@@ -26,6 +23,7 @@ mod translate;
 mod vehicle;
 
 pub use adapter::{Running, start};
+pub use skein_ros2_messages::{frames, interfaces, names};
 use tasks::Tasks;
 
 use thiserror::Error;

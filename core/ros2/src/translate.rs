@@ -7,29 +7,21 @@ use crate::frames;
 use crate::interfaces::Fixed;
 use crate::interfaces::diagnostic::{DiagnosticStatus, KeyValue, Level};
 use crate::interfaces::geometry::{
-    Point, Pose, PoseStamped, PoseWithCovariance, Transform, TransformStamped, Twist, TwistWithCovariance, Vector3,
+    Pose, PoseStamped, PoseWithCovariance, TransformStamped, Twist, TwistWithCovariance, Vector3,
 };
 use crate::interfaces::nav::Odometry;
-use crate::interfaces::sensor::{BatteryState, NavSatFix, NavSatStatus};
+use crate::interfaces::sensor::{BatteryState, NavSatFix};
 use crate::interfaces::skein::{Formation, GimbalState, VehicleState};
 use crate::interfaces::vision::{BoundingBox3D, Detection3D, ObjectHypothesis, ObjectHypothesisWithPose};
 use crate::names;
 use crate::requests::word;
 use crate::stamp::Stamps;
 use skein_domain::payload::TrackEstimate;
-use skein_domain::telemetry::{GnssFix, VehicleKinematics};
+use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{PositionNed, SwarmFrame};
+use skein_ros2_messages::values;
 use skein_view::{FleetSnapshot, PayloadSnapshot, VehicleSnapshot};
 
-/// The codes of `sensor_msgs` that are used here.
-const STATUS_NO_FIX: i8 = -1;
-const STATUS_FIX: i8 = 0;
-const STATUS_GBAS_FIX: i8 = 2;
-const SERVICE_GPS: u16 = 1;
-const COVARIANCE_UNKNOWN: u8 = 0;
-const COVARIANCE_APPROXIMATED: u8 = 1;
-const SUPPLY_UNKNOWN: u8 = 0;
-const SUPPLY_DISCHARGING: u8 = 2;
 /// Data older than this is told as a fault, in seconds.
 const STALE_S: f64 = 3.0;
 
@@ -95,96 +87,23 @@ pub fn odometry(
 /// `map` to the vehicle's `odom`, and from there to its `base_link`.
 #[must_use]
 pub fn transforms(odometry: &Odometry, origin: &PositionNed) -> [TransformStamped; 2] {
-    let translation = |point: &Point| Vector3 {
-        x: point.x,
-        y: point.y,
-        z: point.z,
-    };
-    let header = |frame_id: &str| crate::interfaces::standard::Header {
-        frame_id: frame_id.to_owned(),
-        ..odometry.header.clone()
-    };
-    [
-        TransformStamped {
-            header: header(frames::MAP),
-            child_frame_id: odometry.header.frame_id.clone(),
-            transform: Transform {
-                translation: translation(&frames::point(origin)),
-                rotation: frames::unrotated(),
-            },
-        },
-        TransformStamped {
-            header: odometry.header.clone(),
-            child_frame_id: odometry.child_frame_id.clone(),
-            transform: Transform {
-                translation: translation(&odometry.pose.pose.position),
-                rotation: odometry.pose.pose.orientation.clone(),
-            },
-        },
-    ]
+    let frames = [odometry.header.frame_id.as_str(), odometry.child_frame_id.as_str()];
+    values::transforms(&odometry.header, frames, origin, &odometry.pose.pose)
 }
 
 /// Place on Earth. Altitude is above the sea, not above the ellipsoid: no model of the difference is at hand.
 #[must_use]
 pub fn fix(vehicle: &VehicleSnapshot, name: &str, stamps: &Stamps) -> Option<NavSatFix> {
     let place = vehicle.global?;
-    let status = match vehicle.gnss.fix {
-        GnssFix::Unknown | GnssFix::None => STATUS_NO_FIX,
-        GnssFix::TwoD | GnssFix::ThreeD => STATUS_FIX,
-        GnssFix::Dgps | GnssFix::RtkFloat | GnssFix::RtkFixed => STATUS_GBAS_FIX,
-    };
-    let accuracy = vehicle
-        .gnss
-        .horizontal_accuracy_m
-        .map(f64::from)
-        .filter(|m| m.is_finite());
-    let mut covariance = Fixed::default();
-    if let Some(accuracy_m) = accuracy {
-        let square = accuracy_m * accuracy_m;
-        // The vertical one is not reported; it is usually twice the horizontal one.
-        (covariance.0[0], covariance.0[4], covariance.0[8]) = (square, square, 4.0 * square);
-    }
     let at = vehicle.kinematics.map_or(stamps.node, |k| k.measured);
-    Some(NavSatFix {
-        header: stamps.header(at, &names::base_link(name)),
-        status: NavSatStatus {
-            status,
-            service: SERVICE_GPS,
-        },
-        latitude: place.latitude_deg,
-        longitude: place.longitude_deg,
-        altitude: place.altitude_amsl_m,
-        position_covariance: covariance,
-        position_covariance_type: if accuracy.is_some() {
-            COVARIANCE_APPROXIMATED
-        } else {
-            COVARIANCE_UNKNOWN
-        },
-    })
+    let header = stamps.header(at, &names::base_link(name));
+    Some(values::fix(header, &place, &vehicle.gnss))
 }
 
 /// The battery; what is not known is not a number, as the definition has it.
 #[must_use]
 pub fn battery(vehicle: &VehicleSnapshot, name: &str, stamps: &Stamps) -> BatteryState {
-    let battery = &vehicle.battery;
-    BatteryState {
-        header: stamps.header(stamps.node, &names::base_link(name)),
-        voltage: battery.voltage_v.unwrap_or(f32::NAN),
-        temperature: f32::NAN,
-        // Negative when it is discharged.
-        current: battery.current_a.map_or(f32::NAN, |current_a| -current_a),
-        charge: f32::NAN,
-        capacity: f32::NAN,
-        design_capacity: f32::NAN,
-        percentage: battery.remaining.unwrap_or(f32::NAN),
-        power_supply_status: if battery.current_a.is_some_and(|a| a > 0.0) {
-            SUPPLY_DISCHARGING
-        } else {
-            SUPPLY_UNKNOWN
-        },
-        present: battery.voltage_v.is_some() || battery.remaining.is_some(),
-        ..BatteryState::default()
-    }
+    values::battery(stamps.header(stamps.node, &names::base_link(name)), &vehicle.battery)
 }
 
 /// How a vehicle is.

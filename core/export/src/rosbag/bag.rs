@@ -2,13 +2,12 @@
 //!
 //! Must never do: count a message that is not in the file.
 
-use super::definitions;
-use super::messages::Ros2Message;
 use crate::told::Told;
 use crate::{ExportError, Exported, target};
 use byteorder::LittleEndian;
 use mcap::records::MessageHeader;
 use mcap::{Compression, WriteOptions};
+use skein_ros2_messages::interfaces::{Definitions, Field, Interface};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufWriter, Write as _};
@@ -56,7 +55,7 @@ impl Bag {
         })
     }
 
-    pub fn write<M: Ros2Message>(&mut self, topic: &str, told: &Told, message: &M) -> Result<(), ExportError> {
+    pub fn write<M: Interface + Field>(&mut self, topic: &str, told: &Told, message: &M) -> Result<(), ExportError> {
         let failed = |error: &dyn std::fmt::Display| ExportError::write(&self.path, error);
         let mut bytes = Vec::with_capacity(USUAL_BYTES);
         bytes.extend(ENCAPSULATION);
@@ -83,20 +82,17 @@ impl Bag {
         Ok(())
     }
 
-    fn channel<M: Ros2Message>(&mut self, topic: &str) -> Result<Channel, ExportError> {
+    fn channel<M: Interface + Field>(&mut self, topic: &str) -> Result<Channel, ExportError> {
         let failed = |error: mcap::McapError| ExportError::write(&self.path, error);
-        let definition = definitions::whole(M::KIND);
-        let schema = self.writer.add_schema(M::KIND, "ros2msg", definition.as_bytes());
+        let kind = format!("{}/msg/{}", M::PACKAGE, M::NAME);
+        let definition = Definitions::of::<M>();
+        let schema = self.writer.add_schema(&kind, "ros2msg", definition.as_bytes());
         let metadata = BTreeMap::from([("offered_qos_profiles".to_owned(), String::new())]);
         let id = self
             .writer
             .add_channel(schema.map_err(failed)?, topic, "cdr", &metadata)
             .map_err(failed)?;
-        Ok(Channel {
-            id,
-            kind: M::KIND.to_owned(),
-            count: 0,
-        })
+        Ok(Channel { id, kind, count: 0 })
     }
 
     pub fn finish(mut self) -> Result<Exported, ExportError> {

@@ -2,27 +2,17 @@
 //!
 //! Must never do: read a clock, or say what was not recorded.
 
-use super::messages::{
-    BatteryState, Header, Log, NavSatFix, NavSatStatus, Pose, PoseStamped, TfMessage, Time, Transform,
-    TransformStamped, Twist, TwistStamped, Vector3,
-};
-use super::{frames, names};
 use crate::told::Told;
 use skein_domain::exchange::Severity;
-use skein_domain::telemetry::{GnssFix, VehicleKinematics};
-use skein_domain::{Battery, PositionNed, Setpoint};
+use skein_domain::telemetry::VehicleKinematics;
+use skein_domain::{PositionNed, Setpoint};
 use skein_recording::VehicleTelemetry;
+use skein_ros2_messages::interfaces::geometry::{Pose, PoseStamped, TFMessage, Twist, TwistStamped, Vector3};
+use skein_ros2_messages::interfaces::rcl::Log;
+use skein_ros2_messages::interfaces::sensor::{BatteryState, NavSatFix};
+use skein_ros2_messages::interfaces::standard::{Header, Time};
+use skein_ros2_messages::{frames, names, values};
 use skein_view::EventRecord;
-
-// The codes of `sensor_msgs` that are used here.
-const STATUS_NO_FIX: i8 = -1;
-const STATUS_FIX: i8 = 0;
-const STATUS_GBAS_FIX: i8 = 2;
-const SERVICE_GPS: u16 = 1;
-const COVARIANCE_UNKNOWN: u8 = 0;
-const COVARIANCE_APPROXIMATED: u8 = 1;
-const SUPPLY_UNKNOWN: u8 = 0;
-const SUPPLY_DISCHARGING: u8 = 2;
 
 fn time(unix_ns: u64) -> Time {
     Time {
@@ -75,86 +65,24 @@ pub(super) fn setpoint(told: &Told, of: &Setpoint) -> Option<PoseStamped> {
 }
 
 /// `map` to the vehicle's `odom` at its launch place, and from there to its `base_link`.
-pub(super) fn transforms(pose: &PoseStamped, name: &str, origin: PositionNed) -> TfMessage {
-    let origin = frames::translation(&origin);
-    let at = &pose.pose.position;
-    let here = Vector3 {
-        x: at.x - origin.x,
-        y: at.y - origin.y,
-        z: at.z - origin.z,
+pub(super) fn transforms(pose: &PoseStamped, at: &PositionNed, name: &str, origin: &PositionNed) -> TFMessage {
+    let here = Pose {
+        position: frames::point(&PositionNed::from(at.vector() - origin.vector())),
+        orientation: pose.pose.orientation.clone(),
     };
-    let odom = names::odom(name);
-    TfMessage {
-        transforms: vec![
-            TransformStamped {
-                header: pose.header.clone(),
-                child_frame_id: odom.clone(),
-                transform: Transform {
-                    translation: origin,
-                    rotation: frames::unrotated(),
-                },
-            },
-            TransformStamped {
-                header: Header {
-                    frame_id: odom,
-                    ..pose.header.clone()
-                },
-                child_frame_id: names::base_link(name),
-                transform: Transform {
-                    translation: here,
-                    rotation: pose.pose.orientation.clone(),
-                },
-            },
-        ],
+    let (odom, base_link) = (names::odom(name), names::base_link(name));
+    TFMessage {
+        transforms: values::transforms(&pose.header, [&odom, &base_link], origin, &here).into(),
     }
 }
 
-/// Altitude is above the sea, not above the ellipsoid: no model of the difference is at hand.
 pub(super) fn fix(stamp_ns: u64, of: &VehicleTelemetry, name: &str) -> Option<NavSatFix> {
-    let place = of.global?;
-    let status = match of.gnss.fix {
-        GnssFix::Unknown | GnssFix::None => STATUS_NO_FIX,
-        GnssFix::TwoD | GnssFix::ThreeD => STATUS_FIX,
-        GnssFix::Dgps | GnssFix::RtkFloat | GnssFix::RtkFixed => STATUS_GBAS_FIX,
-    };
-    let accuracy_m = of.gnss.horizontal_accuracy_m.map(f64::from).filter(|m| m.is_finite());
-    let square = accuracy_m.map_or(0.0, |m| m * m);
-    Some(NavSatFix {
-        header: header(stamp_ns, &names::base_link(name)),
-        status: NavSatStatus {
-            status,
-            service: SERVICE_GPS,
-        },
-        latitude: place.latitude_deg,
-        longitude: place.longitude_deg,
-        altitude: place.altitude_amsl_m,
-        // The vertical one is not reported; it is usually twice the horizontal one.
-        position_covariance: [square, 0.0, 0.0, 0.0, square, 0.0, 0.0, 0.0, 4.0 * square],
-        position_covariance_type: accuracy_m.map_or(COVARIANCE_UNKNOWN, |_| COVARIANCE_APPROXIMATED),
-    })
+    let header = header(stamp_ns, &names::base_link(name));
+    of.global.map(|place| values::fix(header, &place, &of.gnss))
 }
 
-/// What is not known is not a number, as the definition has it.
-pub(super) fn battery(stamp_ns: u64, of: &Battery, name: &str) -> BatteryState {
-    let discharging = of.current_a.is_some_and(|a| a > 0.0);
-    BatteryState {
-        header: header(stamp_ns, &names::base_link(name)),
-        voltage: of.voltage_v.unwrap_or(f32::NAN),
-        temperature: f32::NAN,
-        // Negative when it is discharged.
-        current: of.current_a.map_or(f32::NAN, |current_a| -current_a),
-        charge: f32::NAN,
-        capacity: f32::NAN,
-        design_capacity: f32::NAN,
-        percentage: of.remaining.unwrap_or(f32::NAN),
-        power_supply_status: if discharging {
-            SUPPLY_DISCHARGING
-        } else {
-            SUPPLY_UNKNOWN
-        },
-        present: of.voltage_v.is_some() || of.remaining.is_some(),
-        ..BatteryState::default()
-    }
+pub(super) fn battery(stamp_ns: u64, of: &VehicleTelemetry, name: &str) -> BatteryState {
+    values::battery(header(stamp_ns, &names::base_link(name)), &of.battery)
 }
 
 /// An event as a line of the log; of a vehicle by its node's name there.
@@ -164,13 +92,11 @@ pub(super) fn log(told: &Told, event: &EventRecord, vehicle: Option<&str>) -> Lo
         Severity::Warning => 30,
         Severity::Critical => 40,
     };
+    let swarm = || format!("skein.{}", names::SWARM_NODE);
     Log {
         stamp: time(told.at_ns),
         level,
-        name: vehicle.map_or_else(
-            || "skein.swarm".to_owned(),
-            |vehicle| format!("skein.{vehicle}.vehicle"),
-        ),
+        name: vehicle.map_or_else(swarm, |vehicle| format!("skein.{vehicle}.{}", names::VEHICLE_NODE)),
         msg: event.text.clone(),
         ..Log::default()
     }

@@ -100,12 +100,9 @@ fn what_is_not_known_is_not_a_number() {
     full.battery.voltage_v = Some(16.0);
     full.battery.current_a = Some(4.0);
     let told = battery(&full, "uav_3", &stamps());
-    assert!(told.present && told.current == -4.0 && told.power_supply_status == SUPPLY_DISCHARGING);
+    assert!(told.present && told.current == -4.0 && told.power_supply_status == 2);
     let told = fix(&vehicle(), "uav_3", &stamps()).expect("a place");
-    assert_eq!(
-        (told.status.status, told.position_covariance_type),
-        (STATUS_NO_FIX, COVARIANCE_UNKNOWN)
-    );
+    assert_eq!((told.status.status, told.position_covariance_type), (-1, 0));
     let mut nowhere = vehicle();
     nowhere.global = None;
     assert_eq!(fix(&nowhere, "uav_3", &stamps()), None);
@@ -157,5 +154,8 @@ fn a_track_says_what_it_may_be_and_how_well_it_is_known() {
     let classes: Vec<_> = known.results.iter().map(|r| r.hypothesis.class_id.as_str()).collect();
     assert_eq!(classes, ["drone", "bird"]);
     assert_eq!(known.results[0].pose.covariance.0[0], 9.0);
-    assert_eq!(known.bbox.center.position, Point { x: 2.0, y: 1.0, z: 3.0 });
+    assert_eq!(
+        known.bbox.center.position,
+        crate::interfaces::geometry::Point { x: 2.0, y: 1.0, z: 3.0 }
+    );
 }

@@ -20,6 +20,8 @@ messages! { "geometry_msgs":
     PoseWithCovariance { pose: Pose, covariance: Fixed<36> }
     /// Velocity in metres per second and rates in radians per second.
     Twist { linear: Vector3, angular: Vector3 }
+    /// The same, at a time and along the axes of a frame.
+    TwistStamped { header: Header, twist: Twist }
     /// The same, with how sure it is.
     TwistWithCovariance { twist: Twist, covariance: Fixed<36> }
     /// Where a frame lies in another.

@@ -6,6 +6,7 @@
 pub mod diagnostic;
 pub mod geometry;
 pub mod nav;
+pub mod rcl;
 pub mod sensor;
 pub mod skein;
 pub mod standard;
@@ -20,6 +21,45 @@ use std::fmt;
 pub trait Field {
     /// The word for it there.
     fn word() -> String;
+
+    /// Adds the definition of the message that it is, and of those that stand in it.
+    fn define(_: &mut Definitions) {}
+}
+
+/// What stands between two definitions in the schema of a bag.
+const RULE: &str = "================================================================================";
+
+/// Definitions of messages as text, for readers that do not have them: names, types and order of the fields, without comments and constants.
+#[derive(Debug, Default)]
+pub struct Definitions {
+    told: Vec<String>,
+    text: String,
+}
+
+impl Definitions {
+    /// That of a message, with those of all that stands in it.
+    #[must_use]
+    pub fn of<M: Interface + Field>() -> String {
+        let mut all = Self::default();
+        M::define(&mut all);
+        all.text
+    }
+
+    /// Adds one; whether it was not there yet.
+    fn add<M: Interface + Field>(&mut self) -> bool {
+        let word = M::word();
+        if self.told.contains(&word) {
+            return false;
+        }
+        if !self.told.is_empty() {
+            self.text.push_str(&format!("{RULE}\nMSG: {word}\n"));
+        }
+        for (name, kind) in M::fields() {
+            self.text.push_str(&format!("{kind} {name}\n"));
+        }
+        self.told.push(word);
+        true
+    }
 }
 
 macro_rules! words {
@@ -36,6 +76,10 @@ words!(bool => "bool", u8 => "uint8", u16 => "uint16", u32 => "uint32", u64 => "
 impl<T: Field> Field for Vec<T> {
     fn word() -> String {
         format!("{}[]", T::word())
+    }
+
+    fn define(all: &mut Definitions) {
+        T::define(all);
     }
 }
 
@@ -123,6 +167,12 @@ macro_rules! messages {
             impl $crate::interfaces::Field for $name {
                 fn word() -> String {
                     concat!($package, "/", stringify!($name)).to_owned()
+                }
+
+                fn define(all: &mut $crate::interfaces::Definitions) {
+                    if all.add::<Self>() {
+                        $(<$kind as $crate::interfaces::Field>::define(all);)+
+                    }
                 }
             }
 
