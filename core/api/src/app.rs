@@ -1,8 +1,10 @@
 //! What every route can reach.
 
+use crate::replays::Replays;
 use crate::view::View;
 use crate::webrtc::WebRtc;
 use axum::body::Bytes;
+use skein_replay::Replay;
 use skein_runtime::NodeHandle;
 use std::sync::Arc;
 use tokio::sync::{Semaphore, watch};
@@ -28,6 +30,10 @@ pub struct App {
     pub webrtc: Arc<WebRtc>,
     /// The OpenAPI document.
     pub document: Bytes,
+    /// The recorded flight that the node stands for, if it is none that flies.
+    pub replay: Option<Arc<Replay>>,
+    /// Recorded flights that are looked at beside it.
+    pub replays: Arc<Replays>,
 }
 
 impl App {
@@ -41,6 +47,17 @@ impl App {
             viewers: Arc::new(Semaphore::new(MAX_VIEWERS)),
             webrtc: Arc::default(),
             document,
+            replay: None,
+            replays: Arc::default(),
+        }
+    }
+
+    /// For a recorded flight.
+    #[must_use]
+    pub fn of_replay(replay: Arc<Replay>, document: Bytes) -> Self {
+        Self {
+            replay: Some(replay.clone()),
+            ..Self::new(replay.node().clone(), document)
         }
     }
 }

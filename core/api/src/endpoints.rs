@@ -6,6 +6,7 @@ mod control;
 mod flights;
 mod formations;
 mod parameters;
+mod replay;
 mod resume;
 mod safety;
 mod swarm;
@@ -196,6 +197,7 @@ pub(crate) fn all() -> Vec<Endpoint> {
     all.extend(video::videos());
     all.extend(video::recordings());
     all.extend(flights::flights());
+    all.extend(replay::replay());
     all
 }
 

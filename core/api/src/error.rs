@@ -122,6 +122,24 @@ pub enum ApiError {
         /// The name asked for.
         file: String,
     },
+    /// There is one, but nothing of it can be read.
+    #[error("{file} cannot be read as a recording; `skein log check` says why")]
+    UnreadableRecording {
+        /// The name asked for.
+        file: String,
+    },
+    /// What is shown is a recorded flight.
+    #[error("this is a recorded flight: nothing can be commanded or changed in it")]
+    Replaying,
+    /// What is shown is no recorded flight.
+    #[error("this node flies: what it shows is no recorded flight")]
+    NotReplaying,
+    /// As many recorded flights are looked at as can be at once.
+    #[error("{limit} recorded flights are looked at already")]
+    TooManyReplays {
+        /// How many.
+        limit: usize,
+    },
     /// There is and was no session of WebRTC of this name.
     #[error("there is no session {session}")]
     UnknownSession {
@@ -184,10 +202,13 @@ impl ApiError {
             Self::Query(_) | Self::Path(_) | Self::NoHost => StatusCode::BAD_REQUEST,
             Self::MethodNotAllowed { .. } => StatusCode::METHOD_NOT_ALLOWED,
             Self::ForeignHost { .. } | Self::ForeignOrigin { .. } => StatusCode::FORBIDDEN,
+            Self::Replaying | Self::NotReplaying | Self::UnreadableRecording { .. } => StatusCode::CONFLICT,
             Self::NoOperator => StatusCode::UNAUTHORIZED,
             Self::NotAnUpgrade { .. } => StatusCode::UPGRADE_REQUIRED,
             Self::TooManyDetections(_) => StatusCode::TOO_MANY_REQUESTS,
-            Self::TooManyStreams { .. } | Self::NoSocket { .. } => StatusCode::SERVICE_UNAVAILABLE,
+            Self::TooManyStreams { .. } | Self::TooManyReplays { .. } | Self::NoSocket { .. } => {
+                StatusCode::SERVICE_UNAVAILABLE
+            }
         }
     }
 
@@ -207,6 +228,10 @@ impl ApiError {
             Self::NotJson => "not_json",
             Self::NotSdp => "not_sdp",
             Self::UnknownRecording { .. } => "unknown_recording",
+            Self::UnreadableRecording { .. } => "unreadable_recording",
+            Self::Replaying => "replaying",
+            Self::NotReplaying => "not_replaying",
+            Self::TooManyReplays { .. } => "too_many_replays",
             Self::UnknownSession { .. } => "unknown_session",
             Self::NoSocket { .. } => "no_socket",
             Self::Shape { .. } => "invalid_body",
@@ -238,8 +263,8 @@ impl ApiError {
             Self::Unfit { problem, .. } => problem.facts(),
             Self::OutOfRange { field, problem } => json!({ "field": field, "problem": problem }),
             Self::TooManyDetections(detected) => json!(detected),
-            Self::TooManyStreams { limit } => json!({ "limit": limit }),
-            Self::UnknownRecording { file } => json!({ "file": file }),
+            Self::TooManyStreams { limit } | Self::TooManyReplays { limit } => json!({ "limit": limit }),
+            Self::UnknownRecording { file } | Self::UnreadableRecording { file } => json!({ "file": file }),
             Self::UnknownSession { session } => json!({ "session": session }),
             _ => Value::Null,
         }

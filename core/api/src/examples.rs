@@ -14,6 +14,7 @@ use serde_json::{Value, json};
 use skein_config::PayloadRule;
 use skein_coordination::ReferenceReport;
 use skein_domain::{FormationRequest, TrajectoryRequest};
+use skein_replay::ReplayChange;
 use skein_runtime::{Fault, ObserveRequest};
 
 macro_rules! examples {
@@ -35,6 +36,7 @@ examples! {
     },
     ParameterBody => { "value": 12.5 },
     ReadingBody => { "action": "begin" },
+    ReplayChange => { "position_s": 42.0, "rate": 4.0, "playing": true },
     FormationRequest => {
         "shape": "wedge", "spacing_m": 6.0, "leader": 1, "anchor": { "kind": "leader" },
         "heading": { "kind": "course" },

@@ -38,7 +38,7 @@ fn names(folder: &std::path::Path) -> Vec<String> {
 }
 
 /// Where a file of this name is, if it is one of them.
-fn path_of(app: &App, name: &str) -> Result<PathBuf, ApiError> {
+pub(crate) fn path_of(app: &App, name: &str) -> Result<PathBuf, ApiError> {
     let folder = app.node.config().recorder.folder.clone().ok_or_else(|| unknown(name))?;
     let is_one = names(&folder).iter().any(|one| one == name);
     if is_one {

@@ -11,8 +11,9 @@ use crate::protocol::{
     CommandReceipts, ControlBody, ControlReceipts, ControlState, CoordinatorBody, EmergencyStopBody, ErrorBody,
     EventList, FenceFileBody, FencePlanBody, FlightList, FormationAnswer, FormationPreview, Health, ImportedFencePlan,
     LinkReport, ObserverList, OverrideBody, ParameterBody, PayloadList, PluginList, ReadingBody, ReferenceList,
-    RestartList, ResumeBody, RouteBody, ServerMessage, SupervisionTree, TrackList, TrajectoriesEnded, TrajectoryList,
-    VehicleList, VersionInfo, VideoMessage, VideoRecordingAnswer, VideoRecordingList, VideoRequest, VideoStreamList,
+    ReplayAnswer, RestartList, ResumeBody, RouteBody, ServerMessage, SupervisionTree, TrackList, TrajectoriesEnded,
+    TrajectoryList, VehicleList, VersionInfo, VideoMessage, VideoRecordingAnswer, VideoRecordingList, VideoRequest,
+    VideoStreamList,
 };
 use crate::upgrades::RolloutBody;
 use crate::wire::{self, Field, Header, Record, flag};
@@ -25,6 +26,7 @@ use skein_domain::{
     FlightMode, FlightState, FormationRequest, GnssFix, LandedState, ParameterList, TrajectoryObjection,
     TrajectoryPlan, TrajectoryRequest,
 };
+use skein_replay::{ReplayChange, Timeline};
 use skein_runtime::{
     Detected, EmergencyKey, Fault, FenceAnswer, ObserveRequest, ParameterReceipt, PreflightAnswer, UpgradeReceipt,
 };
@@ -136,6 +138,9 @@ fn plans_and_safety(found: &mut Declarations<'_>) {
 
 fn what_is_carried(found: &mut Declarations<'_>) {
     found.visit::<EventList>();
+    found.visit::<ReplayAnswer>();
+    found.visit::<ReplayChange>();
+    found.visit::<Timeline>();
     found.visit::<PluginList>();
     found.visit::<PayloadList>();
     found.visit::<RestartList>();

@@ -32,6 +32,8 @@ mod picture;
 mod preflight;
 pub mod protocol;
 mod references;
+mod replay;
+mod replays;
 mod resume;
 mod routes;
 mod safety_view;
@@ -49,5 +51,5 @@ pub mod wire;
 
 pub use elsewhere::serve_others;
 pub use error::ApiError;
-pub use server::{router, serve};
+pub use server::{replay_router, router, serve};
 pub use settings::ApiSettings;

@@ -6,6 +6,7 @@ mod flights;
 mod links;
 mod observed;
 mod parameters;
+mod replay;
 mod supervision;
 mod video;
 
@@ -13,6 +14,7 @@ pub use flights::{FlightList, RecordedFlight};
 pub use links::{EndpointReport, LinkReport, VehicleLinkReport};
 pub use observed::{AskedObserverList, CameraView, CameraViewList, ObserverList, TrackList, ViewSource};
 pub use parameters::{ParameterBody, ParameterName, ReadingBody};
+pub use replay::ReplayAnswer;
 pub use supervision::{SupervisedPayload, SupervisedVehicle, SupervisionTree};
 pub use video::{
     VideoMessage, VideoRecording, VideoRecordingAnswer, VideoRecordingList, VideoRequest, VideoStateWord,
@@ -30,10 +32,11 @@ use skein_domain::{
     EnergyState, FailsafeState, Geodetic, NodeId, NodeTime, OffsetFrd, Refusal, Route, SwarmFrame, SystemId,
     TrajectoryStatus, VehicleCommand, VehicleId,
 };
+use skein_replay::ReplayState;
 use skein_runtime::{ControlAction, ControlReceipt, PluginInfo, Targets};
 use skein_view::{ActorHealth, Avoidance, EventRecord, FormationSnapshot, UnadoptedVehicle, VehicleSnapshot};
 use skein_view::{CommandReceipt, FormationForecast};
-use skein_view::{PayloadSnapshot, RestartRecord, ResumeQuestion, SwarmSnapshot};
+use skein_view::{PayloadSnapshot, RecorderStatus, RestartRecord, ResumeQuestion, SwarmSnapshot};
 use ts_rs::TS;
 
 /// Version of the stream's messages and of the binary frame.
@@ -368,6 +371,8 @@ pub struct FleetInfo {
     pub dead_man: DeadMan,
     /// What an operator is asked after the node ended in flight and has started again.
     pub resume: Option<ResumeQuestion>,
+    /// Whether flights are recorded.
+    pub recorder: RecorderStatus,
 }
 
 /// The answer to what an operator is asked after a restart in flight.
@@ -498,6 +503,9 @@ pub enum ServerMessage {
     Tracks(TrackList),
     /// The swarm of several nodes, where this node is part of one; twice a second.
     Swarm(Box<SwarmSnapshot>),
+    /// What is shown is a recorded flight: where it is. First of all after the greeting, and when it goes to another moment or at another pace, or
+    /// comes to its end; never said by a node that flies.
+    Replay(Box<ReplayState>),
     /// Something happened.
     Event(Box<EventRecord>),
     /// Events were lost, because this client was too slow or had been away for too long.

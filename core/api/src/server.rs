@@ -6,18 +6,21 @@ use crate::app::{App, Closing};
 use crate::connections::{Admitted, Connections};
 use crate::error::ApiError;
 use crate::guard::{Guard, keep_foreign_pages_out};
+use crate::replays::Replays;
 use crate::settings::ApiSettings;
 use crate::webrtc::LocalAddress;
-use crate::{assets, audit, body, elsewhere, endpoints, metrics, openapi};
+use crate::{assets, audit, body, elsewhere, endpoints, metrics, openapi, replay, replays};
 use axum::Extension;
 use axum::Router;
 use axum::extract::DefaultBodyLimit;
 use axum::http::{HeaderName, HeaderValue, Method, Request, Uri, header};
 use axum::middleware;
+use axum::routing::any;
 use hyper::body::Incoming;
 use hyper::service::{Service, service_fn};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
+use skein_replay::Replay;
 use skein_runtime::NodeHandle;
 use std::future::Future;
 use std::io;
@@ -42,12 +45,31 @@ const POLICY_OF_DATA: &str = "default-src 'none'; frame-ancestors 'none'";
 
 /// Every route of a node, with the checks and headers around them.
 pub fn router(node: NodeHandle, settings: &ApiSettings) -> Router {
+    let app = App {
+        replays: Arc::new(Replays::new(settings.clone())),
+        ..App::new(node, openapi::document().into())
+    };
+    // Beside the table of routes: what is below it are the routes of another node, with its own document.
+    let replays = Router::new()
+        .route("/replay/{file}", any(replays::to_the_page))
+        .route("/replay/{file}/", any(replays::first))
+        .route("/replay/{file}/{*rest}", any(replays::rest));
+    around(app, settings, replays)
+}
+
+/// Every route of a recorded flight, with the same around them: nothing can be changed but what of it is shown.
+pub fn replay_router(replay: Arc<Replay>, settings: &ApiSettings) -> Router {
+    let app = App::of_replay(replay, openapi::document().into());
+    around(app, settings, Router::new())
+}
+
+/// The routes, the routes beside them, and what is around all of them.
+pub(crate) fn around(app: App, settings: &ApiSettings, beside: Router<App>) -> Router {
     metrics::install();
-    let app = App::new(node, openapi::document().into());
     let guard = Arc::new(Guard::new(settings));
     let routes = endpoints::all()
         .into_iter()
-        .fold(Router::new(), |routes, one| routes.route(one.path, one.handler));
+        .fold(beside, |routes, one| routes.route(one.path, one.handler));
     let always = |name: HeaderName, value: &'static str| {
         SetResponseHeaderLayer::overriding(name, HeaderValue::from_static(value))
     };
@@ -62,6 +84,7 @@ pub fn router(node: NodeHandle, settings: &ApiSettings) -> Router {
             elsewhere::to_the_vehicles_node,
         ))
         .layer(middleware::from_fn_with_state(app.clone(), audit::record))
+        .layer(middleware::from_fn_with_state(app.clone(), replay::refuse_changes))
         .with_state(app)
         .layer(DefaultBodyLimit::max(body::MAX_BODY_BYTES))
         .layer(middleware::from_fn_with_state(guard, keep_foreign_pages_out))

@@ -6,6 +6,7 @@
 //!
 //! Must never do: make anything else wait. A client that does not read, or does not answer, is closed.
 
+mod replay;
 mod slow;
 mod sticks;
 
@@ -20,10 +21,11 @@ use axum::extract::{Query, State};
 use axum::response::Response;
 use axum::{Extension, body::Bytes};
 use metrics::{counter, gauge};
+use replay::Shown;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use skein_domain::control::LONGEST_CONSOLE_TEXT;
-use skein_domain::{Stick, VehicleId};
+use skein_domain::{Refusal, Stick, VehicleId};
 use skein_view::EventRecord;
 use slow::Told;
 use std::sync::Arc;
@@ -135,6 +137,8 @@ struct Client {
     told: Told,
     rate_hz: f64,
     frames: Interval,
+    /// What is shown, if it is a recorded flight.
+    shown: Option<Shown>,
     /// Of a vehicle that it steers by hand.
     sticks: Sticks,
     /// Frames sent, and the last of them whose ping was answered.
@@ -153,6 +157,7 @@ impl Client {
             .after
             .map_or(newest, |after| if after > newest { 0 } else { after });
         Self {
+            shown: app.replay.as_deref().map(Shown::of),
             socket,
             app,
             events,
@@ -194,6 +199,7 @@ impl Client {
             node: self.app.node.name().to_owned(),
         };
         self.say(&hello).await?;
+        self.send_replay().await?;
         self.send_fleet().await?;
         self.send_safety().await?;
         self.send_events().await?;
@@ -204,6 +210,7 @@ impl Client {
             tokio::select! {
                 () = &mut closed => return Err(End::Closing),
                 received = self.socket.recv() => self.received(received).await?,
+                () = replay::step(self.shown.as_mut()) => self.send_replay().await?,
                 (vehicle, stick) = self.sticks.due() => self.steer(vehicle, stick).await?,
                 event = self.events.recv() => match event {
                     // Only a wake-up: what is sent comes from the log, so that falling behind loses nothing it still keeps.
@@ -245,6 +252,7 @@ impl Client {
     }
 
     async fn send_frame(&mut self) -> Result<(), End> {
+        self.send_replay().await?;
         let frame = self.app.view.frame(&self.app.node);
         self.send(Message::Binary(frame)).await?;
         self.sent = self.sent.wrapping_add(1);
@@ -253,6 +261,11 @@ impl Client {
     }
 
     async fn send_events(&mut self) -> Result<(), End> {
+        self.send_replay().await?;
+        self.send_new_events().await
+    }
+
+    async fn send_new_events(&mut self) -> Result<(), End> {
         for event in self.app.node.events_after(self.last_event) {
             let missed = event.seq.saturating_sub(self.last_event + 1);
             if missed > 0 {
@@ -300,7 +313,11 @@ impl Client {
 
     /// Passes a stick on to the vehicle.
     async fn steer(&mut self, vehicle: VehicleId, stick: Stick) -> Result<(), End> {
-        match self.app.node.stick(self.console.as_deref(), vehicle, stick) {
+        let steered = match &self.shown {
+            Some(_) => Err(Refusal::not_permitted("this is a recorded flight")),
+            None => self.app.node.stick(self.console.as_deref(), vehicle, stick),
+        };
+        match steered {
             Ok(()) => self.sticks.taken(),
             Err(refusal) => {
                 if let Some(error) = self.sticks.refused(vehicle, refusal) {

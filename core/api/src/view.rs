@@ -171,5 +171,6 @@ fn fleet_info(snapshot: &FleetSnapshot, node: &NodeHandle) -> FleetInfo {
         faults_enabled: node.config().faults.enabled,
         dead_man: safety_view::dead_man(node),
         resume: snapshot.resume.clone(),
+        recorder: node.recorder().as_ref().clone(),
     }
 }

@@ -13,6 +13,7 @@ use ractor::{Actor, ActorProcessingErr, ActorRef};
 use skein_domain::exchange::Severity;
 use skein_runtime::{Adapter, NodeHandle};
 use skein_state::Taken;
+use skein_view::{RecorderStatus, RecorderWord};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::sync_channel;
@@ -27,6 +28,8 @@ const QUEUE: usize = 16_384;
 const STALLED_S: f64 = 3.0;
 /// A node that has stopped waits for its recording so long: no longer than that for a disk that does not answer.
 const END_WITHIN: Duration = Duration::from_secs(3);
+/// Why nothing is recorded while the thread stands.
+const SILENT: &str = "the disk does not answer";
 
 /// The actor.
 pub struct Recorder;
@@ -155,8 +158,10 @@ async fn look(node: NodeHandle, progress: Arc<Progress>, myself: ActorRef<Ended>
         if stands && !stalled {
             let text = "flights are not recorded: the disk does not answer; what it does not take is dropped";
             node.tell_of_recorder(Severity::Warning, text);
+            note_silent(&node, RecorderWord::Interrupted, Some(SILENT.to_owned()));
         }
         if stalled && !stands {
+            note_silent(&node, RecorderWord::Recording, None);
             node.tell_of_recorder(Severity::Advisory, "flights are recorded again: the disk answers");
         }
         stalled = stands;
@@ -165,6 +170,18 @@ async fn look(node: NodeHandle, progress: Arc<Progress>, myself: ActorRef<Ended>
             let _ = myself.cast(Ended);
             return;
         }
+    }
+}
+
+/// The thread cannot say of itself that it stands.
+fn note_silent(node: &NodeHandle, state: RecorderWord, why: Option<String>) {
+    let before = node.recorder();
+    if before.state == RecorderWord::Recording || before.why.as_deref() == Some(SILENT) {
+        node.note_recorder(RecorderStatus {
+            state,
+            why,
+            ..before.as_ref().clone()
+        });
     }
 }
 

@@ -148,6 +148,14 @@ impl Tapes {
         }
     }
 
+    /// Name of the present file.
+    pub fn file(&self) -> Option<String> {
+        match &self.state {
+            State::Open { path, .. } => Some(path.file_name()?.to_string_lossy().into_owned()),
+            State::Closed { .. } => None,
+        }
+    }
+
     /// Ends the file: the flight is over, or nobody has flown for long. The next is begun by whoever asks for it.
     pub fn end(&mut self, has_flown: bool) -> Result<(), WriteError> {
         let closed = State::Closed {

@@ -11,6 +11,7 @@ use skein_domain::{NodeId, NodeTime};
 use skein_recording::{Encoded, FORMAT, Header, RecorderState, TimeBase};
 use skein_runtime::NodeHandle;
 use skein_state::{Taken, Writing};
+use skein_view::{RecorderStatus, RecorderWord};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
@@ -73,6 +74,7 @@ pub struct Work {
     flushed: NodeTime,
     synced: NodeTime,
     dropped: u64,
+    status: RecorderStatus,
 }
 
 /// How node time is told from now on.
@@ -87,6 +89,11 @@ impl Work {
     /// For this node.
     pub fn new(node: NodeHandle, tapes: Option<Tapes>, live: Option<Live>) -> Self {
         let now = node.now();
+        let state = if tapes.is_some() {
+            RecorderWord::Recording
+        } else {
+            RecorderWord::Off
+        };
         let chain = tapes.as_ref().map(|tapes| tapes.last_chain(node.name()));
         Self {
             encoder: Encoder::new(node.clone(), base(&node), chain.unwrap_or_default()),
@@ -97,6 +104,10 @@ impl Work {
             flights: Flights::default(),
             flushed: now,
             synced: now,
+            status: RecorderStatus {
+                state,
+                ..RecorderStatus::default()
+            },
         }
     }
 
@@ -132,6 +143,17 @@ impl Work {
         self.begin(now);
         let messages = self.encoder.encode(taken);
         self.put(&messages, now);
+        let in_flight = self.flights.is_under_way(now);
+        self.note(|status| status.in_flight = in_flight);
+    }
+
+    /// Tells screens what has changed.
+    fn note(&mut self, change: impl FnOnce(&mut RecorderStatus)) {
+        let before = self.status.clone();
+        change(&mut self.status);
+        if self.status != before {
+            self.node.note_recorder(self.status.clone());
+        }
     }
 
     /// Begins a file if there is to be one and there is none.
@@ -153,6 +175,10 @@ impl Work {
         let began = told.is_none() && !tapes.wants_file(now);
         self.tell(told);
         if began {
+            let file = self.tapes.as_ref().and_then(Tapes::file);
+            self.note(|status| {
+                (status.state, status.file, status.why) = (RecorderWord::Recording, file, None);
+            });
             let first = self.encoder.begin_file(base);
             self.put(&first, now);
         }
@@ -197,23 +223,34 @@ impl Work {
     }
 
     fn end(&mut self, has_flown: bool) {
+        let file = self.tapes.as_ref().and_then(Tapes::file);
         let ended = self.tapes.as_mut().map_or(Ok(()), |tapes| tapes.end(has_flown));
         if let Err(error) = ended {
             let text = format!("the recording of this flight was not finished: {error}; it can be read all the same");
             self.node.tell_of_recorder(Severity::Advisory, text);
         }
+        self.note(|status| {
+            status.file = None;
+            if has_flown && file.is_some() {
+                status.last_flight = file;
+            }
+        });
     }
 
-    fn tell(&self, told: Option<Told>) {
+    fn tell(&mut self, told: Option<Told>) {
         match told {
             None => {}
             Some(Told::Interrupted(why)) => {
                 let text = format!("flights are not recorded: {why}; it is tried again every second");
                 self.node.tell_of_recorder(Severity::Warning, text);
+                self.note(|status| {
+                    (status.state, status.file, status.why) = (RecorderWord::Interrupted, None, Some(why));
+                });
             }
             Some(Told::GoesOn(lost)) => {
                 let text = format!("flights are recorded again; {lost} messages were lost");
                 self.node.tell_of_recorder(Severity::Advisory, text);
+                self.note(|status| (status.state, status.why) = (RecorderWord::Recording, None));
             }
         }
     }

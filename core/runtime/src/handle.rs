@@ -12,6 +12,7 @@ mod parting;
 mod plugins;
 mod preflight;
 mod recorder;
+mod recording;
 mod resume;
 pub(crate) mod serving;
 mod stick;

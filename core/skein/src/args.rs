@@ -67,6 +67,8 @@ pub enum Command {
     Vision(crate::vision::VisionArguments),
     /// Measure what the program costs.
     Bench(BenchArguments),
+    /// Show a recorded flight again in a browser: slower, quicker, from any moment on.
+    Replay(crate::replay::ReplayArguments),
     /// Fly a drawn flight of the tests again and tell what happens in it: a swarm in simulated time, judged by the truth.
     ReplaySeed {
         /// The seed, as the tests print it.

@@ -13,6 +13,7 @@ pub mod logging;
 pub mod manual;
 pub mod plugin;
 pub mod replay;
+pub mod replay_seed;
 pub mod report;
 pub mod run;
 pub mod service;
@@ -39,6 +40,7 @@ pub fn in_runtime(command: Command) -> Pin<Box<dyn Future<Output = anyhow::Resul
             Command::Sim(arguments) => simulate::simulate(arguments).await.map(done),
             Command::Doctor(arguments) => doctor::doctor(&arguments).await,
             Command::Upgrade(arguments) => upgrade::upgrade(arguments).await,
+            Command::Replay(arguments) => replay::replay(&arguments).await.map(done),
             Command::Swarm(arguments) => swarm::swarm(&arguments).map(done),
             Command::Plugin(arguments) => plugin::plugin(arguments).await,
             Command::Vision(arguments) => vision::vision(arguments).await,

@@ -85,9 +85,8 @@ fn opened(files: &[PathBuf]) -> anyhow::Result<Vec<Recording>> {
     files.iter().map(|file| open(file)).collect()
 }
 
-/// What is wrong is one sentence, which names its cause already.
 fn open(file: &Path) -> anyhow::Result<Recording> {
-    Recording::open(file).map_err(|error| anyhow::anyhow!("{error}"))
+    Ok(Recording::open(file)?)
 }
 
 /// What could not be read is said, and is no failure: the rest is there.

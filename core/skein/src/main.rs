@@ -3,7 +3,7 @@
 
 use clap::Parser;
 use skein::args::{Arguments, Bench, BenchArguments, Command};
-use skein::{exit, init, log, logging, manual, replay, report};
+use skein::{exit, init, log, logging, manual, replay_seed, report};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -33,7 +33,7 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
         Command::Log(arguments) => return log::log(arguments),
         Command::Completions { shell } => return Ok(manual::completions(shell)),
         Command::Man { directory } => return manual::man_pages(&directory).map(|()| ExitCode::SUCCESS),
-        Command::ReplaySeed { seed, trace } => return Ok(replay::replay_seed(seed, trace)),
+        Command::ReplaySeed { seed, trace } => return Ok(replay_seed::replay_seed(seed, trace)),
         Command::Report(arguments) => return report::report(&arguments).map(|()| ExitCode::SUCCESS),
         // Without a runtime: it is one plugin and a socket.
         Command::PluginHost => return plugin_host(),

@@ -1,18 +1,61 @@
-//! `skein replay-seed`: flies a drawn flight again, tells its story and its figures, and fails if it fails its criteria.
+//! `skein replay`: shows a recorded flight again, in a browser, until Ctrl-C or SIGTERM.
 //!
-//! Must never do: judge by itself.
+//! Must never do: open a link to a vehicle or to another node.
 
-use std::process::ExitCode;
+use anyhow::Context;
+use clap::Args;
+use skein_api::ApiSettings;
+use skein_node::stop_asked;
+use skein_replay::{Replay, ReplayChange};
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::sync::Arc;
+use tokio::net::TcpListener;
 
-/// Flies the flight of a seed.
-#[must_use]
-pub fn replay_seed(seed: u64, trace: bool) -> ExitCode {
-    let outcome = skein_seeded::fly_seed(seed, trace);
-    print!("{outcome}");
-    if outcome.is_passed() {
-        println!("all criteria are met");
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::FAILURE
-    }
+/// `skein replay`
+#[derive(Debug, Clone, Args)]
+pub struct ReplayArguments {
+    /// The recording: a file that ends in `.mcap`.
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// Where dashboard and API are served.
+    #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1:8090")]
+    pub listen: SocketAddr,
+    /// Recorded seconds that are shown in a second, 0.25 to 20.
+    #[arg(long, default_value = "1")]
+    pub rate: f64,
+    /// Begin so many seconds after the recording begins.
+    #[arg(long, value_name = "SECONDS", default_value = "0")]
+    pub from_s: f64,
+}
+
+/// Shows it.
+///
+/// # Errors
+/// When the file is no recording, or the address is in use.
+pub async fn replay(arguments: &ReplayArguments) -> anyhow::Result<()> {
+    let path = arguments.file.clone();
+    let opened = tokio::task::spawn_blocking(move || Replay::open(&path)).await?;
+    let replay = Arc::new(opened?);
+    let listener = TcpListener::bind(arguments.listen)
+        .await
+        .with_context(|| format!("cannot listen on {}", arguments.listen))?;
+    let address = listener.local_addr()?;
+    let begun = ReplayChange {
+        position_s: (arguments.from_s > 0.0).then_some(arguments.from_s),
+        rate: Some(arguments.rate),
+        playing: Some(true),
+    };
+    let state = replay.change(begun).await?;
+    println!("{} of {}, {:.0} s", state.file, state.node, state.duration_s);
+    println!("Dashboard: http://{address}/   (a recorded flight: no command leaves; Ctrl-C ends it)");
+    let router = skein_api::replay_router(replay, &ApiSettings::default());
+    let stop = async {
+        // Without signals it goes on until it is killed.
+        if stop_asked().await.is_err() {
+            std::future::pending::<()>().await;
+        }
+    };
+    skein_api::serve(listener, router, stop).await?;
+    Ok(())
 }

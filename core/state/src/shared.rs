@@ -24,7 +24,7 @@ use skein_domain::{Clock, Geodetic, NodeId, NodeTime, Refusal, SwarmFrame, Vehic
 use skein_plugin_host::Catalog;
 use skein_safety::control::ControlTable;
 use skein_safety::{FencePlanError, Fences, Gate};
-use skein_view::{ActorHealth, EventLog, FleetSnapshot, PeerSnapshot};
+use skein_view::{ActorHealth, EventLog, FleetSnapshot, PeerSnapshot, RecorderStatus};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Deref;
 use std::sync::Arc;
@@ -55,6 +55,8 @@ pub struct SharedState {
     pub recordings: Recordings,
     /// What the recorder is told.
     pub tape: Arc<Tape>,
+    /// What it says of itself.
+    pub recorder: ArcSwap<RecorderStatus>,
     /// What was flown when the node was killed, and who of it is taken back.
     pub resume: Resume,
     /// The swarm this node is part of, if any.
@@ -121,6 +123,7 @@ impl SharedState {
             videos: VideosElsewhere::default(),
             recordings: Recordings::default(),
             tape: Arc::default(),
+            recorder: ArcSwap::default(),
             resume,
             frame: ArcSwapOption::from(frame),
             peers: ArcSwap::default(),
@@ -156,6 +159,12 @@ impl SharedState {
         *self.fence_plan.lock() = plan;
         self.gate.store(Arc::new(gate));
         Ok(())
+    }
+
+    /// A recording says that this gate, with these fences, was in force.
+    pub fn hold_gate(&self, gate: Gate, plan: FencePlan) {
+        *self.fence_plan.lock() = plan;
+        self.gate.store(Arc::new(gate));
     }
 
     /// All vehicles at the present control period.

@@ -20,7 +20,7 @@ pub struct EventLog {
     sender: broadcast::Sender<Arc<EventRecord>>,
 }
 
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Ring {
     next_seq: u64,
     events: VecDeque<Arc<EventRecord>>,
@@ -28,14 +28,35 @@ struct Ring {
     acknowledged: BTreeSet<u64>,
 }
 
+impl Default for Ring {
+    fn default() -> Self {
+        Self {
+            next_seq: 1,
+            events: VecDeque::new(),
+            acknowledged: BTreeSet::new(),
+        }
+    }
+}
+
+impl Ring {
+    /// Keeps one; the oldest goes for it.
+    fn add(&mut self, record: EventRecord) -> Arc<EventRecord> {
+        self.next_seq = record.seq + 1;
+        if self.events.len() == KEPT
+            && let Some(oldest) = self.events.pop_front()
+        {
+            self.acknowledged.remove(&oldest.seq);
+        }
+        let record = Arc::new(record);
+        self.events.push_back(record.clone());
+        record
+    }
+}
+
 impl Default for EventLog {
     fn default() -> Self {
         Self {
-            ring: Mutex::new(Ring {
-                next_seq: 1,
-                events: VecDeque::new(),
-                acknowledged: BTreeSet::new(),
-            }),
+            ring: Mutex::default(),
             sender: broadcast::channel(KEPT).0,
         }
     }
@@ -86,18 +107,26 @@ impl EventLog {
 
     fn keep(&self, record: EventRecord) {
         let mut ring = self.ring.lock();
-        let record = Arc::new(EventRecord {
-            seq: ring.next_seq,
-            ..record
-        });
-        ring.next_seq += 1;
-        if ring.events.len() == KEPT
-            && let Some(oldest) = ring.events.pop_front()
-        {
-            ring.acknowledged.remove(&oldest.seq);
-        }
-        ring.events.push_back(record.clone());
+        let seq = ring.next_seq;
+        let record = ring.add(EventRecord { seq, ..record });
         // Sent under the lock, so that receivers see the order of the numbers. No receiver is no error.
+        let _ = self.sender.send(record);
+    }
+
+    /// Holds these from now on, under their own numbers, instead of what it held: what had happened at another moment of a recording. Nobody is
+    /// told of them.
+    pub fn hold(&self, records: impl IntoIterator<Item = EventRecord>) {
+        let mut ring = self.ring.lock();
+        *ring = Ring::default();
+        for record in records {
+            ring.add(record);
+        }
+    }
+
+    /// Tells what a recording tells, under its own number.
+    pub fn tell_again(&self, record: EventRecord) {
+        let mut ring = self.ring.lock();
+        let record = ring.add(record);
         let _ = self.sender.send(record);
     }
 
@@ -176,6 +205,26 @@ mod tests {
         let told = log.after(3);
         assert_eq!(told.len(), 1);
         assert_eq!(told[0].kind, EventKind::Acknowledged { events: vec![2, 3] });
+    }
+
+    #[test]
+    fn what_a_recording_tells_keeps_its_numbers_and_another_moment_replaces_it() {
+        let log = log_of(&[Severity::Info; 3]);
+        let of = |seq| EventRecord {
+            seq,
+            ..log.after(0)[0].as_ref().clone()
+        };
+        let (early, late) = ([of(40), of(42)], of(50));
+        let numbers = || log.after(0).iter().map(|event| event.seq).collect::<Vec<_>>();
+        let mut told = log.subscribe();
+        log.hold(early.clone());
+        assert_eq!(numbers(), [40, 42]);
+        log.tell_again(late);
+        assert_eq!(numbers(), [40, 42, 50]);
+        assert_eq!(told.try_recv().map(|event| event.seq), Ok(50));
+        log.hold(early);
+        assert_eq!(numbers(), [40, 42]);
+        assert!(told.try_recv().is_err());
     }
 
     #[test]

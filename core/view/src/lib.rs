@@ -11,6 +11,7 @@ mod fleet;
 mod health;
 mod peers;
 mod receipts;
+mod recorder;
 mod swarm;
 mod upgrade;
 
@@ -24,6 +25,7 @@ pub use fleet::{
 pub use health::{ActorHealth, ActorStatus, PluginHealth, RestartRecord, Restored};
 pub use peers::{PeerEntry, PeerSnapshot, airborne, kinematics};
 pub use receipts::{CommandReceipt, ForeseenWay, FormationForecast, FormationReceipt};
+pub use recorder::{RecorderStatus, RecorderWord};
 pub use swarm::{LeaderStateKind, NodeRole, NodeSnapshot, SwarmSnapshot, TermSnapshot, WaySnapshot};
 pub use upgrade::{
     ArchiveInfo, GoneBack, NodeUpgrade, NodeUpgradeState, NodeVersions, Rollout, RolloutEnd, RolloutKind,

@@ -173,8 +173,11 @@ impl NodeHandle {
     /// The swarm this node is part of, if it is part of one.
     #[must_use]
     pub fn swarm(&self) -> Option<SwarmSnapshot> {
-        let swarm = self.shared.swarm.as_ref()?;
-        Some(swarm.picture().as_ref().clone())
+        match &self.shared.swarm {
+            Some(swarm) => Some(swarm.picture().as_ref().clone()),
+            // In no swarm; but a recording may be of one.
+            None => self.snapshot().swarm.clone(),
+        }
     }
 
     /// Has a node of the swarm take the leadership, although another one may hold it.

@@ -5,7 +5,7 @@ use skein_domain::SwarmFrame;
 use skein_domain::exchange::Severity;
 use skein_domain::fence::FencePlan;
 use skein_state::Tape;
-use skein_view::{Audit, EventKind};
+use skein_view::{Audit, EventKind, RecorderStatus};
 use std::sync::Arc;
 
 impl NodeHandle {
@@ -30,6 +30,17 @@ impl NodeHandle {
     #[must_use]
     pub fn frame(&self) -> Option<SwarmFrame> {
         self.shared.frame()
+    }
+
+    /// Whether flights are recorded.
+    #[must_use]
+    pub fn recorder(&self) -> Arc<RecorderStatus> {
+        self.shared.recorder.load_full()
+    }
+
+    /// The recorder says what it does.
+    pub fn note_recorder(&self, status: RecorderStatus) {
+        self.shared.recorder.store(Arc::new(status));
     }
 
     /// Tells operators how recording fares.

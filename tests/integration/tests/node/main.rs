@@ -16,6 +16,7 @@ mod parameters;
 mod payloads;
 mod pilot;
 mod recorder;
+mod replay;
 mod software_in_the_loop;
 mod tracking;
 mod trajectories;

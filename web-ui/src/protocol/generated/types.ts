@@ -1282,7 +1282,11 @@ dead_man: DeadMan,
 /**
  * What an operator is asked after the node ended in flight and has started again.
  */
-resume: ResumeQuestion | null, };
+resume: ResumeQuestion | null, 
+/**
+ * Whether flights are recorded.
+ */
+recorder: RecorderStatus, };
 
 /**
  * The fleet at one moment.
@@ -2943,6 +2947,36 @@ bytes: number,
 finished: boolean, };
 
 /**
+ * What the recorder does.
+ */
+export type RecorderStatus = { 
+/**
+ * Whether flights are recorded.
+ */
+state: RecorderWord, 
+/**
+ * The file that is written.
+ */
+file: string | null, 
+/**
+ * Somebody was armed since it was begun.
+ */
+in_flight: boolean, 
+/**
+ * Why they are not recorded.
+ */
+why: string | null, 
+/**
+ * The file of the last flight that has ended since the node started.
+ */
+last_flight: string | null, };
+
+/**
+ * Whether flights are recorded.
+ */
+export type RecorderWord = "off" | "recording" | "interrupted";
+
+/**
  * Things that formations may be anchored to.
  */
 export type ReferenceList = { 
@@ -3125,6 +3159,77 @@ holder: string, } | { "reason": "not_sent",
  * What happened instead, and what will be done.
  */
 detail: string, };
+
+/**
+ * Whether what is shown is a recorded flight.
+ */
+export type ReplayAnswer = { 
+/**
+ * Where it is; null for a node that flies.
+ */
+replay: ReplayState | null, };
+
+/**
+ * What is asked of a replay. What is left out stays as it is.
+ */
+export type ReplayChange = { 
+/**
+ * Go to this moment, in seconds from the beginning of the recording; what is after its end is its end.
+ */
+position_s?: number, 
+/**
+ * Show so many recorded seconds in a second.
+ */
+rate?: number, 
+/**
+ * Go on, or stand still.
+ */
+playing?: boolean, };
+
+/**
+ * Where a replay is.
+ */
+export type ReplayState = { 
+/**
+ * Name of the recording's file.
+ */
+file: string, 
+/**
+ * Name of the node that recorded it.
+ */
+node: string, 
+/**
+ * When the recording begins, in seconds since 1970 by the clock of that node's computer.
+ */
+begun_unix_s: number, 
+/**
+ * The same moment on that node's clock.
+ */
+begin: NodeTime, 
+/**
+ * How long the recording is, in seconds.
+ */
+duration_s: number, 
+/**
+ * How far into it what is shown now is, in seconds.
+ */
+position_s: number, 
+/**
+ * Recorded seconds that are shown in a second.
+ */
+rate: number, 
+/**
+ * It goes on.
+ */
+playing: boolean, 
+/**
+ * Grows whenever it goes to another moment: what was known of the vehicles before holds no more then.
+ */
+jumps: number, 
+/**
+ * The recording has been gone through: the timeline is whole.
+ */
+indexed: boolean, };
 
 /**
  * Why a trigger is reported and nothing is done about it.
@@ -3318,7 +3423,7 @@ vehicles: Array<VehicleSafety>, } | { "type": "control",
 /**
  * Those that somebody has, by ascending id.
  */
-vehicles: Array<VehicleControl>, } | { "type": "tracks" } & TrackList | { "type": "swarm" } & SwarmSnapshot | { "type": "event" } & EventRecord | { "type": "gap", 
+vehicles: Array<VehicleControl>, } | { "type": "tracks" } & TrackList | { "type": "swarm" } & SwarmSnapshot | { "type": "replay" } & ReplayState | { "type": "event" } & EventRecord | { "type": "gap", 
 /**
  * How many.
  */
@@ -3539,6 +3644,48 @@ number: number,
  * The node that coordinates in it.
  */
 coordinator: NodeId, };
+
+/**
+ * What happened in a recording, for a screen.
+ */
+export type Timeline = { 
+/**
+ * The recording has been gone through. Until then there are no marks.
+ */
+complete: boolean, 
+/**
+ * By their time.
+ */
+marks: Array<TimelineMark>, 
+/**
+ * So many more there were, which nothing is shown of.
+ */
+left_out: number, };
+
+/**
+ * Something that happened.
+ */
+export type TimelineMark = { 
+/**
+ * When, in seconds from the beginning of the recording.
+ */
+position_s: number, 
+/**
+ * How urgent.
+ */
+severity: Severity, 
+/**
+ * About which vehicle, if about one.
+ */
+vehicle: VehicleId | null, 
+/**
+ * Who did it, if it was an operator or a program; empty if nobody says who.
+ */
+who: string | null, 
+/**
+ * One sentence.
+ */
+text: string, };
 
 /**
  * What is to change of a track; what is left out stays as it is.
