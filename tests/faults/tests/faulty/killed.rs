@@ -17,11 +17,20 @@ pub(crate) struct Field {
     folder: tempfile::TempDir,
     client: Client,
     web: u16,
-    node: Process,
+    start: Start,
+    pub(crate) node: Process,
 }
+
+/// How a program is started with its configuration.
+type Start = fn(&std::path::Path) -> Process;
 
 impl Field {
     pub(crate) async fn start(vehicles: usize, then: &str) -> Self {
+        Self::start_by(run, vehicles, then).await
+    }
+
+    /// The same with a program that is started otherwise.
+    pub(crate) async fn start_by(start: Start, vehicles: usize, then: &str) -> Self {
         let (web, port) = (free_tcp_port(), free_udp_port());
         let folder = tempfile::tempdir().expect("a folder");
         let config = format!(
@@ -34,12 +43,13 @@ impl Field {
             ports: PortPlan::SendTo(SocketAddr::from((Ipv4Addr::LOCALHOST, port))),
             ..SimSettings::default()
         });
-        let node = run(&folder);
+        let node = start(folder.path());
         Self {
             simulation: simulation.expect("a simulation"),
             folder,
             client: Client::new(),
             web,
+            start,
             node,
         }
     }
@@ -133,16 +143,16 @@ impl Field {
     }
 
     pub(crate) fn start_again(&mut self) {
-        self.node = run(&self.folder);
+        self.node = (self.start)(self.folder.path());
     }
 
-    fn vehicle(&self, id: u8) -> VehicleTruth {
+    pub(crate) fn vehicle(&self, id: u8) -> VehicleTruth {
         self.simulation.truth().vehicle(id).expect("is simulated").clone()
     }
 }
 
-fn run(folder: &tempfile::TempDir) -> Process {
-    let config = folder.path().join("node.toml");
+fn run(folder: &std::path::Path) -> Process {
+    let config = folder.join("node.toml");
     Process::skein(&["run", "--config", config.to_str().expect("is text")])
 }
 
@@ -153,7 +163,7 @@ fn of(fleet: &Value, count: usize, are: impl Fn(&Value) -> bool) -> bool {
 }
 
 /// Whether a formation of so many is flown.
-fn flies(fleet: &Value, count: usize) -> bool {
+pub(crate) fn flies(fleet: &Value, count: usize) -> bool {
     let members = fleet["formation"]["members"].as_array().map_or(0, Vec::len);
     let in_it = |v: &&Value| v["flight_state"] == json!("following") || v["flight_state"] == json!("leading");
     let flying = fleet["vehicles"]

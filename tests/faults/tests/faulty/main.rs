@@ -2,6 +2,7 @@
 
 mod black_box;
 mod crashes;
+mod disk;
 mod failsafe;
 mod killed;
 mod losses;
