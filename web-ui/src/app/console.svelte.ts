@@ -42,20 +42,21 @@ export class Console {
   readonly presence = new Presence(this.session);
   readonly navigation = new Navigation();
   readonly map = new MapState();
-  readonly observed = new Observed(() => this.session.canCommand && this.map.layers.cameras, () => this.map.invalidate());
+  readonly observed = new Observed(() => this.session.hears && this.map.layers.cameras, () => this.map.invalidate());
   readonly tracks = this.session.tracks;
   readonly video = new Video();
   readonly findings = new Findings(() => this.session.canCommand && this.video.boxes);
   readonly history = new History();
   readonly shortcuts = new Shortcuts();
-  readonly sound = new AlarmSound(() => this.journal.outstanding);
+  readonly sound = new AlarmSound(() => this.journal.outstanding, () => this.session.replay.on);
 
   constructor() {
     callAs(this.operator.id);
-    this.session.onFrame(() => this.history.take(this.session.fleet, (index) => this.session.rowAt(index)?.heightM ?? NaN, performance.now()));
-    // A vehicle of the new run with the same number need not be the same vehicle.
-    this.session.onRestart(() => {
+    this.session.onFrame(() => this.history.take(this.session.fleet, (index) => this.session.rowAt(index)?.heightM ?? NaN, this.session.shownNowMs(), performance.now()));
+    this.session.onRestart((sameVehicles) => {
       this.history.clear();
+      if (sameVehicles) return;
+      // A vehicle of the new run with the same number need not be the same vehicle.
       this.targets.clear();
       this.tracks.selected = null;
       this.emergency.restart();

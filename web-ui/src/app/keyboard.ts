@@ -1,6 +1,7 @@
 // What a key does, for the whole page. Must never send a command: a key finds the button, the button is pressed.
 
-import { FOCUSES } from '../model/shortcuts.svelte';
+import { FOCUSES, shortcutsIn } from '../model/shortcuts.svelte';
+import { JUMP_S } from '../model/replay.svelte';
 import type { Console } from './console.svelte';
 
 export function obey(event: KeyboardEvent, app: Console): void {
@@ -9,7 +10,9 @@ export function obey(event: KeyboardEvent, app: Console): void {
   else if (event.key === 'Escape') leave(app, typing);
   else if (!typing) {
     const keys = app.shortcuts.keys.press(event, performance.now());
-    if (keys === null) return;
+    if (keys === null || !shortcutsIn(app.session.replay.on).some((one) => one.keys === keys)) return;
+    // On a button it presses the button.
+    if (keys === 'Space' && event.target instanceof HTMLElement && event.target.closest('button, a, summary, [role="tab"]')) return;
     event.preventDefault();
     follow(keys, app);
   }
@@ -25,6 +28,7 @@ function leave(app: Console, typing: boolean): void {
 
 function follow(keys: string, app: Console): void {
   const { navigation } = app;
+  const { replay } = app.session;
   switch (keys) {
     case 'g m':
       return navigation.show('map');
@@ -38,6 +42,18 @@ function follow(keys: string, app: Console): void {
       return navigation.show('alerts');
     case 'g p':
       return navigation.show('plugins');
+    case 'g r':
+      return navigation.show('flights');
+    case 'Space':
+      return replay.toggle();
+    case ',':
+      return replay.step(-JUMP_S);
+    case '.':
+      return replay.step(JUMP_S);
+    case 'b':
+      return replay.toMark(-1);
+    case 'n':
+      return replay.toMark(1);
     case 'k':
       return step(app, -1);
     case 'j':

@@ -9,7 +9,7 @@ export type Side = 'fleet' | Plan | Record;
 export const WIDE = '(min-width: 1360px)';
 
 /** What fills the middle of the screen. */
-export const PAGES = ['map', 'fleet', 'video', 'preflight', 'alerts', 'plugins', 'links'] as const;
+export const PAGES = ['map', 'fleet', 'video', 'preflight', 'alerts', 'plugins', 'links', 'flights'] as const;
 export type Page = (typeof PAGES)[number] | 'vehicle' | 'parameters';
 
 /** A page as it stands in the address: `#fleet`, `#vehicle/3`, `#vehicle/3/parameters`; anything else is the map. */
@@ -19,6 +19,16 @@ export function pageOf(hash: string): { page: Page; vehicle: number | null } {
   if (id !== undefined) return { page: place === undefined ? 'vehicle' : 'parameters', vehicle: Number(id) };
   const page = PAGES.find((name) => name === text);
   return { page: page ?? 'map', vehicle: null };
+}
+
+/** Plans and pages that show something which is recorded. */
+const RECORDED_PAGES: readonly Page[] = ['map', 'fleet', 'vehicle', 'alerts'];
+export const RECORDED_PLANS: readonly Plan[] = ['fences', 'tracks', 'swarm'];
+
+/** The page that is shown where `page` is asked for: of a recorded flight there are not all. */
+export function pageIn(replay: boolean, page: Page): Page {
+  if (!replay || RECORDED_PAGES.includes(page)) return page;
+  return page === 'parameters' ? 'vehicle' : 'map';
 }
 
 export class Navigation {
@@ -46,6 +56,14 @@ export class Navigation {
 
   showVehicle(id: number): void {
     location.hash = `vehicle/${id}`;
+  }
+
+  /** Leaves the panels that a recorded flight does not have. */
+  keepToRecorded(): void {
+    const isPlan = (side: Side): side is Plan => side !== 'fleet' && side !== 'events' && side !== 'commands';
+    if (!RECORDED_PLANS.includes(this.plan)) this.plan = 'fences';
+    this.record = 'events';
+    if (this.side === 'commands' || (isPlan(this.side) && !RECORDED_PLANS.includes(this.side))) this.side = 'fleet';
   }
 
   showPlan(plan: Plan): void {

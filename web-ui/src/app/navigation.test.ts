@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { pageOf } from './navigation.svelte';
+import { PAGES, pageIn, pageOf } from './navigation.svelte';
 
 describe('the page in the address', () => {
   it('is read, and the map stands for whatever is not known', () => {
@@ -11,5 +11,14 @@ describe('the page in the address', () => {
     for (const hash of ['', '#', '#map', '#nowhere', '#vehicle/', '#vehicle/x', '#vehicle/1234567', '#vehicle/1/nowhere', '#vehicle/parameters']) {
       expect(pageOf(hash)).toEqual({ page: 'map', vehicle: null });
     }
+  });
+});
+
+describe('of a recorded flight', () => {
+  it('only the pages are there that show what is recorded', () => {
+    expect(PAGES.filter((page) => pageIn(true, page) === page)).toEqual(['map', 'fleet', 'alerts']);
+    expect(pageIn(true, 'video')).toBe('map');
+    expect(pageIn(true, 'parameters')).toBe('vehicle');
+    for (const page of PAGES) expect(pageIn(false, page)).toBe(page);
   });
 });

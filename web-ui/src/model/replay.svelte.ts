@@ -23,8 +23,9 @@ const NOTHING: Timeline = { complete: false, marks: [], left_out: 0 };
 
 /** How far into a recording a moment of the server's clock is, in seconds. */
 export function positionOf(of: Pick<ReplayState, 'begin' | 'duration_s'>, serverTimeMs: number): number {
-  const ms = (((serverTimeMs - of.begin / 1000) % WRAP_MS) + WRAP_MS) % WRAP_MS;
-  // The server rounds down: its clock may be a moment before the beginning.
+  // The server rounds down, and so does this: thirty seconds on are thirty seconds.
+  const ms = (((serverTimeMs - Math.floor(of.begin / 1000)) % WRAP_MS) + WRAP_MS) % WRAP_MS;
+  // What is before the beginning is the beginning.
   return ms > WRAP_MS / 2 ? 0 : Math.min(of.duration_s, ms / 1000);
 }
 

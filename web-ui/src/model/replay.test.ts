@@ -41,10 +41,12 @@ describe('the place in a recording', () => {
   it('follows from the clock in the frame', () => {
     expect(positionOf(state(), 5000)).toBe(0);
     expect(positionOf(state(), 47_500)).toBe(42.5);
+    // Thirty seconds after a beginning within a millisecond.
+    expect(positionOf(state({ begin: 5_000_900 }), 35_000)).toBe(30);
   });
 
   it('stays inside of it', () => {
-    expect(positionOf(state({ begin: 5_000_900 }), 5000)).toBe(0);
+    expect(positionOf(state(), 4999)).toBe(0);
     expect(positionOf(state(), 500_000)).toBe(100);
   });
 

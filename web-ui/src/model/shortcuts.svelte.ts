@@ -23,7 +23,7 @@ export const SHORTCUTS: readonly Shortcut[] = [
   { keys: 'k', words: 'Page of the vehicle before this, which it selects', group: 'Go to' },
   { keys: 'j', words: 'Page of the vehicle after this, which it selects', group: 'Go to' },
   { keys: '/', words: 'Find vehicles: 3, 1-4, a name, a state; Enter goes to the button that selects them', group: 'Choose' },
-  { keys: 'Escape', words: 'Lock the emergency stop, leave a tool, clear the targets', group: 'Choose' },
+  { keys: 'Escape', words: 'Lock the emergency stop, leave a tool, clear the targets', group: 'Choose', only: 'live' },
   { keys: 't', words: 'Take off', group: 'Command', only: 'live' },
   { keys: 'h', words: 'Hold', group: 'Command', only: 'live' },
   { keys: 'l', words: 'Land', group: 'Command', only: 'live' },

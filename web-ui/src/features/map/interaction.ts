@@ -52,7 +52,7 @@ export class Interaction {
     this.#waypoint = drawn ? waypointAt(map.view, drawn.waypoints, x, y, this.#reach(event)) : -1;
     if (this.#waypoint >= 0) this.#mode = 'waypoint';
     else this.#mode = map.tool === 'box' || event.shiftKey ? 'box' : 'pan';
-    if (event.pointerType === 'touch' && map.tool === 'pan') this.#resting = setTimeout(() => this.#rest(event.pointerId), LONG_PRESS_MS);
+    if (event.pointerType === 'touch' && map.tool === 'pan' && !this.console.session.replay.on) this.#resting = setTimeout(() => this.#rest(event.pointerId), LONG_PRESS_MS);
   };
 
   /** A finger has rested on a place: it means that place and nothing else. */

@@ -131,7 +131,7 @@ export class Painter {
     const { map, session, targets } = this.console;
     if (map.look !== 'flat') return false;
     const now = performance.now();
-    const underWay = carry(session.fleet, now);
+    const underWay = carry(session.fleet, now, session.replay.pace);
     this.#moveCamera();
     const ctx = this.#ctx;
     const palette = this.#palette;
@@ -190,7 +190,7 @@ export class Painter {
       paintRoute(ctx, view, palette, points, info.formation?.route_finished ?? false);
     }
     // Under the vehicles: where they were last is what an operator needs most then.
-    if (session.everLive && !session.canCommand) paintHatching(ctx, view, palette);
+    if (session.everLive && !session.hears) paintHatching(ctx, view, palette);
     if (layers.links) paintLinks(ctx, view, palette, { north: 0, east: 0 }, session.hello?.node ?? t('this node'), drawnLinks(session, scene.now));
     if (layers.slots) paintSlots(ctx, view, palette, fleet);
     if (layers.motion) paintMotion(ctx, view, palette, fleet);

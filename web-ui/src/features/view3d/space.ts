@@ -132,7 +132,7 @@ export class Space {
   #draw(): boolean {
     const { map, session, targets } = this.console;
     const now = performance.now();
-    const underWay = carry(session.fleet, now);
+    const underWay = carry(session.fleet, now, session.replay.pace);
     this.#moveCamera();
     const scene: FleetScene = {
       fleet: session.fleet, now, selected: targets.marked, marking: (index) => markingOf(session, index),
@@ -142,7 +142,7 @@ export class Space {
     const ctx = this.#ctx;
     ctx.setTransform(this.#ratio, 0, 0, this.#ratio, 0, 0);
     ctx.clearRect(0, 0, this.orbit.width, this.orbit.height);
-    if (session.everLive && !session.canCommand) this.#hatch(ctx);
+    if (session.everLive && !session.hears) this.#hatch(ctx);
     if (map.layers.fences) this.#zoneNames(ctx);
     eachPlaced(scene.fleet, (i) => this.#sign(ctx, scene, i));
     paintAuthority(ctx, this.orbit, this.#palette, scene.fleet, this.#held.get(), this.place);

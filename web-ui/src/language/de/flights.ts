@@ -16,9 +16,10 @@ export const flights = {
   REPLAY: 'WIEDERGABE', 'recorded flight, not live': 'aufgezeichneter Flug, nicht live', 'A recorded flight: nothing of this happens now': 'Ein aufgezeichneter Flug: nichts davon geschieht jetzt',
   'What is shown of the recording stands still until it is back.': 'Was von der Aufzeichnung zu sehen ist, steht still, bis sie wieder da ist.',
   'Replay controls': 'Bedienung der Wiedergabe', Play: 'Weiter', Pause: 'Anhalten', 'Go on or stand still (Space)': 'Weitergehen oder stillstehen (Leertaste)', 'Mark before': 'Marke davor', 'Mark before (B)': 'Marke davor (B)', 'Next mark': 'Nächste Marke', 'Next mark (N)': 'Nächste Marke (N)',
-  '{seconds} s back': '{seconds} s zurück', '{seconds} s on': '{seconds} s weiter', '10 s back (,)': '10 s zurück (,)', '10 s on (.)': '10 s weiter (.)', 'Speed of the replay': 'Tempo der Wiedergabe',
+  '10 s back (,)': '10 s zurück (,)', '10 s on (.)': '10 s weiter (.)', 'Speed of the replay': 'Tempo der Wiedergabe',
   'Time in the recording': 'Zeit in der Aufzeichnung', '{position} of {duration}, {time}': '{position} von {duration}, {time}', 'What happened': 'Was geschah', 'What operators and programs did': 'Was Bediener und Programme taten',
-  'looking for what happened …': 'sucht, was geschah …', '{count} more are not shown': '{count} weitere sind nicht gezeigt', 'the replay did not obey: {why}': 'die Wiedergabe gehorchte nicht: {why}',
+  '{count} from {first}': '{count} ab {first}', 'looking for what happened …': 'sucht, was geschah …', '{count} more are not shown': '{count} weitere sind nicht gezeigt', 'the replay did not obey: {why}': 'die Wiedergabe gehorchte nicht: {why}',
+  'At this moment of the recording no vehicle was known.': 'In diesem Augenblick der Aufzeichnung war noch kein Fahrzeug bekannt.', 'No alert was open at this moment.': 'In diesem Augenblick war kein Alarm offen.', 'Open alerts': 'Offene Alarme',
   // keys
   'Go on or stand still': 'Weitergehen oder stillstehen', '10 s back': '10 s zurück', '10 s on': '10 s weiter', 'To the mark before': 'Zur Marke davor', 'To the next mark': 'Zur nächsten Marke',
 } as const;
