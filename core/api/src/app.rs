@@ -1,6 +1,6 @@
 //! What every route can reach.
 
-use crate::replays::Replays;
+use crate::open_replays::OpenReplays;
 use crate::view::View;
 use crate::webrtc::WebRtc;
 use axum::body::Bytes;
@@ -32,8 +32,8 @@ pub struct App {
     pub document: Bytes,
     /// The recorded flight that the node stands for, if it is none that flies.
     pub replay: Option<Arc<Replay>>,
-    /// Recorded flights that are looked at beside it.
-    pub replays: Arc<Replays>,
+    /// Recorded flights that are looked at beside it; of one that is itself a recording there are none.
+    pub replays: Option<Arc<OpenReplays>>,
 }
 
 impl App {
@@ -48,7 +48,7 @@ impl App {
             webrtc: Arc::default(),
             document,
             replay: None,
-            replays: Arc::default(),
+            replays: None,
         }
     }
 

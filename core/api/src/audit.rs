@@ -22,6 +22,8 @@ const TOLD_OFTEN: [(Method, &str); 4] = [
     (Method::PUT, "/api/v1/tracks"),
     (Method::POST, "/api/v1/operator/alive"),
 ];
+/// What is done below this path changes what is shown of a recorded flight.
+const REPLAYS: &str = "/replay/";
 /// Fields of a body that are secrets.
 const SECRETS: [&str; 4] = ["key", "token", "secret", "password"];
 
@@ -30,7 +32,8 @@ pub(crate) async fn record(State(app): State<App>, request: Request, next: Next)
     let reads_only = matches!(*request.method(), Method::GET | Method::HEAD | Method::OPTIONS);
     let path = request.uri().path().to_owned();
     let often = |(method, begin): &(Method, &str)| request.method() == method && path.starts_with(begin);
-    if reads_only || TOLD_OFTEN.iter().any(often) || !app.node.tape().is_on() {
+    let is_replay = path.starts_with(REPLAYS);
+    if is_replay || reads_only || TOLD_OFTEN.iter().any(often) || !app.node.tape().is_on() {
         return next.run(request).await;
     }
     let what = format!("{} {path}", request.method());

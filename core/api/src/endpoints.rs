@@ -5,6 +5,7 @@ mod carried;
 mod control;
 mod flights;
 mod formations;
+mod logs;
 mod parameters;
 mod replay;
 mod resume;
@@ -197,6 +198,7 @@ pub(crate) fn all() -> Vec<Endpoint> {
     all.extend(video::videos());
     all.extend(video::recordings());
     all.extend(flights::flights());
+    all.extend(logs::logs());
     all.extend(replay::replay());
     all
 }

@@ -24,14 +24,15 @@ fn unknown(file: &str) -> ApiError {
     ApiError::UnknownRecording { file: file.to_owned() }
 }
 
-/// Names of recordings, the newest first: they begin with the time of day.
-fn names(folder: &std::path::Path) -> Vec<String> {
+/// How recordings end, and logs of autopilots.
+const RECORDING: &str = ".mcap";
+const LOG: &str = ".ulg";
+
+/// Names of files, the newest first: they begin with the time of day.
+fn names(folder: &std::path::Path, ending: &str) -> Vec<String> {
     let entries = std::fs::read_dir(folder).into_iter().flatten();
     let name = |entry: std::io::Result<std::fs::DirEntry>| entry.ok()?.file_name().into_string().ok();
-    let mut names: Vec<String> = entries
-        .filter_map(name)
-        .filter(|name| name.ends_with(".mcap"))
-        .collect();
+    let mut names: Vec<String> = entries.filter_map(name).filter(|name| name.ends_with(ending)).collect();
     names.sort_unstable_by(|a, b| b.cmp(a));
     names.truncate(MOST);
     names
@@ -40,8 +41,8 @@ fn names(folder: &std::path::Path) -> Vec<String> {
 /// Where a file of this name is, if it is one of them.
 pub(crate) fn path_of(app: &App, name: &str) -> Result<PathBuf, ApiError> {
     let folder = app.node.config().recorder.folder.clone().ok_or_else(|| unknown(name))?;
-    let is_one = names(&folder).iter().any(|one| one == name);
-    if is_one {
+    let is_one = |ending: &&str| names(&folder, ending).iter().any(|one| one == name);
+    if [RECORDING, LOG].iter().any(is_one) {
         Ok(folder.join(name))
     } else {
         Err(unknown(name))
@@ -52,7 +53,11 @@ pub(crate) async fn list(State(app): State<App>) -> Json<FlightList> {
     let folder = app.node.config().recorder.folder.clone();
     let read = tokio::task::spawn_blocking(move || {
         let folder = folder?;
+        let logs = names(&folder, LOG);
         let of = |file: String| {
+            let stem = file.strip_suffix(RECORDING).unwrap_or(&file);
+            let begins = format!("{}_", stem.strip_suffix("_ground").unwrap_or(stem));
+            let beside = logs.iter().filter(|log| log.starts_with(&begins)).cloned();
             let recording = Recording::open(&folder.join(&file)).ok()?;
             let (begin, end) = recording.span();
             Some(RecordedFlight {
@@ -60,11 +65,12 @@ pub(crate) async fn list(State(app): State<App>) -> Json<FlightList> {
                 seconds: end.seconds_since(begin),
                 bytes: recording.bytes(),
                 node: recording.header().name.clone(),
+                logs: beside.collect(),
                 finished: recording.is_finished(),
                 file,
             })
         };
-        Some(names(&folder).into_iter().filter_map(of).collect())
+        Some(names(&folder, RECORDING).into_iter().filter_map(of).collect())
     });
     let flights = read.await.ok().flatten().unwrap_or_default();
     Json(FlightList { flights })

@@ -7,13 +7,13 @@ pub(crate) mod golden;
 
 use crate::body::{DetectionsBody, TrackChangeBody};
 use crate::protocol::{
-    Accepted, AcknowledgeBody, Acknowledged, AskedObserverList, CameraViewList, ClientMessage, CommandBody,
-    CommandReceipts, ControlBody, ControlReceipts, ControlState, CoordinatorBody, EmergencyStopBody, ErrorBody,
-    EventList, FenceFileBody, FencePlanBody, FlightList, FormationAnswer, FormationPreview, Health, ImportedFencePlan,
-    LinkReport, ObserverList, OverrideBody, ParameterBody, PayloadList, PluginList, ReadingBody, ReferenceList,
-    ReplayAnswer, RestartList, ResumeBody, RouteBody, ServerMessage, SupervisionTree, TrackList, TrajectoriesEnded,
-    TrajectoryList, VehicleList, VersionInfo, VideoMessage, VideoRecordingAnswer, VideoRecordingList, VideoRequest,
-    VideoStreamList,
+    Accepted, AcknowledgeBody, Acknowledged, AskedObserverList, AutopilotLogList, CameraViewList, ClientMessage,
+    CommandBody, CommandReceipts, ControlBody, ControlReceipts, ControlState, CoordinatorBody, EmergencyStopBody,
+    ErrorBody, EventList, FenceFileBody, FencePlanBody, FlightList, FormationAnswer, FormationPreview, Health,
+    ImportedFencePlan, LinkReport, LogFetchAnswer, ObserverList, OverrideBody, ParameterBody, PayloadList, PluginList,
+    ReadingBody, ReferenceList, ReplayAnswer, RestartList, ResumeBody, RouteBody, ServerMessage, SupervisionTree,
+    TrackList, TrajectoriesEnded, TrajectoryList, VehicleList, VersionInfo, VideoMessage, VideoRecordingAnswer,
+    VideoRecordingList, VideoRequest, VideoStreamList,
 };
 use crate::upgrades::RolloutBody;
 use crate::wire::{self, Field, Header, Record, flag};
@@ -139,6 +139,8 @@ fn plans_and_safety(found: &mut Declarations<'_>) {
 fn what_is_carried(found: &mut Declarations<'_>) {
     found.visit::<EventList>();
     found.visit::<ReplayAnswer>();
+    found.visit::<AutopilotLogList>();
+    found.visit::<LogFetchAnswer>();
     found.visit::<ReplayChange>();
     found.visit::<Timeline>();
     found.visit::<PluginList>();

@@ -10,7 +10,7 @@ mod replay;
 mod supervision;
 mod video;
 
-pub use flights::{FlightList, RecordedFlight};
+pub use flights::{AutopilotLogList, FlightList, LogFetchAnswer, RecordedFlight};
 pub use links::{EndpointReport, LinkReport, VehicleLinkReport};
 pub use observed::{AskedObserverList, CameraView, CameraViewList, ObserverList, TrackList, ViewSource};
 pub use parameters::{ParameterBody, ParameterName, ReadingBody};

@@ -2,11 +2,11 @@
 //!
 //! Must never do: wait for a client that takes its time.
 
-use crate::app::{App, Closing};
+use crate::app::{App, Closing, MAX_STREAMS};
 use crate::connections::{Admitted, Connections};
 use crate::error::ApiError;
 use crate::guard::{Guard, keep_foreign_pages_out};
-use crate::replays::Replays;
+use crate::open_replays::{OpenReplays, Served};
 use crate::settings::ApiSettings;
 use crate::webrtc::LocalAddress;
 use crate::{assets, audit, body, elsewhere, endpoints, metrics, openapi, replay, replays};
@@ -46,7 +46,7 @@ const POLICY_OF_DATA: &str = "default-src 'none'; frame-ancestors 'none'";
 /// Every route of a node, with the checks and headers around them.
 pub fn router(node: NodeHandle, settings: &ApiSettings) -> Router {
     let app = App {
-        replays: Arc::new(Replays::new(settings.clone())),
+        replays: Some(Arc::new(OpenReplays::new(serve_replay(settings.clone())))),
         ..App::new(node, openapi::document().into())
     };
     // Beside the table of routes: what is below it are the routes of another node, with its own document.
@@ -63,8 +63,20 @@ pub fn replay_router(replay: Arc<Replay>, settings: &ApiSettings) -> Router {
     around(app, settings, Router::new())
 }
 
+/// How recorded flights are served beside a node.
+fn serve_replay(settings: ApiSettings) -> impl Fn(Arc<Replay>) -> Served {
+    move |replay| {
+        let app = App::of_replay(replay, openapi::document().into());
+        let streams = app.streams.clone();
+        Served {
+            router: around(app, &settings, Router::new()),
+            is_looked_at: Box::new(move || streams.available_permits() < MAX_STREAMS),
+        }
+    }
+}
+
 /// The routes, the routes beside them, and what is around all of them.
-pub(crate) fn around(app: App, settings: &ApiSettings, beside: Router<App>) -> Router {
+fn around(app: App, settings: &ApiSettings, beside: Router<App>) -> Router {
     metrics::install();
     let guard = Arc::new(Guard::new(settings));
     let routes = endpoints::all()

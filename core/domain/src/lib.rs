@@ -4,6 +4,7 @@
 //! Must never do: I/O, read a clock, spawn, draw random numbers. Time comes in as [`NodeTime`].
 #![forbid(unsafe_code)]
 
+pub mod autopilot_log;
 pub mod command;
 pub mod control;
 pub mod energy;
@@ -27,6 +28,7 @@ pub mod telemetry;
 pub mod time;
 pub mod trajectory;
 
+pub use autopilot_log::{AutopilotLog, LogFetch, LogFetchEnd};
 pub use command::{AutopilotCommand, VehicleCommand};
 pub use energy::{EnergyLevel, EnergySettings, EnergyState};
 pub use failsafe::{

@@ -24,6 +24,7 @@ pub mod event;
 mod fields;
 pub mod frame;
 pub mod link;
+pub mod logs;
 pub mod metrics;
 pub mod outbox;
 mod outlet;

@@ -10,6 +10,8 @@ use std::time::{Duration, SystemTime};
 
 /// How files of recordings end.
 const ENDING: &str = "mcap";
+/// How logs of autopilots end, which lie beside them and go as they go.
+pub const LOG_ENDING: &str = "ulg";
 /// In the name of a file in which nobody was armed.
 const GROUND: &str = "_ground";
 
@@ -27,12 +29,16 @@ pub struct Keep {
 pub fn name(unix_ns: u64, node: &str) -> String {
     let seconds = i64::try_from(unix_ns / 1_000_000_000).unwrap_or_default();
     let at = Timestamp::from_second(seconds).unwrap_or_default();
-    let node: String = node
-        .chars()
+    format!("{}_{}", at.strftime("%Y-%m-%dT%H-%M-%SZ"), plain(node))
+}
+
+/// A name of something as a part of a file's.
+#[must_use]
+pub fn plain(name: &str) -> String {
+    name.chars()
         .map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '-' })
         .take(40)
-        .collect();
-    format!("{}_{node}", at.strftime("%Y-%m-%dT%H-%M-%SZ"))
+        .collect()
 }
 
 /// A path of that name that is not there yet.
@@ -64,13 +70,16 @@ struct Kept {
     is_ground: bool,
 }
 
-fn recordings(folder: &Path) -> io::Result<Vec<Kept>> {
+fn recordings(folder: &Path, endings: &[&str]) -> io::Result<Vec<Kept>> {
     let mut kept = Vec::new();
     for entry in fs::read_dir(folder)? {
         let entry = entry?;
         let path = entry.path();
         let metadata = entry.metadata()?;
-        if metadata.is_file() && path.extension().is_some_and(|ending| ending == ENDING) {
+        let wanted = path
+            .extension()
+            .is_some_and(|is| endings.iter().any(|ending| is == *ending));
+        if metadata.is_file() && wanted {
             let stem = path.file_stem().unwrap_or_default().to_string_lossy();
             kept.push(Kept {
                 is_ground: stem.ends_with(GROUND),
@@ -88,7 +97,10 @@ fn recordings(folder: &Path) -> io::Result<Vec<Kept>> {
 /// # Errors
 /// When it cannot be read.
 pub fn all(folder: &Path) -> io::Result<Vec<PathBuf>> {
-    Ok(recordings(folder)?.into_iter().map(|kept| kept.path).collect())
+    Ok(recordings(folder, &[ENDING])?
+        .into_iter()
+        .map(|kept| kept.path)
+        .collect())
 }
 
 /// Whether another program, or this one, writes a file at this moment.
@@ -103,7 +115,7 @@ pub fn is_being_written(path: &Path) -> bool {
 /// # Errors
 /// When the folder cannot be read. A file that cannot be deleted stays.
 pub fn prune(folder: &Path, keep: Keep, more_bytes: u64, spared: &[PathBuf]) -> io::Result<Vec<PathBuf>> {
-    let mut kept = recordings(folder)?;
+    let mut kept = recordings(folder, &[ENDING, LOG_ENDING])?;
     kept.sort_by_key(|kept| (!kept.is_ground, kept.changed));
     let now = SystemTime::now();
     let mut bytes: u64 = kept.iter().map(|kept| kept.bytes).sum();

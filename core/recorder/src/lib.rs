@@ -10,6 +10,7 @@ mod finishing;
 mod flights;
 mod folder;
 mod live;
+pub mod logs;
 mod recorder;
 mod tapes;
 mod thread;

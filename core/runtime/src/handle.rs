@@ -6,6 +6,7 @@ mod coordination;
 mod emergency;
 mod fences;
 pub(crate) mod flying_on;
+mod logs;
 pub(crate) mod observers;
 mod parameters;
 mod parting;

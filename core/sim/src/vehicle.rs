@@ -14,6 +14,7 @@ mod gnss;
 mod guidance;
 mod lift;
 mod limits;
+mod logs;
 mod mission;
 mod mode;
 mod navigation;
@@ -505,6 +506,7 @@ impl SimVehicle {
                 self.send_of(channel, stream, 0, out);
             });
             self.send_parameter_list(channel, out);
+            self.send_log(channel, out);
         }
         self.report_pictures(&mut channels, out);
         if !self.origin_told && self.up_time_s() >= 1.0 {

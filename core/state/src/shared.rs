@@ -20,7 +20,7 @@ use arc_swap::{ArcSwap, ArcSwapOption};
 use parking_lot::Mutex;
 use skein_config::NodeConfig;
 use skein_domain::fence::FencePlan;
-use skein_domain::{Clock, Geodetic, NodeId, NodeTime, Refusal, SwarmFrame, VehicleId};
+use skein_domain::{Clock, Geodetic, LogFetch, NodeId, NodeTime, Refusal, SwarmFrame, VehicleId};
 use skein_plugin_host::Catalog;
 use skein_safety::control::ControlTable;
 use skein_safety::{FencePlanError, Fences, Gate};
@@ -59,6 +59,8 @@ pub struct SharedState {
     pub recorder: ArcSwap<RecorderStatus>,
     /// What was flown when the node was killed, and who of it is taken back.
     pub resume: Resume,
+    /// Logs of autopilots that are fetched, and were last.
+    pub log_fetches: Mutex<BTreeMap<VehicleId, LogFetch>>,
     /// The swarm this node is part of, if any.
     pub swarm: Option<SwarmShare>,
     /// The safety gate; replaced as a whole when the fences change.
@@ -125,6 +127,7 @@ impl SharedState {
             tape: Arc::default(),
             recorder: ArcSwap::default(),
             resume,
+            log_fetches: Mutex::default(),
             frame: ArcSwapOption::from(frame),
             peers: ArcSwap::default(),
             picture: ArcSwap::default(),

@@ -2,6 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
+use skein_domain::{AutopilotLog, LogFetch};
 use ts_rs::TS;
 
 /// Recordings on this node.
@@ -9,6 +10,20 @@ use ts_rs::TS;
 pub struct FlightList {
     /// The newest first.
     pub flights: Vec<RecordedFlight>,
+}
+
+/// Logs on an autopilot's card.
+#[derive(Debug, Clone, PartialEq, Serialize, TS, JsonSchema)]
+pub struct AutopilotLogList {
+    /// By their numbers.
+    pub logs: Vec<AutopilotLog>,
+}
+
+/// The log of a vehicle that is being fetched, or was last.
+#[derive(Debug, Clone, PartialEq, Serialize, TS, JsonSchema)]
+pub struct LogFetchAnswer {
+    /// How far it has come; null if none was since the node started.
+    pub fetch: Option<LogFetch>,
 }
 
 /// A recording of a flight, or of vehicles that stood.
@@ -25,6 +40,8 @@ pub struct RecordedFlight {
     /// Its size in bytes.
     #[ts(type = "number")]
     pub bytes: u64,
+    /// Logs of autopilots that lie beside it, by their files' names.
+    pub logs: Vec<String>,
     /// It was ended. One that was not is being written, or was cut off with its program.
     pub finished: bool,
 }

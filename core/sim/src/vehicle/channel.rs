@@ -143,6 +143,8 @@ pub(crate) struct Channel {
     text_id: u16,
     /// Next parameter of a list being sent.
     pub list_next: Option<usize>,
+    /// What of a log is sent.
+    pub log: super::logs::Sending,
 }
 
 impl Channel {
@@ -179,6 +181,7 @@ impl Channel {
             ground_station_s: None,
             text_id: 0,
             list_next: None,
+            log: super::logs::Sending::default(),
         }
     }
 

@@ -101,7 +101,7 @@ impl SimVehicle {
         }
     }
 
-    /// Parameters and missions.
+    /// Parameters, logs and missions.
     fn take_protocol(&mut self, link: LinkKind, sender: Sender, message: &MavMessage, out: &mut Outbox) {
         match message {
             MavMessage::PARAM_REQUEST_LIST(m) if self.is_for_me(m.target_system, m.target_component) => {
@@ -112,6 +112,15 @@ impl SimVehicle {
             }
             MavMessage::PARAM_SET(m) if self.is_for_me(m.target_system, m.target_component) => {
                 self.set_parameter(link, m, out);
+            }
+            MavMessage::LOG_REQUEST_LIST(m) if self.is_for_me(m.target_system, m.target_component) => {
+                self.on_channel(link, |vehicle, channel| vehicle.list_logs(channel, out));
+            }
+            MavMessage::LOG_REQUEST_DATA(m) if self.is_for_me(m.target_system, m.target_component) => {
+                self.on_channel(link, |_, channel| Self::begin_log(channel, m));
+            }
+            MavMessage::LOG_REQUEST_END(m) if self.is_for_me(m.target_system, m.target_component) => {
+                self.on_channel(link, |_, channel| channel.log = super::logs::Sending::default());
             }
             _ => self.take_mission_message(link, sender, message, out),
         }

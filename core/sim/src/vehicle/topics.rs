@@ -155,7 +155,7 @@ impl SimVehicle {
         })
     }
 
-    fn utc_us(&self) -> i64 {
+    pub(super) fn utc_us(&self) -> i64 {
         i64::try_from(self.identity.utc_at_zero_us + self.time_us()).unwrap_or(i64::MAX)
     }
 

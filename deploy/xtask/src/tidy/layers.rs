@@ -5,11 +5,12 @@ use crate::workspace::{Package, Workspace};
 
 /// The crates of `core` from the binary to the words; each may depend on what stands below it.
 /// Names of crates that are not built yet keep their place.
-const ORDER: [&str; 38] = [
+const ORDER: [&str; 40] = [
     "skein",
     "skein-demo",
     "skein-node",
     "skein-api",
+    "skein-replay",
     "skein-recorder",
     "skein-ros2",
     "skein-runtime",
@@ -20,6 +21,7 @@ const ORDER: [&str; 38] = [
     "skein-state",
     "skein-report",
     "skein-export",
+    "skein-ros2-messages",
     "skein-recording",
     "skein-coordination",
     "skein-view",

@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 /// Paths in the order in which a flight has a use for them, and how each is answered.
-const IN_ORDER: [(&str, u16); 26] = [
+const IN_ORDER: [(&str, u16); 27] = [
     ("POST /api/v1/vehicles/{id}/parameters/reading", 202),
     ("PUT /api/v1/vehicles/{id}/parameters/{name}", 200),
     ("POST /api/v1/vehicles/{id}/payloads", 202),
@@ -33,6 +33,8 @@ const IN_ORDER: [(&str, u16); 26] = [
     ("POST /api/v1/tracks/{id}/observe", 404),
     ("POST /api/v1/detections", 202),
     ("POST /api/v1/events/acknowledge", 200),
+    // It flies: what it shows is no recording.
+    ("PUT /api/v1/replay", 409),
     // Nothing was broken off, and the node is in no swarm.
     ("POST /api/v1/resume", 403),
     ("POST /api/v1/swarm/coordinator", 403),

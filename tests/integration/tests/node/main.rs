@@ -1,6 +1,7 @@
 //! The whole node in one process against simulated vehicles: one program for all flights, so that several fly at a time and none is linked twice.
 
 mod adoption;
+mod autopilot_logs;
 mod by_hand;
 mod common_frame;
 mod control;

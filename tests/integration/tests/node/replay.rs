@@ -59,6 +59,8 @@ async fn a_flight_is_shown_again_while_the_node_flies_on() {
     let folder = tempfile::tempdir().expect("a folder");
     let flights = folder.path().join("flights");
     let swarm = Swarm::start_with(2, |config, _| config.recorder.folder = Some(flights.clone())).await;
+    swarm.ready().await;
+    let ready_s = swarm.node().now().as_seconds();
     swarm.take_off(6.0).await;
     let base = format!("http://{}", swarm.web_address());
     let flown_s = swarm.node().now().as_seconds();
@@ -68,9 +70,12 @@ async fn a_flight_is_shown_again_while_the_node_flies_on() {
     let (_, there) = get(&format!("{shown}/api/v1/replay")).await;
     assert_eq!(there["replay"]["file"], file.as_str(), "{there}");
     let end_s = there["replay"]["duration_s"].as_f64().expect("a number");
-    assert!(highest_at(&shown, 0.0).await < 1.0);
+    let ground_s = ready_s - there["replay"]["begin"].as_f64().expect("a number") * 1e-6;
+    assert!(highest_at(&shown, ground_s).await < 1.0);
     assert!(highest_at(&shown, end_s).await > 4.0);
-    assert!(highest_at(&shown, 0.0).await < 1.0);
+    assert!(highest_at(&shown, ground_s).await < 1.0);
+    let (status, one) = get(&format!("{shown}/api/v1/vehicles/2")).await;
+    assert_eq!((status, &one["id"]), (StatusCode::OK, &json!(2)));
 
     is_told(&shown).await;
     nothing_is_commanded(&base, &shown).await;

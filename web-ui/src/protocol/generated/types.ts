@@ -147,6 +147,32 @@ track: number,
 asked: Array<AskedObserver>, };
 
 /**
+ * A log on an autopilot's own card.
+ */
+export type AutopilotLog = { 
+/**
+ * Its number there. It may be another one after the autopilot has restarted or a log was deleted.
+ */
+number: number, 
+/**
+ * Its size in bytes.
+ */
+size_bytes: number, 
+/**
+ * When it was written last, in seconds since 1970 by the autopilot's clock; absent if that had no time.
+ */
+written_unix_s: number | null, };
+
+/**
+ * Logs on an autopilot's card.
+ */
+export type AutopilotLogList = { 
+/**
+ * By their numbers.
+ */
+logs: Array<AutopilotLog>, };
+
+/**
  * What is changed of a vehicle's setpoints at a moment, to keep it off others or inside of a fence.
  */
 export type Avoidance = { 
@@ -2049,6 +2075,45 @@ endpoints: Array<EndpointReport>,
 vehicles: Array<VehicleLinkReport>, };
 
 /**
+ * How far the fetching of a log has come.
+ */
+export type LogFetch = { 
+/**
+ * Which log.
+ */
+log: AutopilotLog, 
+/**
+ * Bytes that are there.
+ */
+received_bytes: number, 
+/**
+ * How it ended, if it has.
+ */
+end: LogFetchEnd | null, };
+
+/**
+ * The log of a vehicle that is being fetched, or was last.
+ */
+export type LogFetchAnswer = { 
+/**
+ * How far it has come; null if none was since the node started.
+ */
+fetch: LogFetch | null, };
+
+/**
+ * How the fetching of a log ended.
+ */
+export type LogFetchEnd = { "end": "fetched", 
+/**
+ * Its file there.
+ */
+file: string, } | { "end": "broken_off", 
+/**
+ * Why.
+ */
+why: string, };
+
+/**
  * A place on the ground: WGS 84 degrees.
  */
 export type MapPoint = { 
@@ -2942,6 +3007,10 @@ seconds: number,
  */
 bytes: number, 
 /**
+ * Logs of autopilots that lie beside it, by their files' names.
+ */
+logs: Array<string>, 
+/**
  * It was ended. One that was not is being written, or was cut off with its program.
  */
 finished: boolean, };
@@ -3226,6 +3295,10 @@ playing: boolean,
  * Grows whenever it goes to another moment: what was known of the vehicles before holds no more then.
  */
 jumps: number, 
+/**
+ * It was ended. One that was not was being written when it was opened, or was cut off with its program.
+ */
+finished: boolean, 
 /**
  * The recording has been gone through: the timeline is whole.
  */
