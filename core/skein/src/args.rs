@@ -241,6 +241,18 @@ pub enum Bench {
         #[arg(long)]
         json: bool,
     },
+    /// A long recording opened and wound back and forth, beside reading it once from its beginning to its end.
+    Replay {
+        /// How many vehicles.
+        #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..=250))]
+        vehicles: u16,
+        /// How long the flight is, in minutes.
+        #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=600))]
+        minutes: u32,
+        /// Print the report as JSON.
+        #[arg(long)]
+        json: bool,
+    },
     /// A whole swarm's decisions in one process: a change of formation planned, the separation filter, a leader replaced.
     Swarm {
         /// How many vehicles.

@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 use skein_bench::{
-    AssignmentBenchArgs, BusBenchArgs, FleetBenchArgs, Ros2BenchArgs, SwarmBenchArgs, VideoBenchArgs, VisionBenchArgs,
-    run_assignment_bench, run_bus_bench, run_fleet_bench, run_ros2_bench, run_swarm_bench, run_video_bench,
-    run_vision_bench,
+    AssignmentBenchArgs, BusBenchArgs, FleetBenchArgs, ReplayBenchArgs, Ros2BenchArgs, SwarmBenchArgs, VideoBenchArgs,
+    VisionBenchArgs, run_assignment_bench, run_bus_bench, run_fleet_bench, run_replay_bench, run_ros2_bench,
+    run_swarm_bench, run_video_bench, run_vision_bench,
 };
 use std::fmt::Display;
 use std::path::PathBuf;
@@ -35,6 +35,15 @@ pub fn assignment(python: PathBuf, json: bool) -> anyhow::Result<ExitCode> {
 /// When the swarm's formation cannot be planned.
 pub fn swarm(vehicles: u16, json: bool) -> anyhow::Result<ExitCode> {
     let report = run_swarm_bench(&SwarmBenchArgs::new(usize::from(vehicles)))?;
+    show(&report, json)
+}
+
+/// A long recording looked at again.
+///
+/// # Errors
+/// When it cannot be written or read.
+pub fn replay(vehicles: u16, minutes: u32, json: bool) -> anyhow::Result<ExitCode> {
+    let report = run_replay_bench(ReplayBenchArgs { vehicles, minutes })?;
     show(&report, json)
 }
 

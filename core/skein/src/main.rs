@@ -66,6 +66,11 @@ fn bench(what: Bench) -> anyhow::Result<ExitCode> {
             json,
         } => skein::bench::fleet(vehicles, seconds, json),
         Bench::Assignment { python, json } => skein::bench::assignment(python, json),
+        Bench::Replay {
+            vehicles,
+            minutes,
+            json,
+        } => skein::bench::replay(vehicles, minutes, json),
         Bench::Swarm { vehicles, json } => skein::bench::swarm(vehicles, json),
         Bench::Bus { nodes, seconds, json } => skein::bench::bus(nodes, seconds, json),
         Bench::Ros2 { python, seconds, json } => skein::bench::ros2(python, seconds, json),

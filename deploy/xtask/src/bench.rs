@@ -43,6 +43,7 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Result<ExitCode> {
         measure(&binary, &["bench", "swarm", "--vehicles", vehicles])?;
     }
     measure(&binary, &["bench", "bus"])?;
+    measure(&binary, &["bench", "replay"])?;
     match scipy(&workspace.target) {
         Ok(python) => {
             let python = python.to_string_lossy();

@@ -11,6 +11,8 @@
 //!
 //! What a detector takes for a picture, part by part, beside FFmpeg and ONNX Runtime ([`run_vision_bench`]).
 //!
+//! A long recording opened and wound back and forth, beside reading it once ([`run_replay_bench`]).
+//!
 //! The cost of plugins' calls is measured from inside, in a program of their own ([`run_plugin_bench`]).
 //!
 //! Must never do: reach into the program measured. What counts is what leaves its sockets and what the system charges it.
@@ -27,6 +29,7 @@ mod generator;
 mod plugin;
 mod process;
 mod program;
+mod replay;
 mod report;
 mod ros2;
 mod swarm;
@@ -43,6 +46,7 @@ pub use generator::{LoadGeneratorSettings, run_load_generator};
 pub use plugin::{CallFigures, PluginBenchArgs, PluginBenchReport, run_plugin_bench};
 pub use process::Scheduling;
 pub use program::VehicleLink;
+pub use replay::{ReplayBenchArgs, ReplayBenchReport, run_replay_bench};
 pub use report::{FleetBenchReport, Gaps, LoadFigures, SideFigures, Spread, WindowFigures};
 pub use ros2::{CostFigures, Latency, Ros2BenchArgs, Ros2BenchReport, Shown, run_ros2_bench};
 pub use swarm::{SwarmBenchArgs, SwarmBenchReport, run_swarm_bench};
