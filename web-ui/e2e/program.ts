@@ -75,7 +75,9 @@ export class Program {
   }
 
   static async #run(args: readonly string[]): Promise<Program> {
-    const child = spawn(BINARY, args, { stdio: ['ignore', 'pipe', 'pipe'] });
+    // Recordings go where nobody keeps his own.
+    const env = { ...process.env, XDG_STATE_HOME: join(tmpdir(), 'skein-tests') };
+    const child = spawn(BINARY, args, { stdio: ['ignore', 'pipe', 'pipe'], env });
     const said: string[] = [];
     child.stderr.on('data', (text: Buffer) => said.push(text.toString()));
     const url = await new Promise<string>((found, failed) => {

@@ -137,6 +137,7 @@ fn state_of(recording: &Recording, begin: NodeTime, end: NodeTime) -> ReplayStat
         rate: 1.0,
         playing: false,
         jumps: 0,
+        finished: recording.is_finished(),
         indexed: false,
     }
 }

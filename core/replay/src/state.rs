@@ -31,6 +31,8 @@ pub struct ReplayState {
     pub playing: bool,
     /// Grows whenever it goes to another moment: what was known of the vehicles before holds no more then.
     pub jumps: u64,
+    /// It was ended. One that was not was being written when it was opened, or was cut off with its program.
+    pub finished: bool,
     /// The recording has been gone through: the timeline is whole.
     pub indexed: bool,
 }

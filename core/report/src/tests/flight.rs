@@ -248,7 +248,8 @@ impl Flight {
                 };
                 let mut fleet = serde_json::to_value(&fleet).expect("encodes");
                 if (10.0..self.seconds - 15.0).contains(&t_s) {
-                    fleet["formation"] = serde_json::json!({ "leader": 1, "members": [1, 2, 3, 4], "settled_at": at(12.0) });
+                    fleet["formation"] =
+                        serde_json::json!({ "leader": 1, "members": [1, 2, 3, 4], "settled_at": at(12.0) });
                 }
                 tape.put(Topic::Fleet, t_s, &fleet);
                 tape.put(
