@@ -9,7 +9,10 @@ use metrics_exporter_prometheus::{PrometheusBuilder, PrometheusHandle};
 use skein_domain::FlightState;
 use skein_domain::payload::{PayloadKind, TrackSource};
 use skein_runtime::{CameraVideo, NodeHandle, SeenCounts};
-use skein_view::{ActorHealth, ActorStatus, FleetSnapshot, PayloadSnapshot, PluginHealth, VehicleSnapshot};
+use skein_view::{
+    ActorHealth, ActorStatus, FleetSnapshot, PayloadSnapshot, PluginHealth, RecorderStatus, RecorderWord,
+    VehicleSnapshot,
+};
 use std::sync::OnceLock;
 use std::time::Duration;
 
@@ -61,6 +64,7 @@ fn render_node(node: &NodeHandle) -> String {
         gauge!("skein_snapshot_age_seconds").set(now.seconds_since(snapshot.time).max(0.0));
         describe();
         describe_tracks();
+        recording(&node.recorder(), node.tape().dropped());
         fleet(&snapshot);
         tracks(&snapshot, &node.seen_counts());
         node.streams().videos().iter().for_each(video);
@@ -120,6 +124,24 @@ fn describe() {
         "skein_video_glass_to_glass_p99_seconds",
         "99th percentile of the time from a camera's picture to the eyes, as a viewer told it."
     );
+}
+
+/// Nothing where flights are not to be recorded.
+fn recording(status: &RecorderStatus, dropped: u64) {
+    if status.state == RecorderWord::Off {
+        return;
+    }
+    metrics::describe_gauge!(
+        "skein_recorder_recording",
+        "1 while flights are recorded; 0 while the disk does not take them."
+    );
+    metrics::describe_counter!(
+        "skein_recorder_dropped_total",
+        "Messages that were not recorded, because the disk did not take them in time."
+    );
+    let records = status.state == RecorderWord::Recording;
+    gauge!("skein_recorder_recording").set(f64::from(u8::from(records)));
+    counter!("skein_recorder_dropped_total").absolute(dropped);
 }
 
 fn describe_tracks() {
@@ -196,7 +218,7 @@ fn fleet(snapshot: &FleetSnapshot) {
 
 fn plugin(health: &PluginHealth) {
     actor(&health.as_actor());
-    let labels = [("instance", health.name.clone()), ("plugin", health.plugin.clone())];
+    let labels = [("actor", health.name.clone()), ("plugin", health.plugin.clone())];
     gauge!("skein_plugin_restarts", &labels).set(health.restarts as f64);
     gauge!("skein_plugin_call_p50_seconds", &labels).set(health.call_p50_us * 1e-6);
     gauge!("skein_plugin_call_p99_seconds", &labels).set(health.call_p99_us * 1e-6);
@@ -253,7 +275,10 @@ fn vehicle(vehicle: &VehicleSnapshot) {
 
 fn endpoint(endpoint: &str, counts: &[(&'static str, u64)]) {
     for (name, count) in counts {
-        counter!(format!("skein_endpoint_{name}_total"), "endpoint" => endpoint.to_owned()).absolute(*count);
+        let told = name.replace('_', " ");
+        let name = format!("skein_endpoint_{name}_total");
+        metrics::describe_counter!(name.clone(), format!("Of an endpoint: {told}."));
+        counter!(name, "endpoint" => endpoint.to_owned()).absolute(*count);
     }
 }
 

@@ -7,6 +7,7 @@
 mod again;
 mod check;
 mod cut;
+mod decisions;
 mod error;
 mod exported;
 mod formats;
@@ -25,6 +26,7 @@ mod utc;
 pub use again::{Again, redecide};
 pub use check::{Finding, Findings, check};
 pub use cut::cut;
+pub use decisions::decisions;
 pub use error::ExportError;
 pub use exported::Exported;
 pub use formats::{Format, export};

@@ -2,6 +2,7 @@
 
 mod broken;
 mod flight;
+mod flights;
 mod formats;
 mod parts;
 

@@ -11,6 +11,8 @@ use crate::interfaces::Service;
 use crate::limit::Limit;
 use futures_util::StreamExt;
 use ros2_client::Server;
+use skein_runtime::NodeHandle;
+use skein_view::Audit;
 use tokio::time::Instant;
 
 /// So many requests at once are answered by one service, then so many per second.
@@ -24,6 +26,14 @@ pub const TOO_OFTEN: &str = "too_many_requests";
 pub trait Refusable {
     /// The refusal.
     fn refused(code: &str, message: &str) -> Self;
+
+    /// What came of it, in words: `accepted`, or why not.
+    fn outcome(&self) -> String;
+}
+
+/// What came of a request.
+fn outcome(success: bool, why: &str) -> String {
+    if success { "accepted".to_owned() } else { why.to_owned() }
 }
 
 impl Refusable for crate::interfaces::standard::Outcome {
@@ -32,6 +42,10 @@ impl Refusable for crate::interfaces::standard::Outcome {
             success: false,
             message: format!("{code}: {message}"),
         }
+    }
+
+    fn outcome(&self) -> String {
+        outcome(self.success, &self.message)
     }
 }
 
@@ -44,6 +58,10 @@ impl Refusable for crate::interfaces::skein::CommandOutcome {
             command: 0,
         }
     }
+
+    fn outcome(&self) -> String {
+        outcome(self.success, &format!("{}: {}", self.code, self.message))
+    }
 }
 
 impl Refusable for crate::interfaces::skein::FormationOutcome {
@@ -55,10 +73,15 @@ impl Refusable for crate::interfaces::skein::FormationOutcome {
             ..Self::default()
         }
     }
+
+    fn outcome(&self) -> String {
+        outcome(self.success, &format!("{}: {}", self.code, self.message))
+    }
 }
 
-/// Answers requests one after the other, as long as it is polled.
+/// Answers requests one after the other, as long as it is polled. Each is recorded with what came of it; who asked, ROS 2 does not tell.
 pub async fn answer<S: Service>(
+    node: NodeHandle,
     server: Server<S::Request, S::Response>,
     what: String,
     carry_out: impl AsyncFn(S::Request) -> S::Response,
@@ -70,11 +93,20 @@ pub async fn answer<S: Service>(
     while let Some(request) = requests.next().await {
         // What cannot be read has nobody who could be answered.
         let Ok((from, request)) = request else { continue };
+        let with = serde_json::to_string(&request).unwrap_or_default();
         let response = if limit.permits(began.elapsed().as_secs_f64()) {
             carry_out(request).await
         } else {
             S::Response::refused(TOO_OFTEN, "this service is asked too often")
         };
+        node.audit(|| Audit {
+            time: node.now(),
+            who: String::new(),
+            over: "ros2".to_owned(),
+            what: what.clone(),
+            with,
+            outcome: response.outcome(),
+        });
         if let Err(error) = server.send_response(from, response) {
             tracing::warn!("{what} cannot be answered: {error:?}");
         }

@@ -31,6 +31,7 @@ pub fn log(arguments: LogArguments) -> anyhow::Result<ExitCode> {
             until_s,
             out,
         } => cut(&file, from_s, until_s, &out),
+        LogCommand::Decisions { file, out } => decisions(&file, &out),
         LogCommand::Redecide { file } => redecide(&file),
     }
 }
@@ -162,6 +163,17 @@ fn cut(file: &Path, from_s: f64, until_s: f64, out: &Path) -> anyhow::Result<Exi
     tell_damage(&written.damage, 0);
     println!("Written: {} ({} messages)", out.display(), written.messages);
     Ok(ExitCode::SUCCESS)
+}
+
+fn decisions(file: &Path, out: &Path) -> anyhow::Result<ExitCode> {
+    let recording = open(file)?;
+    let mut bar = Bar::new("writing");
+    let written = skein_export::decisions(&recording, out, &mut |share| bar.at(share));
+    drop(bar);
+    let written = written?;
+    tell_damage(&written.damage, 0);
+    println!("Written: {} ({} messages)", out.display(), written.messages);
+    redecide(out)
 }
 
 fn redecide(file: &Path) -> anyhow::Result<ExitCode> {

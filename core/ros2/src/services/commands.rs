@@ -34,32 +34,45 @@ pub fn of_vehicle(
     ];
     for (service, command) in triggers {
         let (server, handle) = (place.server::<Trigger>(service)?, node.clone());
-        tasks.add(answer::<Trigger>(server, what(name, service), async move |_| {
-            give(&handle, one(id), command).await
-        }));
+        tasks.add(answer::<Trigger>(
+            node.clone(),
+            server,
+            what(name, service),
+            async move |_| give(&handle, one(id), command).await,
+        ));
     }
     let (server, handle) = (place.server::<SetBool>("arm")?, node.clone());
-    tasks.add(answer::<SetBool>(server, what(name, "arm"), async move |request| {
-        let command = if request.data {
-            VehicleCommand::Arm
-        } else {
-            VehicleCommand::Disarm
-        };
-        give(&handle, one(id), command).await
-    }));
+    tasks.add(answer::<SetBool>(
+        node.clone(),
+        server,
+        what(name, "arm"),
+        async move |request| {
+            let command = if request.data {
+                VehicleCommand::Arm
+            } else {
+                VehicleCommand::Disarm
+            };
+            give(&handle, one(id), command).await
+        },
+    ));
     let (server, handle) = (place.server::<TakeOff>("take_off_to")?, node.clone());
     tasks.add(answer::<TakeOff>(
+        node.clone(),
         server,
         what(name, "take_off_to"),
         async move |request| command(&handle, id, requests::take_off(&request)).await,
     ));
     let (server, handle) = (place.server::<GoTo>("go_to")?, node.clone());
-    tasks.add(answer::<GoTo>(server, what(name, "go_to"), async move |request| {
-        command(&handle, id, requests::go_to(&request)).await
-    }));
+    tasks.add(answer::<GoTo>(
+        node.clone(),
+        server,
+        what(name, "go_to"),
+        async move |request| command(&handle, id, requests::go_to(&request)).await,
+    ));
     let (server, handle) = (place.server::<PointGimbal>("point_gimbal")?, node.clone());
     let base_link = names::base_link(name);
     tasks.add(answer::<PointGimbal>(
+        node.clone(),
         server,
         what(name, "point_gimbal"),
         async move |request| point_gimbal(&handle, id, &base_link, &request).await,
@@ -81,24 +94,30 @@ pub fn of_swarm(place: &mut Place, node: &NodeHandle, tasks: &mut Tasks) -> Resu
     ];
     for (service, command) in triggers {
         let (server, handle) = (place.server::<Trigger>(service)?, node.clone());
-        tasks.add(answer::<Trigger>(server, what("swarm", service), async move |_| {
-            give(&handle, Targets::All, command).await
-        }));
+        tasks.add(answer::<Trigger>(
+            node.clone(),
+            server,
+            what("swarm", service),
+            async move |_| give(&handle, Targets::All, command).await,
+        ));
     }
     let (server, handle) = (place.server::<Trigger>("dissolve_formation")?, node.clone());
     tasks.add(answer::<Trigger>(
+        node.clone(),
         server,
         what("swarm", "dissolve_formation"),
         async move |_| outcome(handle.dissolve_formation().await),
     ));
     let (server, handle) = (place.server::<SetFormation>("set_formation")?, node.clone());
     tasks.add(answer::<SetFormation>(
+        node.clone(),
         server,
         what("swarm", "set_formation"),
         async move |request| form(&handle, requests::formation(&request)).await,
     ));
     let (server, handle) = (place.server::<Follow>("follow")?, node.clone());
     tasks.add(answer::<Follow>(
+        node.clone(),
         server,
         what("swarm", "follow"),
         async move |request| form(&handle, requests::follow(&request)).await,

@@ -71,6 +71,14 @@ pub enum LogCommand {
         #[arg(long, value_name = "FILE")]
         out: PathBuf,
     },
+    /// Write a recording's decisions with all that they were made from, and nothing else: a file small enough to be kept as a test.
+    Decisions {
+        /// The recording.
+        file: PathBuf,
+        /// The file to be made; it must not be there yet.
+        #[arg(long, value_name = "FILE")]
+        out: PathBuf,
+    },
     /// Make recorded decisions again, by this version of the program. Exit code 1 if one comes out otherwise.
     Redecide {
         /// The recording.

@@ -115,6 +115,11 @@ fn written() -> BTreeMap<String, BTreeSet<String>> {
         fleet(&snapshot);
         tracks(&snapshot, &seen);
         video(&watched_camera());
+        let records = RecorderStatus {
+            state: RecorderWord::Recording,
+            ..RecorderStatus::default()
+        };
+        recording(&records, 3);
         endpoint("sitl", &EndpointCounters::default().named());
     });
     recorder.0.into_inner()
@@ -161,8 +166,6 @@ fn dashboard_and_rules_name_only_metrics_and_labels_that_are_written() {
                     .get(metric)
                     .unwrap_or_else(|| panic!("{path}: nothing writes {metric}"));
                 labels.extend(own.iter().map(String::as_str));
-                // A target has an `instance` of its own, so that Prometheus keeps this one under another name.
-                labels.extend(own.contains("instance").then_some("exported_instance"));
                 named += 1;
             }
             for label in labels_in(line) {
