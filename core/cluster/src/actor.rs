@@ -24,7 +24,7 @@ use skein_bus::{Bus, BusSettings};
 use skein_config::Apart;
 use skein_domain::exchange::Severity;
 use skein_domain::{NodeId, NodeTime};
-use skein_failover::{LeaderMonitor, LeaderMonitorSettings, Leadership, Term, Unled};
+use skein_failover::{LeaderMonitor, LeaderMonitorSettings, Leadership, Term, Turn, Unled};
 use skein_state::asks::{Answer, Ask};
 use skein_state::{SharedState, SwarmMessage};
 use skein_view::{EventKind, EventRecord};
@@ -110,6 +110,8 @@ pub struct SwarmState {
     lost_leader: Option<NodeId>,
     /// The term it acts in, as everybody here was last told.
     noted: Option<Term>,
+    /// What it was to do about the leadership when it looked last.
+    turn: Option<Turn>,
     /// It has heard another node in this run.
     had_company: bool,
     videos: Videos,
@@ -253,6 +255,7 @@ impl SwarmState {
             pending: None,
             lost_leader: None,
             noted: None,
+            turn: None,
             had_company: false,
             videos: Videos::default(),
             events: shared.events.subscribe(),

@@ -10,7 +10,7 @@ use skein_domain::NodeId;
 use thiserror::Error;
 
 /// The leadership, as one node sees it.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Leadership {
     me: NodeId,
     standing: Option<Standing>,

@@ -21,7 +21,7 @@ pub enum Apart {
 }
 
 /// Limits of the monitor.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LeaderMonitorSettings {
     /// A holder without a new pulse for so long is lost, in seconds. Several periods of beacons.
     pub lost_after_s: f64,
@@ -51,7 +51,8 @@ impl Default for LeaderMonitorSettings {
 }
 
 /// What a candidate should do now.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Turn {
     /// A holder is there.
     Held,
@@ -72,14 +73,14 @@ pub enum Turn {
 /// More nodes than any swarm has; those beyond are not counted on.
 const MOST_NODES: usize = 1024;
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct Heard {
     at: NodeTime,
     standing: Option<Standing>,
 }
 
-/// The monitor of one node over the leadership.
-#[derive(Debug, Clone)]
+/// The monitor of one node over the leadership. As data it is what a turn was decided from.
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct LeaderMonitor {
     settings: LeaderMonitorSettings,
     started: NodeTime,

@@ -85,6 +85,7 @@ impl Encoder {
             Taken::Event(event) => self.event(&mut said, &event),
             Taken::Setpoint(judged) => self.setpoint(&mut said, &judged),
             Taken::Failsafe(step) => self.failsafe(&mut said, *step),
+            Taken::Leadership(turn) => Self::leadership(&mut said, &turn),
             Taken::Plan(made) => self.plan(&mut said, &made),
             Taken::Audit(audit) => self.audit(&mut said, audit),
         }

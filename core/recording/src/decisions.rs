@@ -10,6 +10,7 @@ use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{
     AnchorReference, FailsafeSettings, FormationRequest, NodeTime, PositionNed, Refusal, Route, SwarmFrame, VehicleId,
 };
+use skein_failover::{LeaderMonitor, Leadership, Turn};
 use skein_safety::avoidance::Surroundings;
 use skein_safety::failsafe::Health;
 use skein_safety::{FailsafePolicy, FencePlanError, Fences, Gate, Limits};
@@ -114,6 +115,19 @@ pub struct FailsafeDecision {
     pub settings: FailsafeSettings,
     /// What it told: a list of [`skein_domain::FailsafeEvent`].
     pub events: Value,
+}
+
+/// What a node was to do about the leadership, which was another thing than before.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct LeadershipDecision {
+    /// When, on the node's clock.
+    pub time: NodeTime,
+    /// What it had heard of the others.
+    pub monitor: LeaderMonitor,
+    /// Whom it obeyed, and how suited it was.
+    pub leadership: Leadership,
+    /// What it was to do.
+    pub turn: Turn,
 }
 
 /// One plan of a formation.

@@ -2,7 +2,7 @@
 //!
 //! Must never do: count a decision as the same that it could not make again.
 
-use crate::decisions::{FailsafeDecision, FormationDecision, GateState, PeersRecord, outcome};
+use crate::decisions::{FailsafeDecision, FormationDecision, GateState, LeadershipDecision, PeersRecord, outcome};
 use crate::messages::Message;
 use crate::telemetry::SetpointRecord;
 use crate::topic::Topic;
@@ -59,6 +59,8 @@ pub struct Redecided {
     pub failsafe: u64,
     /// Plans of formations.
     pub formations: u64,
+    /// Turns about the leadership.
+    pub turns: u64,
     /// Setpoints whose control period the recorder thinned out.
     pub thinned: u64,
     /// What was not recorded with all that it was made from, or cannot be read.
@@ -81,7 +83,7 @@ impl Redecider {
     pub fn wants(topic: &Topic) -> bool {
         matches!(
             topic,
-            Topic::Gate | Topic::Peers | Topic::Failsafe | Topic::Formation | Topic::Setpoint(_)
+            Topic::Gate | Topic::Peers | Topic::Failsafe | Topic::Formation | Topic::Leadership | Topic::Setpoint(_)
         )
     }
 
@@ -93,6 +95,7 @@ impl Redecider {
             Some(Topic::Setpoint(_)) => self.setpoint(message),
             Some(Topic::Failsafe) => self.failsafe(message),
             Some(Topic::Formation) => self.formation(message),
+            Some(Topic::Leadership) => self.leadership(message),
             _ => Some(()),
         };
         if known.is_none() {
@@ -167,6 +170,14 @@ impl Redecider {
         let made = plan(&record.input(gate), &record.peers);
         self.made.formations += 1;
         self.compare("formation", record.time, None, record.outcome, outcome(&made));
+        Some(())
+    }
+
+    fn leadership(&mut self, message: &Message) -> Option<()> {
+        let record: LeadershipDecision = message.json().ok()?;
+        let turn = record.monitor.turn(record.time, &record.leadership);
+        self.made.turns += 1;
+        self.compare("leadership", record.time, None, value(record.turn), value(turn));
         Some(())
     }
 

@@ -33,6 +33,8 @@ pub enum Topic {
     Failsafe,
     /// What was planned for a formation and from what, as [`FormationDecision`](crate::decisions::FormationDecision).
     Formation,
+    /// What was decided about the leadership and from what, as [`LeadershipDecision`](crate::decisions::LeadershipDecision).
+    Leadership,
     /// What is known of one vehicle, as [`VehicleTelemetry`].
     Telemetry(VehicleId),
     /// A setpoint as its model asked for it and as it was flown, as [`SetpointRecord`].
@@ -63,7 +65,7 @@ pub struct TopicSchema {
 }
 
 /// Topics that are about no vehicle, by name.
-const ALONE: [(Topic, &str); 13] = [
+const ALONE: [(Topic, &str); 14] = [
     (Topic::Fleet, "/skein/fleet"),
     (Topic::Events, "/skein/events"),
     (Topic::Audit, "/skein/audit"),
@@ -73,6 +75,7 @@ const ALONE: [(Topic, &str); 13] = [
     (Topic::Peers, "/skein/peers"),
     (Topic::Failsafe, "/skein/decisions/failsafe"),
     (Topic::Formation, "/skein/decisions/formation"),
+    (Topic::Leadership, "/skein/decisions/leadership"),
     (Topic::Locations, "/locations"),
     (Topic::Transforms, "/tf"),
     (Topic::Scene, "/scene"),
@@ -123,6 +126,7 @@ impl Topic {
             Self::Peers => anything("skein.PeersRecord"),
             Self::Failsafe => anything("skein.FailsafeDecision"),
             Self::Formation => anything("skein.FormationDecision"),
+            Self::Leadership => anything("skein.LeadershipDecision"),
             Self::Telemetry(_) => json::<VehicleTelemetry>("skein.VehicleTelemetry"),
             Self::Setpoint(_) => json::<SetpointRecord>("skein.SetpointRecord"),
             Self::Video(..) => theirs::<CompressedVideo>(),

@@ -188,8 +188,8 @@ fn redecide(file: &Path) -> anyhow::Result<ExitCode> {
         println!("{difference}");
     }
     println!(
-        "Made again: {} setpoints judged, {} steps of failsafe policies, {} formations planned.",
-        decided.setpoints, decided.failsafe, decided.formations
+        "Made again: {} setpoints judged, {} steps of failsafe policies, {} formations planned, {} turns about the leadership.",
+        decided.setpoints, decided.failsafe, decided.formations, decided.turns
     );
     println!(
         "Not made again: {} setpoints whose control period was thinned out, {} decisions without all that they were made from.",

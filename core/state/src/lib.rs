@@ -47,6 +47,6 @@ pub use plugin::{PluginIdentity, PluginRecord};
 pub use plugins::Plugins;
 pub use recordings::{Recording, Recordings};
 pub use shared::SharedState;
-pub use tape::{FailsafeStep, JudgedSetpoint, MadePlan, Taken, Tape, Thinning, Writing};
+pub use tape::{FailsafeStep, JudgedSetpoint, LeadershipTurn, MadePlan, Taken, Tape, Thinning, Writing};
 pub use vehicle::{PublishedState, VehicleRecord};
 pub use vehicles::Vehicles;

@@ -7,6 +7,7 @@ use arc_swap::ArcSwapOption;
 use skein_coordination::steering::GateAnswer;
 use skein_coordination::{Formation, PlanInput};
 use skein_domain::{FailsafeEvent, NodeTime, Refusal, Setpoint, VehicleId};
+use skein_failover::{LeaderMonitor, Leadership, Turn};
 use skein_safety::failsafe::Health;
 use skein_safety::{FailsafePolicy, Gate};
 use skein_view::{Audit, EventRecord, FleetSnapshot, PeerSnapshot};
@@ -30,6 +31,8 @@ pub enum Taken {
     Failsafe(Box<FailsafeStep>),
     /// A formation was planned.
     Plan(Box<MadePlan>),
+    /// It was decided anew who is to coordinate.
+    Leadership(Box<LeadershipTurn>),
     /// Somebody did something.
     Audit(Audit),
 }
@@ -76,6 +79,18 @@ pub struct MadePlan {
     pub peers: Arc<PeerSnapshot>,
     /// What came of it.
     pub outcome: Result<Formation, Refusal>,
+}
+
+/// What this node is to do about the leadership, which is another thing than before.
+pub struct LeadershipTurn {
+    /// When.
+    pub at: NodeTime,
+    /// What it has heard.
+    pub monitor: LeaderMonitor,
+    /// Whom it obeys.
+    pub leadership: Leadership,
+    /// What it is to do.
+    pub turn: Turn,
 }
 
 /// The queue to the recorder.

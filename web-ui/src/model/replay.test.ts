@@ -6,7 +6,7 @@ import { RATES, Replay, positionOf, ratesWith } from './replay.svelte';
 
 const BEGIN_US = 5_000_000;
 const state = (over: Partial<ReplayState> = {}): ReplayState => ({
-  file: 'a.mcap', node: 'alpha', begun_unix_s: 1_700_000_000, begin: BEGIN_US, duration_s: 100, position_s: 0, rate: 1, playing: false, jumps: 1, indexed: false, ...over,
+  file: 'a.mcap', node: 'alpha', begun_unix_s: 1_700_000_000, begin: BEGIN_US, duration_s: 100, position_s: 0, rate: 1, playing: false, jumps: 1, finished: true, indexed: false, ...over,
 });
 const WHOLE: Timeline = { complete: true, left_out: 0, marks: [10, 20, 30].map((position_s) => ({ position_s, severity: 'info', vehicle: null, who: null, text: 'x' })) };
 

@@ -9,9 +9,9 @@ use super::outbound::roles;
 use skein_domain::exchange::Severity;
 use skein_domain::{NodeId, NodeTime, Refusal, Task, VehicleTask};
 use skein_failover::{ClaimError, LeaderState, Term, Turn};
-use skein_state::SharedState;
 use skein_state::cluster::report::{WITHDRAWN, origin_of};
 use skein_state::cluster::share::Role;
+use skein_state::{LeadershipTurn, SharedState, Taken};
 use skein_view::{LeaderStateKind, NodeRole, NodeSnapshot, SwarmSnapshot, TermSnapshot, WaySnapshot};
 
 /// A node not heard for so long is told of as gone, in seconds.
@@ -23,7 +23,18 @@ impl SwarmState {
     /// Whether it is this node's turn, and what follows.
     pub(super) fn decide(&mut self, now: NodeTime) {
         self.leadership.set_priority(self.priority());
-        match self.monitor.turn(now, &self.leadership) {
+        let turn = self.monitor.turn(now, &self.leadership);
+        if self.turn.replace(turn) != Some(turn) {
+            self.shared.tape.take(|| {
+                Taken::Leadership(Box::new(LeadershipTurn {
+                    at: now,
+                    monitor: self.monitor.clone(),
+                    leadership: self.leadership.clone(),
+                    turn,
+                }))
+            });
+        }
+        match turn {
             Turn::Claim => {
                 let missed = self.leadership.obeyed().map(|term| term.holder.node);
                 if self.leadership.claim().is_ok() {

@@ -4,11 +4,11 @@
 
 use super::{Encoder, Said};
 use skein_domain::NodeTime;
-use skein_recording::decisions::{FailsafeDecision, FormationDecision, GateState, PeersRecord};
+use skein_recording::decisions::{FailsafeDecision, FormationDecision, GateState, LeadershipDecision, PeersRecord};
 use skein_recording::{SetpointRecord, Topic};
 use skein_safety::Gate;
 use skein_safety::avoidance::{Change, NeighbourId};
-use skein_state::{FailsafeStep, JudgedSetpoint, MadePlan};
+use skein_state::{FailsafeStep, JudgedSetpoint, LeadershipTurn, MadePlan};
 use skein_view::Avoidance;
 use std::sync::Arc;
 
@@ -58,6 +58,16 @@ impl Encoder {
         let gate = self.gate(said, made.at, &made.input.gate);
         let decision = FormationDecision::of(made.at, gate, &made.input, &made.peers, &made.outcome);
         said.json(Topic::Formation, made.at, &decision);
+    }
+
+    pub(super) fn leadership(said: &mut Said, turn: &LeadershipTurn) {
+        let decision = LeadershipDecision {
+            time: turn.at,
+            monitor: turn.monitor.clone(),
+            leadership: turn.leadership.clone(),
+            turn: turn.turn,
+        };
+        said.json(Topic::Leadership, turn.at, &decision);
     }
 
     /// The number of a gate, which is told where it is another one than before.

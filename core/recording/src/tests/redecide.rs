@@ -1,11 +1,14 @@
 //! Decisions that are made again come out the same, and one that was changed does not.
 
 use super::{header, second};
-use crate::decisions::{FailsafeDecision, GateState, PeersRecord};
+use crate::decisions::{FailsafeDecision, GateState, LeadershipDecision, PeersRecord};
 use crate::{Encoded, Recording, Redecided, Redecider, Select, SetpointRecord, Topic, Writer};
 use skein_coordination::steering;
 use skein_domain::telemetry::VehicleKinematics;
-use skein_domain::{FailsafeSettings, LinkHealth, NodeTime, PositionNed, Setpoint, Telemetry, VehicleId, VelocityNed};
+use skein_domain::{
+    FailsafeSettings, LinkHealth, NodeId, NodeTime, PositionNed, Setpoint, Telemetry, VehicleId, VelocityNed,
+};
+use skein_failover::{Beacon, LeaderMonitor, LeaderMonitorSettings, Leadership, Standing, Term, Turn};
 use skein_safety::avoidance::{Cooperation, Neighbour, NeighbourId, Surroundings};
 use skein_safety::failsafe::Health;
 use skein_safety::{FailsafePolicy, Limits};
@@ -110,6 +113,45 @@ fn failsafe() -> FailsafeDecision {
     panic!("nothing was wrong with a vehicle that says nothing");
 }
 
+/// Node 2 misses node 1, which coordinated, and hears node 3.
+fn leadership(turn: impl FnOnce(Turn) -> Turn) -> LeadershipDecision {
+    let standing = |node| Standing {
+        priority: 5,
+        node: NodeId(node),
+    };
+    let term = Term {
+        number: 7,
+        holder: standing(1),
+    };
+    let mut leadership = Leadership::new(NodeId(2), Some(term));
+    leadership.set_priority(Some(5));
+    let mut monitor = LeaderMonitor::new(LeaderMonitorSettings::default(), second(0));
+    let mut now = second(0);
+    let mut pulse = 0;
+    while monitor.turn(now, &leadership) != Turn::Claim {
+        assert!(now < second(60), "it never is its turn");
+        now = now.plus_seconds(0.1);
+        monitor.look(now);
+        // The one that coordinated falls silent after four seconds.
+        pulse += u64::from(now < second(4));
+        for from in [1, 3].into_iter().filter(|node| *node == 3 || now < second(4)) {
+            let beacon = Beacon {
+                from: NodeId(from),
+                obeys: Some(term),
+                pulse,
+                standing: Some(standing(from)),
+            };
+            monitor.hear(now, &leadership, &beacon);
+        }
+    }
+    LeadershipDecision {
+        time: now,
+        turn: turn(monitor.turn(now, &leadership)),
+        monitor,
+        leadership,
+    }
+}
+
 fn decided(messages: &[Encoded]) -> Redecided {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("flight.mcap");
@@ -169,6 +211,23 @@ fn another_outcome_is_told_with_its_place() {
     };
     assert!(difference.place.ends_with("velocity.east_m_s"), "{difference}");
     assert_eq!(difference.vehicle, Some(VehicleId(1)));
+}
+
+#[test]
+fn whose_turn_it_is_to_coordinate_is_decided_again() {
+    let record = leadership(|turn| turn);
+    let again = decided(&[encoded(Topic::Leadership, record.time, &record)]);
+    assert_eq!((again.turns, again.without_inputs, again.differences.len()), (1, 0, 0));
+    let record = leadership(|_| Turn::Wait);
+    let again = decided(&[encoded(Topic::Leadership, record.time, &record)]);
+    assert_eq!(again.differences.len(), 1);
+    assert_eq!(
+        (
+            again.differences[0].recorded.as_str(),
+            again.differences[0].now.as_str()
+        ),
+        ("\"wait\"", "\"claim\"")
+    );
 }
 
 #[test]
