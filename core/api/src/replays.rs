@@ -18,9 +18,10 @@ use skein_replay::Replay;
 use tower::ServiceExt;
 
 /// The page stands below its path: what it loads is named from there.
-pub(crate) async fn to_the_page(name: Result<Path<String>, PathRejection>) -> Result<Redirect, ApiError> {
-    let Path(name) = name?;
-    Ok(Redirect::permanent(&format!("{name}/")))
+///
+/// As it was asked for, still encoded: a name that was decoded could lead to another host.
+pub(crate) async fn to_the_page(uri: Uri) -> Redirect {
+    Redirect::permanent(&format!("{}/", uri.path()))
 }
 
 /// The page.
@@ -30,7 +31,7 @@ pub(crate) async fn first(
     request: Request,
 ) -> Result<Response, ApiError> {
     let Path(name) = name?;
-    pass_on(&app, name, "", request).await
+    pass_on(&app, name, request).await
 }
 
 /// All that is below it.
@@ -39,12 +40,14 @@ pub(crate) async fn rest(
     path: Result<Path<(String, String)>, PathRejection>,
     request: Request,
 ) -> Result<Response, ApiError> {
-    let Path((name, rest)) = path?;
-    pass_on(&app, name, &rest, request).await
+    let Path((name, _)) = path?;
+    pass_on(&app, name, request).await
 }
 
-async fn pass_on(app: &App, name: String, rest: &str, request: Request) -> Result<Response, ApiError> {
+async fn pass_on(app: &App, name: String, request: Request) -> Result<Response, ApiError> {
     let uri = request.uri().clone();
+    // As it was asked for, still encoded: `/replay/FILE/REST`.
+    let rest = uri.path().splitn(4, '/').nth(3).unwrap_or_default();
     let not_found = || ApiError::not_found(&uri);
     let replays = app.replays.as_ref().ok_or_else(not_found)?;
     if rest.is_empty() {
@@ -54,11 +57,8 @@ async fn pass_on(app: &App, name: String, rest: &str, request: Request) -> Resul
         Some(router) => router,
         None => open(app, replays, name).await?,
     };
-    let query = request
-        .uri()
-        .query()
-        .map_or_else(String::new, |query| format!("?{query}"));
-    let below = format!("/{}{query}", rest.replace(' ', "%20"));
+    let query = uri.query().map_or_else(String::new, |query| format!("?{query}"));
+    let below = format!("/{rest}{query}");
     let below = below.parse::<Uri>().map_err(|_| not_found())?;
     let answered = router.oneshot(moved(request, below)).await;
     Ok(answered.map_or_else(|never| match never {}, IntoResponse::into_response))

@@ -12,6 +12,8 @@ use std::time::{Duration, SystemTime};
 const ENDING: &str = "mcap";
 /// How logs of autopilots end, which lie beside them and go as they go.
 pub const LOG_ENDING: &str = "ulg";
+/// How a part of one ends, which a program that was killed leaves.
+pub const PART_ENDING: &str = "part";
 /// In the name of a file in which nobody was armed.
 const GROUND: &str = "_ground";
 
@@ -115,7 +117,7 @@ pub fn is_being_written(path: &Path) -> bool {
 /// # Errors
 /// When the folder cannot be read. A file that cannot be deleted stays.
 pub fn prune(folder: &Path, keep: Keep, more_bytes: u64, spared: &[PathBuf]) -> io::Result<Vec<PathBuf>> {
-    let mut kept = recordings(folder, &[ENDING, LOG_ENDING])?;
+    let mut kept = recordings(folder, &[ENDING, LOG_ENDING, PART_ENDING])?;
     kept.sort_by_key(|kept| (!kept.is_ground, kept.changed));
     let now = SystemTime::now();
     let mut bytes: u64 = kept.iter().map(|kept| kept.bytes).sum();

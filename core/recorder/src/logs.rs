@@ -43,20 +43,24 @@ pub async fn fetch(node: &NodeHandle, vehicle: VehicleId, number: u16) -> Result
     let log = logs.into_iter().find(|log| log.number == number);
     let log = log.ok_or_else(|| Refusal::invalid(format!("the autopilot has no log {number}")))?;
     let begun = node.begin_log_fetch(vehicle, log)?;
-    let (node, runtime) = (node.clone(), tokio::runtime::Handle::current());
+    let (handle, runtime) = (node.clone(), tokio::runtime::Handle::current());
     // A disk may stand still: on a thread of its own nobody else waits for it.
     let started = std::thread::Builder::new().name("log".into()).spawn(move || {
-        let name = node
+        let name = handle
             .snapshot()
             .vehicles
             .iter()
             .find(|one| one.id == vehicle)
             .map(|one| one.name.clone());
         let name = name.unwrap_or_else(|| format!("uav-{vehicle}"));
-        let fetched = runtime.block_on(written(&node, vehicle, log, &folder, &name));
-        end(&node, vehicle, &name, fetched);
+        let fetched = runtime.block_on(written(&handle, vehicle, log, &folder, &name));
+        end(&handle, vehicle, &name, fetched);
     });
-    started.map_err(|error| Refusal::not_permitted(format!("no thread for it: {error}")))?;
+    if let Err(error) = started {
+        let why = format!("no thread for it: {error}");
+        node.note_log_fetch(vehicle, 0, Some(LogFetchEnd::BrokenOff { why: why.clone() }));
+        return Err(Refusal::not_permitted(why));
+    }
     Ok(begun)
 }
 
@@ -90,7 +94,7 @@ async fn written(
     let failed = |error: io::Error| Refusal::not_permitted(format!("it cannot be written: {error}"));
     fs::create_dir_all(folder).map_err(failed)?;
     let path = path_of(folder, log, name);
-    let part = path.with_extension("ulg.part");
+    let part = path.with_extension(format!("{}.{}", folder::LOG_ENDING, folder::PART_ENDING));
     let mut file = File::create(&part).map_err(failed)?;
     let fetched = node
         .logs_of(vehicle)?
@@ -108,7 +112,7 @@ async fn written(
     match whole {
         Ok(()) => Ok(path),
         Err(refusal) => {
-            // What is left of it goes with the next start that finds it; it is under no name of a log.
+            // What is left of it goes as old recordings go; it is under no name of a log.
             let _ = fs::remove_file(&part);
             Err(refusal)
         }

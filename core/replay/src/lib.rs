@@ -12,7 +12,7 @@ mod state;
 mod timeline;
 
 pub use replay::{Replay, ReplayError};
-pub use state::{ReplayChange, ReplayState};
+pub use state::{RATES, ReplayChange, ReplayState};
 pub use timeline::{Timeline, TimelineMark};
 
 #[cfg(test)]

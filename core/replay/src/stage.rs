@@ -56,7 +56,7 @@ impl Stage {
     /// Shows another moment than the one after the last.
     fn enter(&mut self, player: &Player<'_>, at: NodeTime) {
         if let Some(index) = self.index.get() {
-            self.node.show_events(index.events_before(at));
+            self.node.show_events(index.events_until(at));
             if let Some(gate) = index.gate_at(at) {
                 self.gate(gate);
             }

@@ -8,7 +8,7 @@ use skein_domain::NodeTime;
 use ts_rs::TS;
 
 /// The slowest and the quickest pace.
-pub(crate) const RATES: std::ops::RangeInclusive<f64> = 0.25..=20.0;
+pub const RATES: std::ops::RangeInclusive<f64> = 0.25..=20.0;
 
 /// Where a replay is.
 #[derive(Debug, Clone, PartialEq, Serialize, TS, JsonSchema)]

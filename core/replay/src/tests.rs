@@ -54,7 +54,7 @@ fn going_on_and_jumping_come_to_the_same_fleet() {
         is_where_it_was(&gone, after_s);
     }
     let index = Index::of(&recording);
-    let known = index.events_before(begin.plus_seconds(19.0)).count();
+    let known = index.events_until(begin.plus_seconds(19.0)).count();
     assert!(known > 0 && known >= events, "{known} known, {events} told");
 }
 

@@ -106,9 +106,9 @@ impl Index {
         }
     }
 
-    /// The newest events before a moment.
-    pub fn events_before(&self, at: NodeTime) -> impl Iterator<Item = EventRecord> {
-        let end = self.events.partition_point(|(when, _)| *when < at);
+    /// The newest events up to a moment.
+    pub fn events_until(&self, at: NodeTime) -> impl Iterator<Item = EventRecord> {
+        let end = self.events.partition_point(|(when, _)| *when <= at);
         let newest = self
             .events
             .get(end.saturating_sub(KEPT_EVENTS)..end)

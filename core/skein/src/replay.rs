@@ -6,7 +6,7 @@ use anyhow::Context;
 use clap::Args;
 use skein_api::ApiSettings;
 use skein_node::stop_asked;
-use skein_replay::{Replay, ReplayChange};
+use skein_replay::{RATES, Replay, ReplayChange};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -34,6 +34,9 @@ pub struct ReplayArguments {
 /// # Errors
 /// When the file is no recording, or the address is in use.
 pub async fn replay(arguments: &ReplayArguments) -> anyhow::Result<()> {
+    let (rate, from_s) = (arguments.rate, arguments.from_s);
+    anyhow::ensure!(RATES.contains(&rate), "--rate {rate}: it is 0.25 to 20");
+    anyhow::ensure!(from_s >= 0.0, "--from-s {from_s}: it is 0 or more");
     let path = arguments.file.clone();
     let opened = tokio::task::spawn_blocking(move || Replay::open(&path)).await?;
     let replay = Arc::new(opened?);
@@ -42,8 +45,8 @@ pub async fn replay(arguments: &ReplayArguments) -> anyhow::Result<()> {
         .with_context(|| format!("cannot listen on {}", arguments.listen))?;
     let address = listener.local_addr()?;
     let begun = ReplayChange {
-        position_s: (arguments.from_s > 0.0).then_some(arguments.from_s),
-        rate: Some(arguments.rate),
+        position_s: (from_s > 0.0).then_some(from_s),
+        rate: Some(rate),
         playing: Some(true),
     };
     let state = replay.change(begun).await?;

@@ -144,6 +144,7 @@ async fn a_full_disk_changes_nothing_in_flight() {
 
     // The disk goes with the program.
     let kept = tempfile::tempdir().expect("a folder");
+    // What was taken is in the file after 0.8 s, at the latest.
     tokio::time::sleep(Duration::from_secs(2)).await;
     for entry in fs::read_dir(&disk).expect("a folder") {
         let entry = entry.expect("an entry");

@@ -77,6 +77,25 @@ async fn a_flight_is_shown_again_while_the_node_flies_on() {
     let (status, one) = get(&format!("{shown}/api/v1/vehicles/2")).await;
     assert_eq!((status, &one["id"]), (StatusCode::OK, &json!(2)));
 
+    // The page's own address ends with a slash, and never leads to another host.
+    for (asked, led) in [
+        (file.as_str(), format!("/replay/{file}/")),
+        ("%2F%2Fexample.org", "/replay/%2F%2Fexample.org/".into()),
+    ] {
+        let client = reqwest::Client::builder()
+            .redirect(reqwest::redirect::Policy::none())
+            .build();
+        let answer = client
+            .expect("a client")
+            .get(format!("{base}/replay/{asked}"))
+            .send()
+            .await;
+        let answer = answer.expect("is answered");
+        assert_eq!(
+            answer.headers().get("location").and_then(|to| to.to_str().ok()),
+            Some(led.as_str())
+        );
+    }
     is_told(&shown).await;
     nothing_is_commanded(&base, &shown).await;
     what_there_is_not(&base, &flights).await;
