@@ -6,6 +6,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use skein_domain::{FlightState, VehicleId};
+use skein_node::tell;
 use skein_runtime::{Fault, NodeHandle};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -64,9 +65,9 @@ async fn actors(node: NodeHandle, injected: Arc<AtomicU64>) {
         match node.inject_fault(fault.clone()).await {
             Ok(()) => {
                 injected.fetch_add(1, Ordering::Relaxed);
-                println!("          fault injected: {fault:?}");
+                tell(format_args!("          fault injected: {fault:?}"));
             }
-            Err(refusal) => println!("          fault {fault:?} not injected: {refusal}"),
+            Err(refusal) => tell(format_args!("          fault {fault:?} not injected: {refusal}")),
         }
     }
 }

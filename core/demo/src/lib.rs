@@ -28,7 +28,7 @@ use referee::Referee;
 use scenario::{Chosen, Flight, Setup};
 use scenario_runner::ScenarioRunner;
 use skein_config::{EndpointSettings, NodeConfig, PluginSettings};
-use skein_node::{Running, build, flights_of_user, plugins_beside_program, stop_asked};
+use skein_node::{Running, build, flights_of_user, plugins_beside_program, stop_asked, tell};
 use skein_sim::{Faces, PayloadPlan, PortPlan, SimSettings, Simulation};
 use skein_sim_dds::DdsSettings;
 use std::net::{SocketAddr, TcpListener};
@@ -69,20 +69,18 @@ async fn flown(arguments: DemoArguments) -> anyhow::Result<ExitCode> {
     } else {
         None
     };
-    if arguments.link != DemoLink::Mavlink {
-        println!("The vehicles' topics are in DDS domain {domain_id}, on this computer alone.");
-    }
-    if let Some(address) = running.web_address() {
-        println!("Dashboard: http://{address}{}", why_not_usual(&arguments, address));
-    }
+    say_where(&arguments, &running, domain_id);
     let outcome = if arguments.manual {
-        println!("{} vehicles are yours to fly. Stop with Ctrl-C.", arguments.count());
+        tell(format_args!(
+            "{} vehicles are yours to fly. Stop with Ctrl-C.",
+            arguments.count()
+        ));
         Ok(stop_asked().await.map(|()| ExitCode::SUCCESS)?)
     } else {
         tokio::select! {
             flown = async {
                 if arguments.scenario == Scenario::Tour {
-                    println!("{described}");
+                    tell(&described);
                 }
                 let (referee, reports) = referee(simulation.as_ref(), &running)?;
                 let count = usize::from(arguments.count());
@@ -94,7 +92,7 @@ async fn flown(arguments: DemoArguments) -> anyhow::Result<ExitCode> {
     };
     let outcome = match outcome {
         Ok(code) if !arguments.headless && !arguments.manual => {
-            println!("The dashboard stays open: the vehicles are yours to fly. Stop with Ctrl-C.");
+            tell("The dashboard stays open: the vehicles are yours to fly. Stop with Ctrl-C.");
             Ok(stop_asked().await.map(|()| code)?)
         }
         other => other,
@@ -103,19 +101,34 @@ async fn flown(arguments: DemoArguments) -> anyhow::Result<ExitCode> {
     outcome
 }
 
+/// Where to look at it.
+fn say_where(arguments: &DemoArguments, running: &Running, domain_id: u16) {
+    if arguments.link != DemoLink::Mavlink {
+        tell(format_args!(
+            "The vehicles' topics are in DDS domain {domain_id}, on this computer alone."
+        ));
+    }
+    if let Some(address) = running.web_address() {
+        tell(format_args!(
+            "Dashboard: http://{address}{}",
+            why_not_usual(arguments, address)
+        ));
+    }
+}
+
 /// Ends what flies, and says where it was recorded.
 async fn end(simulation: Option<Simulation>, running: Running) {
     let recorded = running.handle().config().recorder.folder.clone();
     match simulation {
         Some(simulation) => simulation.stop(),
-        None => running.handle().part(|line| println!("{line}")).await,
+        None => running.handle().part(|line| tell(line)).await,
     }
     running.stop().await;
     if let Some(folder) = recorded {
-        println!(
+        tell(format_args!(
             "Recorded in {}: `skein log list` shows it, `skein report` makes a report of a flight.",
             folder.display()
-        );
+        ));
     }
 }
 
@@ -275,9 +288,9 @@ async fn fly(
     if let Some(file) = &arguments.report {
         let json = serde_json::to_string_pretty(&report)?;
         std::fs::write(file, json + "\n").with_context(|| format!("cannot write the report to {}", file.display()))?;
-        println!("Report: {}", file.display());
+        tell(format_args!("Report: {}", file.display()));
     }
-    print!("{}", report.describe());
+    tell(report.describe().trim_end());
     Ok(if report.passed {
         ExitCode::SUCCESS
     } else {

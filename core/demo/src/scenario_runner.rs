@@ -9,6 +9,7 @@ use skein_domain::{
     FlightState, FormationRequest, LandedState, PositionNed, Refusal, Route, Shape, SwarmFrame, VehicleCommand,
     VehicleId,
 };
+use skein_node::tell;
 use skein_runtime::{NodeHandle, Targets};
 use skein_sim::{Fault, Simulation};
 use skein_view::FormationReceipt;
@@ -66,7 +67,7 @@ impl<'a> ScenarioRunner<'a> {
 
     /// Tells the person who watches.
     pub fn say(&self, what: &str) {
-        println!("{:6.1} s  {what}", self.elapsed_s());
+        tell(format_args!("{:6.1} s  {what}", self.elapsed_s()));
     }
 
     /// Waits for all vehicles to be there and ready, and for nothing in the preflight report to keep them from arming.

@@ -166,7 +166,9 @@ fn name(message: &Message, node: usize, nodes: &Nodes, fliers: &mut Fliers) -> O
 
 fn vehicle(topic: &Topic) -> Option<VehicleId> {
     match topic {
-        Topic::Telemetry(vehicle) | Topic::Setpoint(vehicle) | Topic::Video(vehicle, _) => Some(*vehicle),
+        Topic::Telemetry(vehicle) | Topic::Setpoint(vehicle) | Topic::Location(vehicle) | Topic::Video(vehicle, _) => {
+            Some(*vehicle)
+        }
         _ => None,
     }
 }

@@ -11,6 +11,7 @@ use crate::{ExportError, Exported, Progress, target};
 use bag::Bag;
 use skein_domain::{Geodetic, SwarmFrame, VehicleId};
 use skein_recording::{Recording, Topic, VehicleTelemetry};
+use skein_ros2_messages::interfaces::geometry::TFMessage;
 use skein_ros2_messages::names::Names;
 use skein_view::FleetSnapshot;
 use std::collections::BTreeMap;
@@ -29,6 +30,7 @@ pub fn write(recording: &Recording, out: &Path, progress: Progress<'_>) -> Resul
         names: Names::default(),
         homes: BTreeMap::new(),
         frame: None,
+        transforms: None,
     };
     let wants = |topic: &Topic| {
         matches!(
@@ -37,6 +39,7 @@ pub fn write(recording: &Recording, out: &Path, progress: Progress<'_>) -> Resul
         )
     };
     let unread = each(recording, wants, progress, |told| writer.take(told))?;
+    writer.tell_transforms()?;
     let mut exported = writer.bag.finish()?;
     exported.files.sort();
     Ok(exported.without(unread))
@@ -47,6 +50,8 @@ struct Writer {
     names: Names,
     homes: BTreeMap<VehicleId, Geodetic>,
     frame: Option<SwarmFrame>,
+    /// Those of one moment, of all vehicles: who begins to read in the middle of a bag takes the last message alone.
+    transforms: Option<(Told, TFMessage)>,
 }
 
 impl Writer {
@@ -56,6 +61,9 @@ impl Writer {
     }
 
     fn take(&mut self, told: &Told) -> Result<(), ExportError> {
+        if self.transforms.as_ref().is_some_and(|(of, _)| of.at_ns != told.at_ns) {
+            self.tell_transforms()?;
+        }
         match &told.kind {
             Kind::Fleet(fleet) => {
                 self.fleet(fleet, told.node.is_none());
@@ -77,6 +85,12 @@ impl Writer {
                 self.bag.write(LOG, told, &translate::log(told, event, name.as_deref()))
             }
         }
+    }
+
+    fn tell_transforms(&mut self) -> Result<(), ExportError> {
+        self.transforms
+            .take()
+            .map_or(Ok(()), |(told, transforms)| self.bag.write(TF, &told, &transforms))
     }
 
     /// What is known of vehicles beside their telemetry. The frame is that of the node of the file.
@@ -103,7 +117,10 @@ impl Writer {
             let home = self.homes.get(&of.vehicle);
             let origin = self.frame.zip(home).map(|(frame, home)| frame.position(home));
             let transforms = translate::transforms(&pose, &moves.position, &name, &origin.unwrap_or_default());
-            self.bag.write(TF, told, &transforms)?;
+            let (_, all) = self
+                .transforms
+                .get_or_insert_with(|| (told.clone(), TFMessage::default()));
+            all.transforms.extend(transforms);
         }
         if let Some(fix) = translate::fix(told.at_ns, of, &name) {
             self.bag.write(&topic(&name, "nav_sat_fix"), told, &fix)?;

@@ -1,8 +1,9 @@
-//! What a node needs to know of the process that it runs in: where its plugins lie, when it is asked to stop.
+//! What a node needs to know of the process that it runs in: where its plugins lie, when it is asked to stop, and who reads along.
 //!
 //! Must never do: end the process.
 
-use std::io;
+use std::fmt::Display;
+use std::io::{self, Write};
 use std::path::PathBuf;
 
 /// The directory of plugins that comes with this program: `plugins` beside it, or, where a package put them, `../lib/skein/plugins`.
@@ -43,4 +44,10 @@ pub async fn stop_asked() -> io::Result<()> {
         _ = terminate.recv() => {}
     }
     Ok(())
+}
+
+/// Tells a line on standard output. Whoever read it may be gone (`skein run | tee log`, and Ctrl-C ended `tee` first): that is no reason to end what flies, so
+/// unlike `println!` this never panics.
+pub fn tell(line: impl Display) {
+    let _unread = writeln!(io::stdout(), "{line}");
 }

@@ -124,14 +124,21 @@ impl Encoder {
         }
         if slow {
             said.json(Topic::Clock, at, &clock(fleet));
-            said.theirs(Topic::Locations, at, &scene::locations(fleet, unix_ns));
+            for vehicle in &fleet.vehicles {
+                if let Some(location) = scene::location(vehicle, unix_ns) {
+                    said.theirs(Topic::Location(vehicle.id), at, &location);
+                }
+            }
             said.theirs(Topic::Scene, at, &scene::scene(fleet, unix_ns));
         }
         if fast {
             for vehicle in &fleet.vehicles {
                 said.json(Topic::Telemetry(vehicle.id), at, &VehicleTelemetry::of(vehicle, at));
             }
-            said.theirs(Topic::Transforms, at, &scene::transforms(fleet, unix_ns));
+            let transforms = scene::transforms(fleet, unix_ns);
+            if !transforms.transforms.is_empty() {
+                said.theirs(Topic::Transforms, at, &transforms);
+            }
         }
     }
 }

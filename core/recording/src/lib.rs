@@ -12,6 +12,7 @@ mod encoded;
 mod header;
 mod messages;
 mod order;
+mod plain_schema;
 mod reader;
 mod redecide;
 pub mod scene;

@@ -3,8 +3,8 @@
 //! Must never do: be read back by this program.
 
 use foxglove::messages::{
-    ArrowPrimitive, Color, CompressedVideo, Duration, FrameTransform, FrameTransforms, LocationFix, LocationFixes, Log,
-    Pose, Quaternion, SceneEntity, SceneUpdate, TextPrimitive, Timestamp, Vector3, log::Level,
+    ArrowPrimitive, Color, CompressedVideo, Duration, FrameTransform, FrameTransforms, LocationFix, Log, Pose,
+    Quaternion, SceneEntity, SceneUpdate, TextPrimitive, Timestamp, Vector3, log::Level,
 };
 use skein_domain::exchange::Severity;
 use skein_domain::payload::TrackEstimate;
@@ -82,25 +82,20 @@ fn attitude(roll_rad: f64, pitch_rad: f64, yaw_rad: f64) -> Quaternion {
     }
 }
 
-/// Where the vehicles are on Earth.
+/// Where a vehicle is on Earth, if it knows. A topic for each vehicle: Lichtblick's map knows no list of them.
 #[must_use]
-pub fn locations(fleet: &FleetSnapshot, unix_ns: u64) -> LocationFixes {
-    let fix = |vehicle: &VehicleSnapshot| {
-        let global = vehicle.global?;
-        Some(LocationFix {
-            timestamp: Some(timestamp(unix_ns)),
-            frame_id: vehicle_frame(vehicle.id),
-            latitude: global.latitude_deg,
-            longitude: global.longitude_deg,
-            altitude: global.altitude_amsl_m,
-            heading: vehicle.kinematics.map(|kinematics| kinematics.yaw_rad),
-            color: Some(if vehicle.is_leader { LEADER } else { VEHICLE }),
-            ..LocationFix::default()
-        })
-    };
-    LocationFixes {
-        fixes: fleet.vehicles.iter().filter_map(fix).collect(),
-    }
+pub fn location(vehicle: &VehicleSnapshot, unix_ns: u64) -> Option<LocationFix> {
+    let global = vehicle.global?;
+    Some(LocationFix {
+        timestamp: Some(timestamp(unix_ns)),
+        frame_id: vehicle_frame(vehicle.id),
+        latitude: global.latitude_deg,
+        longitude: global.longitude_deg,
+        altitude: global.altitude_amsl_m,
+        heading: vehicle.kinematics.map(|kinematics| kinematics.yaw_rad),
+        color: Some(if vehicle.is_leader { LEADER } else { VEHICLE }),
+        ..LocationFix::default()
+    })
 }
 
 /// Where vehicles and tracks are in the swarm's frame.

@@ -3,9 +3,10 @@
 //! Must never do: change a name or what it holds without raising [`crate::FORMAT`].
 
 use crate::audit::AuditRecord;
+use crate::plain_schema::plain;
 use crate::telemetry::{ClockRecord, RecorderState, SetpointRecord, VehicleTelemetry};
 use foxglove::Encode;
-use foxglove::messages::{CompressedVideo, FrameTransforms, LocationFixes, Log, SceneUpdate};
+use foxglove::messages::{CompressedVideo, FrameTransforms, LocationFix, Log, SceneUpdate};
 use schemars::{JsonSchema, schema_for};
 use skein_domain::VehicleId;
 use skein_view::{EventRecord, FleetSnapshot};
@@ -41,8 +42,8 @@ pub enum Topic {
     Setpoint(VehicleId),
     /// Encoded pictures of a camera, as `foxglove.CompressedVideo`.
     Video(VehicleId, String),
-    /// Where all vehicles are on Earth, as `foxglove.LocationFixes`.
-    Locations,
+    /// Where a vehicle is on Earth, as `foxglove.LocationFix`.
+    Location(VehicleId),
     /// Where all vehicles and tracks are in the swarm's frame, east, north and up, as `foxglove.FrameTransforms`.
     Transforms,
     /// What stands for vehicles, tracks and fences in a 3D view, as `foxglove.SceneUpdate`.
@@ -65,7 +66,7 @@ pub struct TopicSchema {
 }
 
 /// Topics that are about no vehicle, by name.
-const ALONE: [(Topic, &str); 14] = [
+const ALONE: [(Topic, &str); 13] = [
     (Topic::Fleet, "/skein/fleet"),
     (Topic::Events, "/skein/events"),
     (Topic::Audit, "/skein/audit"),
@@ -76,7 +77,6 @@ const ALONE: [(Topic, &str); 14] = [
     (Topic::Failsafe, "/skein/decisions/failsafe"),
     (Topic::Formation, "/skein/decisions/formation"),
     (Topic::Leadership, "/skein/decisions/leadership"),
-    (Topic::Locations, "/locations"),
     (Topic::Transforms, "/tf"),
     (Topic::Scene, "/scene"),
     (Topic::Log, "/log"),
@@ -87,6 +87,7 @@ impl fmt::Display for Topic {
         match self {
             Self::Telemetry(vehicle) => write!(f, "/vehicles/{vehicle}/telemetry"),
             Self::Setpoint(vehicle) => write!(f, "/vehicles/{vehicle}/setpoint"),
+            Self::Location(vehicle) => write!(f, "/vehicles/{vehicle}/location"),
             Self::Video(vehicle, camera) => write!(f, "/vehicles/{vehicle}/cameras/{camera}"),
             alone => {
                 let named = ALONE.iter().find(|(topic, _)| topic == alone);
@@ -107,6 +108,7 @@ impl Topic {
         let vehicle = VehicleId(vehicle.parse().ok()?);
         match rest.split_once('/') {
             None if rest == "telemetry" => Some(Self::Telemetry(vehicle)),
+            None if rest == "location" => Some(Self::Location(vehicle)),
             None if rest == "setpoint" => Some(Self::Setpoint(vehicle)),
             Some(("cameras", camera)) => Some(Self::Video(vehicle, camera.to_owned())),
             _ => None,
@@ -130,7 +132,7 @@ impl Topic {
             Self::Telemetry(_) => json::<VehicleTelemetry>("skein.VehicleTelemetry"),
             Self::Setpoint(_) => json::<SetpointRecord>("skein.SetpointRecord"),
             Self::Video(..) => theirs::<CompressedVideo>(),
-            Self::Locations => theirs::<LocationFixes>(),
+            Self::Location(_) => theirs::<LocationFix>(),
             Self::Transforms => theirs::<FrameTransforms>(),
             Self::Scene => theirs::<SceneUpdate>(),
             Self::Log => theirs::<Log>(),
@@ -139,7 +141,7 @@ impl Topic {
 }
 
 fn json<T: JsonSchema>(name: &'static str) -> TopicSchema {
-    of_json(name, schema_for!(T).to_value().to_string().into_bytes())
+    of_json(name, plain(&schema_for!(T).to_value()).to_string().into_bytes())
 }
 
 /// What decisions were made from is for the program that decides: its schema says no more than that it is an object.

@@ -3,6 +3,7 @@
 use skein_config::ConfigError;
 use skein_node::BuildError;
 use skein_runtime::NodeError;
+use std::any::Any;
 use std::process::ExitCode;
 
 /// Failed, or the demo did not meet its criteria.
@@ -31,4 +32,21 @@ pub fn code(error: &anyhow::Error) -> ExitCode {
         }
     }
     ExitCode::from(FAILED)
+}
+
+/// Whether what `println!` panicked with is that nobody reads any more, as in `skein log info FILE | head`. The standard library has no other way to tell.
+#[must_use]
+pub fn is_without_reader(fault: &(dyn Any + Send)) -> bool {
+    let told = fault.downcast_ref::<String>();
+    told.is_some_and(|told| told.starts_with("failed printing to stdout: Broken pipe"))
+}
+
+/// Has a command whose reader is gone end without a word: it has done what was wanted of it. What flies prints by [`skein_node::tell`] and goes on.
+pub fn quietly_without_reader() {
+    let usual = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |fault| {
+        if !is_without_reader(fault.payload()) {
+            usual(fault);
+        }
+    }));
 }

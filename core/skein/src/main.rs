@@ -12,6 +12,7 @@ fn main() -> ExitCode {
         eprintln!("skein: {error}");
         return ExitCode::from(2);
     }
+    exit::quietly_without_reader();
     // Actors and plugins are caught where they run; what comes through to here is a fault of the program itself.
     match std::panic::catch_unwind(|| execute(arguments.command)) {
         Ok(Ok(code)) => code,
@@ -19,6 +20,7 @@ fn main() -> ExitCode {
             eprintln!("skein: {error:#}");
             exit::code(&error)
         }
+        Err(fault) if exit::is_without_reader(&*fault) => ExitCode::SUCCESS,
         Err(_) => {
             eprintln!("skein: this is a fault of the program; please report it with the lines above");
             ExitCode::from(exit::INTERNAL)

@@ -5,7 +5,7 @@
 use anyhow::Context;
 use clap::Args;
 use skein_api::ApiSettings;
-use skein_node::stop_asked;
+use skein_node::{stop_asked, tell};
 use skein_replay::{RATES, Replay, ReplayChange};
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -50,8 +50,13 @@ pub async fn replay(arguments: &ReplayArguments) -> anyhow::Result<()> {
         playing: Some(true),
     };
     let state = replay.change(begun).await?;
-    println!("{} of {}, {:.0} s", state.file, state.node, state.duration_s);
-    println!("Dashboard: http://{address}/   (a recorded flight: no command leaves; Ctrl-C ends it)");
+    tell(format_args!(
+        "{} of {}, {:.0} s",
+        state.file, state.node, state.duration_s
+    ));
+    tell(format_args!(
+        "Dashboard: http://{address}/   (a recorded flight: no command leaves; Ctrl-C ends it)"
+    ));
     let router = skein_api::replay_router(replay, &ApiSettings::default());
     let stop = async {
         // Without signals it goes on until it is killed.

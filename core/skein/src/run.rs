@@ -4,7 +4,7 @@ use crate::args::RunArguments;
 use crate::versions::{self, Kept};
 use crate::{exit, service, swarm};
 use skein_config::{NodeConfig, Overlay};
-use skein_node::{Running, build, stop_asked};
+use skein_node::{Running, build, stop_asked, tell};
 use skein_upgrade::Swap;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -46,8 +46,8 @@ async fn run_version(arguments: RunArguments, kept: Option<Kept>) -> anyhow::Res
         () = service::tell_of(&node) => {}
         swap = watch => {
             match swap {
-                Swap::Next => println!("Another version is to be started: this one ends, for the service manager to start it again."),
-                Swap::GoneBack(why) => println!("This version goes back: {why}"),
+                Swap::Next => tell("Another version is to be started: this one ends, for the service manager to start it again."),
+                Swap::GoneBack(why) => tell(format_args!("This version goes back: {why}")),
             }
             code = ExitCode::from(exit::ANOTHER_VERSION);
         }
@@ -65,16 +65,16 @@ async fn come_up(arguments: &RunArguments, kept: Option<&Kept>) -> anyhow::Resul
     let mut config = NodeConfig::load_with(&arguments.config, &overlay)?;
     let alone = config.swarm.id.is_none();
     if config.hears_nobody() && alone {
-        println!(
+        tell(format_args!(
             "No [[endpoints]] in {}: no vehicle will be heard.",
             arguments.config.display()
-        );
+        ));
     }
     if config.adopt.is_empty() && alone {
-        println!(
+        tell(format_args!(
             "No [[adopt]] rule in {}: vehicles are shown, not flown.",
             arguments.config.display()
-        );
+        ));
     }
     swarm::with_threads_enough(&config.swarm)?;
     if let Some(kept) = kept {
@@ -85,29 +85,29 @@ async fn come_up(arguments: &RunArguments, kept: Option<&Kept>) -> anyhow::Resul
 
 fn say_where(running: &Running) {
     if let Some(address) = running.web_address() {
-        println!("Dashboard: http://{address}");
+        tell(format_args!("Dashboard: http://{address}"));
     }
     if let Some(swarm) = running.handle().swarm() {
-        println!("Swarm:     node {} of {}", swarm.node, swarm.swarm);
+        tell(format_args!("Swarm:     node {} of {}", swarm.node, swarm.swarm));
     }
     for (name, address) in running.handle().endpoint_addresses() {
-        println!("Endpoint:  {name} receives on {address}");
+        tell(format_args!("Endpoint:  {name} receives on {address}"));
     }
-    println!("Stop with Ctrl-C.");
+    tell("Stop with Ctrl-C.");
 }
 
 async fn stop(running: Running) -> anyhow::Result<()> {
     service::tell_of_stop();
-    println!("Stopping. Ctrl-C again ends at once.");
+    tell("Stopping. Ctrl-C again ends at once.");
     let stopped = async {
-        running.handle().part(|line| println!("{line}")).await;
+        running.handle().part(|line| tell(line)).await;
         running.stop().await;
     };
     tokio::select! {
         () = stopped => {}
         asked = stop_asked() => {
             asked?;
-            println!("Ending at once.");
+            tell("Ending at once.");
         }
     }
     Ok(())

@@ -2,7 +2,7 @@
 
 use crate::args::SimArguments;
 use anyhow::{Context, bail};
-use skein_node::stop_asked;
+use skein_node::{stop_asked, tell};
 use skein_sim::truth_lines::TruthLines;
 use skein_sim::{PortPlan, SimSettings, Simulation};
 use std::fs::File;
@@ -41,18 +41,18 @@ pub async fn simulate(arguments: SimArguments) -> anyhow::Result<()> {
         let mut lines = TruthLines::new(file);
         simulation.observe(Box::new(move |frame| lines.look(frame)))?;
     }
-    println!(
+    tell(format_args!(
         "{} vehicles, system ids {} to {last}.",
         arguments.vehicles, arguments.first_system_id
-    );
+    ));
     match arguments.send_to {
-        Some(address) => println!("Every vehicle sends to {address}."),
-        None => println!(
+        Some(address) => tell(format_args!("Every vehicle sends to {address}.")),
+        None => tell(format_args!(
             "Onboard links: 14580+N sends to 127.0.0.1:14540+N (from the eleventh on all to 14549).\n\
              Ground-station links: 18570+N sends to 127.0.0.1:14550."
-        ),
+        )),
     }
-    println!("Stop with Ctrl-C.");
+    tell("Stop with Ctrl-C.");
     match arguments.seconds {
         Some(seconds) => {
             tokio::select! {

@@ -38,8 +38,9 @@ const TAKE_OFF: Mode = (4, 2);
 const HOLD: Mode = (4, 3);
 const LAND: Mode = (4, 6);
 const OFFBOARD: Mode = (6, 0);
-/// How fast it moves.
+/// How fast it moves, and how hard it brakes before it is there.
 const SPEED_M_S: f64 = 5.0;
+const BRAKES_M_S2: f64 = 4.0;
 /// Health bits of SYS_STATUS, the one for "would arm" among them.
 const HEALTHY: u32 = 0x1320_FFFF;
 
@@ -97,7 +98,8 @@ impl Flyer {
         }
         self.moved_at_s = now_s;
         let way = self.target - self.position;
-        let step_m = way.norm().min(SPEED_M_S * dt_s);
+        let speed_m_s = SPEED_M_S.min((2.0 * BRAKES_M_S2 * way.norm()).sqrt());
+        let step_m = way.norm().min(speed_m_s * dt_s);
         let step = if self.armed && step_m > 0.0 {
             way.normalize() * step_m
         } else {

@@ -182,11 +182,11 @@ fn record(args: ReplayBenchArgs, path: &Path) -> Result<(), Box<dyn std::error::
                     messages.push(Encoded::json(Topic::Fleet, at, &fleet)?);
                 }
                 let unix_ns = base.unix_ns(at);
-                messages.push(Encoded::theirs(
-                    Topic::Locations,
-                    at,
-                    &scene::locations(&fleet, unix_ns),
-                ));
+                for vehicle in &fleet.vehicles {
+                    let location = scene::location(vehicle, unix_ns);
+                    messages
+                        .extend(location.map(|location| Encoded::theirs(Topic::Location(vehicle.id), at, &location)));
+                }
                 messages.push(Encoded::theirs(Topic::Scene, at, &scene::scene(&fleet, unix_ns)));
                 messages.extend(happened(second, at, args.vehicles)?);
             }

@@ -7,7 +7,7 @@ use skein_domain::exchange::Severity;
 use skein_domain::telemetry::VehicleKinematics;
 use skein_domain::{PositionNed, Setpoint};
 use skein_recording::VehicleTelemetry;
-use skein_ros2_messages::interfaces::geometry::{Pose, PoseStamped, TFMessage, Twist, TwistStamped, Vector3};
+use skein_ros2_messages::interfaces::geometry::{Pose, PoseStamped, TransformStamped, Twist, TwistStamped, Vector3};
 use skein_ros2_messages::interfaces::rcl::Log;
 use skein_ros2_messages::interfaces::sensor::{BatteryState, NavSatFix};
 use skein_ros2_messages::interfaces::standard::{Header, Time};
@@ -65,15 +65,18 @@ pub(super) fn setpoint(told: &Told, of: &Setpoint) -> Option<PoseStamped> {
 }
 
 /// `map` to the vehicle's `odom` at its launch place, and from there to its `base_link`.
-pub(super) fn transforms(pose: &PoseStamped, at: &PositionNed, name: &str, origin: &PositionNed) -> TFMessage {
+pub(super) fn transforms(
+    pose: &PoseStamped,
+    at: &PositionNed,
+    name: &str,
+    origin: &PositionNed,
+) -> [TransformStamped; 2] {
     let here = Pose {
         position: frames::point(&PositionNed::from(at.vector() - origin.vector())),
         orientation: pose.pose.orientation.clone(),
     };
     let (odom, base_link) = (names::odom(name), names::base_link(name));
-    TFMessage {
-        transforms: values::transforms(&pose.header, [&odom, &base_link], origin, &here).into(),
-    }
+    values::transforms(&pose.header, [&odom, &base_link], origin, &here)
 }
 
 pub(super) fn fix(stamp_ns: u64, of: &VehicleTelemetry, name: &str) -> Option<NavSatFix> {

@@ -138,7 +138,7 @@ fn a_bag_has_its_topics_with_schemas() {
             exported.counts["/tf"],
             exported.counts["/rosout"]
         ),
-        (200, 600, 20)
+        (200, 200, 20)
     );
     let metadata = std::fs::read_to_string(out.join("metadata.yaml")).expect("is there");
     let total: u64 = exported.counts.values().sum();

@@ -100,11 +100,11 @@ fn it_arms_takes_off_and_follows_setpoints_in_offboard() {
         [1.0, 6.0, 0.0, 0.0, 0.0, 0.0, 0.0],
     );
     flyer.setpoint(&setpoint);
-    fly(&mut flyer, 5.0, 1.0);
+    fly(&mut flyer, 5.0, 2.0);
     assert!((flyer.position.x - 3.0).abs() < 1e-6);
 
     long(&mut flyer, MavCmd::MAV_CMD_NAV_LAND, [0.0; 7]);
-    fly(&mut flyer, 6.0, 5.0);
+    fly(&mut flyer, 7.0, 5.0);
     assert!(!flyer.armed && flyer.height_m() < 0.1);
 }
 
