@@ -69,7 +69,7 @@ impl<'a> Iterator for Records<'a> {
             let end = HEAD.checked_add(usize::try_from(length).ok()?)?;
             let body = self.rest.get(HEAD..end)?;
             self.rest = self.rest.get(end..)?;
-            mcap::parse_record(opcode, body).ok()
+            crate::lengths::fit(opcode, body).then(|| mcap::parse_record(opcode, body).ok())?
         });
         if record.is_none() {
             self.rest = &[];

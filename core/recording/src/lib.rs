@@ -10,6 +10,7 @@ mod damage;
 pub mod decisions;
 mod encoded;
 mod header;
+mod lengths;
 mod messages;
 mod order;
 mod plain_schema;

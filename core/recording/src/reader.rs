@@ -144,6 +144,9 @@ fn body_at(file: &File, offset: u64, length: u64) -> Result<Vec<u8>, Damage> {
 
 /// What a chunk holds, unpacked.
 pub(crate) fn contents(body: &[u8]) -> Result<(ChunkHeader, std::borrow::Cow<'_, [u8]>), Damage> {
+    if !crate::lengths::fit(mcap::records::op::CHUNK, body) {
+        return Err(Damage::Record);
+    }
     let record = mcap::parse_record(mcap::records::op::CHUNK, body).map_err(|_| Damage::Record)?;
     let Record::Chunk { header, data } = record else {
         return Err(Damage::Record);
