@@ -118,11 +118,9 @@ pub fn merge(recordings: &[Recording], out: &Path, progress: Progress<'_>) -> Re
     ];
     let mut writer = Rewriter::create(out, first.header(), "skein.merged", how)?;
     let mut fliers = Fliers::new(recordings, &nodes.of);
-    let total: u64 = recordings
-        .iter()
-        .flat_map(Recording::topics)
-        .map(|(_, count)| count)
-        .sum();
+    // What a broken file says of itself may be any number.
+    let counts = recordings.iter().flat_map(Recording::topics);
+    let total = counts.fold(0_u64, |total, (_, count)| total.saturating_add(count));
     let (messages, mut unmeasured) = Merged::of(recordings, &Select::default());
     let mut damage = Vec::new();
     for (count, message) in (0_u64..).zip(messages) {
