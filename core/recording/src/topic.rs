@@ -1,6 +1,6 @@
 //! The topics of a recording, and the schema of what is told on each. Their names are what people choose from in Foxglove and in `mcap`.
 //!
-//! Must never do: change a name or what it holds without raising [`crate::FORMAT`].
+//! Must never do: change a topic that this program reads again without raising [`crate::FORMAT`]. Those of `foxglove.*` are for viewers alone.
 
 use crate::audit::AuditRecord;
 use crate::plain_schema::plain;
