@@ -9,6 +9,7 @@ use skein_recording::{AuditChain, AuditRecord, Damage, Message, RecorderState, R
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Nothing recorded for so long while somebody is armed is a gap, in seconds.
 const GAP_S: f64 = 1.0;
@@ -93,6 +94,8 @@ struct One<'a> {
     chains: BTreeMap<String, Option<AuditChain>>,
     /// By topic how many messages the recorder had dropped since its node started: at the beginning of the file and last.
     dropped: BTreeMap<String, (u64, u64)>,
+    /// By topic how many messages were read.
+    read: BTreeMap<Arc<str>, u64>,
 }
 
 impl<'a> One<'a> {
@@ -105,6 +108,7 @@ impl<'a> One<'a> {
             armed: None,
             chains: BTreeMap::new(),
             dropped: BTreeMap::new(),
+            read: BTreeMap::new(),
         }
     }
 
@@ -142,9 +146,14 @@ impl<'a> One<'a> {
             count += 1;
             self.gap(before, message.recorded);
             before = Some(message.recorded.max(before.unwrap_or_default()));
+            *self.read.entry(message.name.clone()).or_default() += 1;
             self.look_at(&message, ends);
         }
         self.all.messages += count;
+        // Where a chunk cannot be read, less is read than there is: that is told already.
+        if damaged.is_empty() {
+            self.compare_counts();
+        }
         self.tell_damage(damaged);
         if self.gaps > TOLD {
             self.found(None, format!("{} more gaps", self.gaps - TOLD));
@@ -157,6 +166,25 @@ impl<'a> One<'a> {
                     format!("{topic}: {dropped} messages were dropped, because the disk did not take them"),
                 );
             }
+        }
+    }
+
+    /// Whether the file's own counts are those of what is in it: other programs show them, and plan by them.
+    fn compare_counts(&mut self) {
+        let mut said: BTreeMap<Arc<str>, u64> = BTreeMap::new();
+        for (info, count) in self.recording.topics() {
+            let of_topic = said.entry(info.name.clone()).or_default();
+            *of_topic = of_topic.saturating_add(count);
+        }
+        let read = std::mem::take(&mut self.read);
+        let told = |name: &Arc<str>| read.get(name).copied().unwrap_or_default();
+        let wrong: Vec<_> = said.iter().filter(|&(name, said)| told(name) != *said).collect();
+        for (name, said) in wrong.iter().take(TOLD) {
+            let what = format!("{name}: its summary says {said} messages, there are {}", told(name));
+            self.found(None, what);
+        }
+        if wrong.len() > TOLD {
+            self.found(None, format!("{} more topics are counted wrong", wrong.len() - TOLD));
         }
     }
 

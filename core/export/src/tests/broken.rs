@@ -40,6 +40,27 @@ fn a_gap_is_told_with_its_place() {
 }
 
 #[test]
+fn a_count_that_is_not_what_the_file_holds_is_told() {
+    let (_folder, path) = recorded(Flight::default());
+    let mut bytes = std::fs::read(&path).expect("is read");
+    // MCAP: the footer (a u64, a u64 and a u32) stands before eight octets of magic, and says first where the summary begins.
+    let number = |bytes: &[u8], at: usize| {
+        let eight = bytes[at..at + 8].try_into().expect("eight octets");
+        usize::try_from(u64::from_le_bytes(eight)).expect("fits")
+    };
+    let mut at = number(&bytes, bytes.len() - 28);
+    while bytes[at] != mcap::records::op::STATISTICS {
+        at += 9 + number(&bytes, at + 1);
+    }
+    // Its map of counts comes last: of the first channel the number, then the count.
+    let count = at + 9 + 46 + 2;
+    bytes[count] = bytes[count].wrapping_add(1);
+    std::fs::write(&path, &bytes).expect("is written");
+    let found = findings(&[open(&path)]);
+    assert!(found.len() == 1 && found[0].contains("its summary says"), "{found:?}");
+}
+
+#[test]
 fn on_the_ground_there_is_less_to_record() {
     let folder = folder();
     let message = |_| (Topic::Clock, b"{}".to_vec());
