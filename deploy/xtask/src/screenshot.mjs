@@ -61,7 +61,7 @@ async function maps(page, cdp, prefix) {
 /** Every page of the rail, and those of a vehicle. */
 async function pagesOf(page, cdp, prefix) {
   const links = await page.locator('nav a[href^="#"]').evaluateAll((all) => all.map((link) => link.getAttribute('href').slice(1)));
-  for (const name of [...links.filter((name) => name !== 'map'), 'vehicle/1', 'vehicle/1/parameters']) {
+  for (const name of [...links.filter((name) => name !== 'map'), 'vehicle/1', 'vehicle/1/parameters', 'vehicle/1/logs']) {
     await page.goto(`${address}#${name}`);
     await wait(SETTLE_MS);
     await picture(page, cdp, `${prefix}-page-${name.replace('/1', '').replace('/', '-')}`);

@@ -6,6 +6,7 @@ export const later = {
   fleetPage: () => import('../features/fleet/FleetPage.svelte'),
   vehiclePage: () => import('../features/fleet/VehiclePage.svelte'),
   parametersPage: () => import('../features/parameters/ParametersPage.svelte'),
+  logsPage: () => import('../features/logs/LogsPage.svelte'),
   alertsPage: () => import('../features/alerts/AlertsPage.svelte'),
   flightsPage: () => import('../features/flights/FlightsPage.svelte'),
   replayControls: () => import('../features/replay/ReplayControls.svelte'),

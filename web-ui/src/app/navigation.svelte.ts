@@ -10,13 +10,18 @@ export const WIDE = '(min-width: 1360px)';
 
 /** What fills the middle of the screen. */
 export const PAGES = ['map', 'fleet', 'video', 'preflight', 'alerts', 'plugins', 'links', 'flights'] as const;
-export type Page = (typeof PAGES)[number] | 'vehicle' | 'parameters';
+export type Page = (typeof PAGES)[number] | 'vehicle' | OfVehicle;
 
-/** A page as it stands in the address: `#fleet`, `#vehicle/3`, `#vehicle/3/parameters`; anything else is the map. */
+/** What is shown of a vehicle on a page of its own. */
+const OF_VEHICLE = ['parameters', 'logs'] as const;
+type OfVehicle = (typeof OF_VEHICLE)[number];
+
+/** A page as it stands in the address: `#fleet`, `#vehicle/3`, `#vehicle/3/parameters`, `#vehicle/3/logs`; anything else is the map. */
 export function pageOf(hash: string): { page: Page; vehicle: number | null } {
   const text = hash.replace(/^#/, '');
-  const [, id, place] = /^vehicle\/(\d{1,5})(\/parameters)?$/.exec(text) ?? [];
-  if (id !== undefined) return { page: place === undefined ? 'vehicle' : 'parameters', vehicle: Number(id) };
+  const [, id, place] = /^vehicle\/(\d{1,5})(?:\/(\w+))?$/.exec(text) ?? [];
+  const of = place === undefined ? 'vehicle' : OF_VEHICLE.find((name) => name === place);
+  if (id !== undefined && of !== undefined) return { page: of, vehicle: Number(id) };
   const page = PAGES.find((name) => name === text);
   return { page: page ?? 'map', vehicle: null };
 }
@@ -28,7 +33,7 @@ export const RECORDED_PLANS: readonly Plan[] = ['fences', 'tracks', 'swarm'];
 /** The page that is shown where `page` is asked for: of a recorded flight there are not all. */
 export function pageIn(replay: boolean, page: Page): Page {
   if (!replay || RECORDED_PAGES.includes(page)) return page;
-  return page === 'parameters' ? 'vehicle' : 'map';
+  return OF_VEHICLE.some((name) => name === page) ? 'vehicle' : 'map';
 }
 
 export class Navigation {

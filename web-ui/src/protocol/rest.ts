@@ -3,8 +3,8 @@
 import { t } from '../language/language.svelte';
 
 import type {
-  AcknowledgeBody, CameraViewList, CommandBody, CommandReceipt, CommandReceipts, Console, ControlAction, ControlBody, ControlReceipt, ControlReceipts, EmergencyKey,
-  EmergencyStopBody, ErrorBody, EventList, FenceAnswer, FenceFileBody, FencePlan, FencePlanBody, FlightList, FormationPreview, FormationReceipt, FormationRequest, ImportedFencePlan, OverrideBody, ParameterBody,
+  AcknowledgeBody, AutopilotLogList, CameraViewList, CommandBody, CommandReceipt, CommandReceipts, Console, ControlAction, ControlBody, ControlReceipt, ControlReceipts, EmergencyKey,
+  EmergencyStopBody, ErrorBody, EventList, FenceAnswer, FenceFileBody, FencePlan, FencePlanBody, FlightList, FormationPreview, FormationReceipt, FormationRequest, ImportedFencePlan, LogFetch, LogFetchAnswer, OverrideBody, ParameterBody,
   ParameterList, ParameterReceipt, PreflightAnswer, PluginList, PreflightOverride, ReadingAction, ReadingBody, ReferenceList, ReferenceSnapshot, ResumeBody, RestartList, RestartRecord, Route, RouteBody, SupervisionTree, Targets,
   RecordedFlight, ReplayChange, ReplayState, Timeline, UpgradeReceipt, VehicleCommand, VehicleSnapshot, LinkReport, AskedObserver, AskedObserverList, ObserveRequest, ObserverList, ObserverProposal,
   PayloadList, PayloadSnapshot, TrackChangeBody,
@@ -187,6 +187,21 @@ export async function putParameter(vehicle: number, name: string, value: number)
   return (await (await call('PUT', `vehicles/${vehicle}/parameters/${encodeURIComponent(name)}`, body)).json()) as ParameterReceipt;
 }
 
+/** The logs on the card of a vehicle's autopilot, which is asked for them. */
+export async function getAutopilotLogs(vehicle: number): Promise<AutopilotLogList> {
+  return (await (await call('GET', `vehicles/${vehicle}/logs`)).json()) as AutopilotLogList;
+}
+
+/** Begins to fetch one of them to the node. */
+export async function fetchAutopilotLog(vehicle: number, number: number): Promise<LogFetch> {
+  return (await (await call('POST', `vehicles/${vehicle}/logs/${number}/fetch`)).json()) as LogFetch;
+}
+
+/** The log of a vehicle that is being fetched, or was last. */
+export async function getLogFetch(vehicle: number): Promise<LogFetchAnswer> {
+  return (await (await call('GET', `vehicles/${vehicle}/logs/fetch`)).json()) as LogFetchAnswer;
+}
+
 /** What a vehicle carries, with the state of each. */
 export async function getPayloads(vehicle: number): Promise<PayloadSnapshot[]> {
   return ((await (await call('GET', `vehicles/${vehicle}/payloads`)).json()) as PayloadList).payloads;
@@ -244,7 +259,7 @@ export async function getFlights(): Promise<RecordedFlight[]> {
   return ((await (await call('GET', 'flights')).json()) as FlightList).flights;
 }
 
-/** Where the recording of a flight is. */
+/** Where the recording of a flight is, or the log of an autopilot beside it. */
 export function flightUrl(file: string): string {
   return new URL(`api/v1/flights/${encodeURIComponent(file)}`, document.baseURI).href;
 }
