@@ -7,6 +7,7 @@ mod frames;
 
 use crate::told::{Kind, Told, each};
 use crate::{ExportError, Exported, Progress, target};
+use mavlink::dialects::common::HEARTBEAT_DATA;
 use mavlink::{MAVLinkV2MessageRaw, MavHeader, MessageData};
 use skein_domain::VehicleId;
 use skein_recording::{Recording, Topic, VehicleTelemetry};
@@ -64,6 +65,8 @@ struct Log {
     begin_ns: u64,
     /// When what changes seldom was told last.
     seldom_ns: Option<u64>,
+    /// The heartbeat that was told last: mode, armed or not.
+    heartbeat: Option<HEARTBEAT_DATA>,
     texts: u16,
     frames: u64,
 }
@@ -124,6 +127,7 @@ impl Logs {
                     },
                     begin_ns: self.begin_ns,
                     seldom_ns: None,
+                    heartbeat: None,
                     texts: 0,
                     frames: 0,
                 }))
@@ -140,12 +144,17 @@ impl Log {
 
     fn telemetry(&mut self, told: &Told, of: &VehicleTelemetry) -> Result<(), ExportError> {
         let (at_ns, up_ms) = (told.at_ns, self.up_ms(told.at_ns));
-        if self
+        let heartbeat = frames::heartbeat(of);
+        let is_due = self
             .seldom_ns
-            .is_none_or(|last| at_ns.saturating_sub(last) >= SELDOM_NS)
-        {
+            .is_none_or(|last| at_ns.saturating_sub(last) >= SELDOM_NS);
+        // What changed just before the end would else not be in the log: that the vehicle was disarmed, most of all.
+        if is_due || self.heartbeat.as_ref() != Some(&heartbeat) {
+            self.add(at_ns, &heartbeat)?;
+            self.heartbeat = Some(heartbeat);
+        }
+        if is_due {
             self.seldom_ns = Some(at_ns);
-            self.add(at_ns, &frames::heartbeat(of))?;
             self.add(at_ns, &frames::system_status(of))?;
             self.add(at_ns, &frames::satellites(u64::from(up_ms) * 1_000, of))?;
         }

@@ -7,11 +7,12 @@ mod flight;
 use anyhow::{Context, Result, ensure};
 use flight::{BEGIN_UNIX_NS, Flight, ORIGIN, position};
 use serde_json::{Value, json};
-use skein_export::{Format, export, merge};
+use skein_export::{Format, Overview, export, merge};
 use skein_recording::Recording;
 use skein_ros2::names::sanitised;
+use skein_testkit::Process;
 use skein_tests_interop::{Environment, Script, python_of};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
@@ -42,6 +43,12 @@ fn made(folder: &Path) -> Result<[String; 3]> {
     let recordings = [Recording::open(&first)?, Recording::open(&second)?];
     let merged = folder.join("merged.mcap");
     merge(&recordings, &merged, &mut |_| {})?;
+    let out = exported(&recordings[0], folder)?;
+    Ok([first, merged, out].map(|path| path.display().to_string()))
+}
+
+/// All that can be made of a recording, in a folder.
+fn exported(recording: &Recording, folder: &Path) -> Result<PathBuf> {
     let out = folder.join("out");
     std::fs::create_dir(&out)?;
     for (format, name) in [
@@ -52,9 +59,14 @@ fn made(folder: &Path) -> Result<[String; 3]> {
         (Format::Rosbag, "bag"),
         (Format::Tlog, "tlog"),
     ] {
-        export(&recordings[0], format, &out.join(name), &mut |_| {})?;
+        export(recording, format, &out.join(name), &mut |_| {})?;
     }
-    Ok([first, merged, out].map(|path| path.display().to_string()))
+    Ok(out)
+}
+
+fn read(arguments: &[String; 3]) -> Result<Script> {
+    let python = Command::new(python_of(&READERS)?);
+    Script::start_by(python, "read_recordings.py", arguments, Duration::from_secs(180))
 }
 
 fn near(told: &Value, expected: f64, by: f64) -> bool {
@@ -196,8 +208,7 @@ fn check_logs(script: &mut Script) -> Result<()> {
 fn everything_that_is_made_of_a_recording_is_read_by_the_programs_it_is_made_for() -> Result<()> {
     let folder = tempfile::tempdir()?;
     let arguments = made(folder.path())?;
-    let python = Command::new(python_of(&READERS)?);
-    let mut script = Script::start_by(python, "read_recordings.py", &arguments, Duration::from_secs(180))?;
+    let mut script = read(&arguments)?;
     check_recordings(&mut script)?;
     check_tables(&mut script)?;
     check_tracks(&mut script)?;
@@ -205,4 +216,94 @@ fn everything_that_is_made_of_a_recording_is_read_by_the_programs_it_is_made_for
     check_logs(&mut script)?;
     ensure!(script.report()?.is_none(), "nothing after the end");
     Ok(())
+}
+
+/// Of what a vehicle told so often, these have as much: no row, point or message is lost on the way, and none is made up.
+fn check_demonstration(script: &mut Script, recording: &Recording) -> Result<()> {
+    let overview = Overview::of(recording);
+    let messages = |topic: &str| {
+        overview
+            .topics
+            .iter()
+            .find(|of| of.topic == topic)
+            .map(|of| of.messages)
+    };
+    let telemetry = |vehicle: u16| messages(&format!("/vehicles/{vehicle}/telemetry")).unwrap_or_default();
+    let vehicles = &overview.vehicles;
+    ensure!(vehicles.len() == 3 && telemetry(2) > 100, "{overview:?}");
+
+    for what in ["recording", "merged"] {
+        let report = next(script, what)?;
+        for topic in &overview.topics {
+            let counted = report["counts"][&topic.topic].as_u64().unwrap_or_default();
+            ensure!(counted == topic.messages, "{}: {report}", topic.topic);
+        }
+    }
+    let told: u64 = vehicles.iter().map(|vehicle| telemetry(*vehicle)).sum();
+    for what in ["csv", "parquet"] {
+        let report = next(script, what)?;
+        ensure!(report["telemetry"]["rows"] == told, "{told}: {report}");
+        ensure!(report["telemetry"]["rows_of_2"] == telemetry(2), "{report}");
+    }
+    // A vehicle's first telemetry may come before its first place.
+    let kml = next(script, "kml")?;
+    let placed = |vehicle: u16| kml[format!("uav-{vehicle}")]["points"].clone();
+    for vehicle in vehicles {
+        let points = placed(*vehicle).as_u64().unwrap_or_default();
+        ensure!(points > 100 && points <= telemetry(*vehicle), "{vehicle}: {kml}");
+    }
+    let gpx = next(script, "gpx")?;
+    let (bag, logs) = (next(script, "rosbag")?, next(script, "tlog")?);
+    ensure!(bag["types"]["/tf"] == "tf2_msgs/msg/TFMessage", "{bag}");
+    for vehicle in vehicles {
+        ensure!(gpx[format!("uav-{vehicle}")]["points"] == placed(*vehicle), "{gpx}");
+        let counts = &bag["counts"];
+        ensure!(
+            counts[format!("/skein/uav_{vehicle}/battery")] == telemetry(*vehicle),
+            "{bag}"
+        );
+        ensure!(
+            counts[format!("/skein/uav_{vehicle}/pose")] == placed(*vehicle),
+            "{bag}"
+        );
+        let log = &logs[format!("vehicle-{vehicle}")];
+        ensure!(
+            log["counts"]["GLOBAL_POSITION_INT"] == placed(*vehicle),
+            "{vehicle}: {log}"
+        );
+        ensure!(log["armed"] == false, "it has landed: {log}");
+    }
+    ensure!(script.report()?.is_none(), "nothing after the end");
+    Ok(())
+}
+
+#[tokio::test]
+#[ignore = "long: part of `cargo xtask test interop`"]
+async fn the_recording_of_the_demonstration_is_read_by_the_same_programs() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let flights = folder.path().join("flights");
+    let into = flights.to_str().context("is text")?;
+    let mut demonstration = Process::skein(&[
+        "demo",
+        "--headless",
+        "--port",
+        "0",
+        "--vehicles",
+        "3",
+        "--seconds",
+        "60",
+        "--record",
+        into,
+    ]);
+    // How well it flew is judged elsewhere.
+    demonstration.exit_code(Duration::from_secs(300)).await;
+    let files = std::fs::read_dir(&flights).with_context(|| demonstration.output())?;
+    let mut files: Vec<PathBuf> = files.filter_map(Result::ok).map(|entry| entry.path()).collect();
+    files.sort_by_key(|path| path.metadata().map(|of| of.len()).unwrap_or_default());
+    let flight = files.last().context("it was recorded")?;
+    let recording = Recording::open(flight)?;
+    ensure!(recording.is_finished(), "{:?}", recording.damage());
+    let out = exported(&recording, folder.path())?;
+    let arguments = [flight, flight, &out].map(|path| path.display().to_string());
+    check_demonstration(&mut read(&arguments)?, &recording)
 }
