@@ -107,6 +107,8 @@ pub struct Health {
     pub vehicles_unadopted: u32,
     /// Actors and model instances that are not running.
     pub not_running: Vec<ActorHealth>,
+    /// Whether flights are recorded.
+    pub recorder: RecorderStatus,
 }
 
 /// All vehicles at one moment.

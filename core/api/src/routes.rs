@@ -70,6 +70,7 @@ pub(crate) async fn health(State(app): State<App>) -> Response {
         vehicles_connected: count(connected),
         vehicles_unadopted: count(snapshot.unadopted.len()),
         not_running,
+        recorder: app.node.recorder().as_ref().clone(),
     };
     (code, Json(health)).into_response()
 }

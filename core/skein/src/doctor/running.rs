@@ -70,6 +70,7 @@ impl Node {
     /// # Errors
     /// It does not answer.
     pub async fn examine(&self, findings: &mut Findings) -> anyhow::Result<()> {
+        recorder(&self.ask("/api/v1/health").await?, findings);
         links(&self.ask("/api/v1/links").await?, findings);
         // One that is in no swarm says so, and has no others.
         if let Ok(swarm) = self.ask("/api/v1/swarm").await {
@@ -125,6 +126,20 @@ fn is_known(wanted: &Wanted, answer: &Value) -> bool {
     list(answer, "/parameters")
         .iter()
         .any(|known| text(known, "/name") == wanted.name)
+}
+
+/// Whether flights are recorded. Nothing is said of it where nobody wants them to be, or by a node of an earlier version.
+fn recorder(health: &Value, findings: &mut Findings) {
+    match text(health, "/recorder/state") {
+        "recording" => findings.good(format_args!("recorder: writes {}", text(health, "/recorder/file"))),
+        "interrupted" => {
+            let why = text(health, "/recorder/why");
+            let mend =
+                "make room on the disk of recorder.folder, or let its user write there; it is tried again by itself";
+            findings.poor(format_args!("recorder: flights are not recorded: {why}"), mend);
+        }
+        _ => {}
+    }
 }
 
 /// Endpoints over which nothing or rubbish comes, and vehicles that are heard badly.

@@ -1907,7 +1907,11 @@ vehicles_unadopted: number,
 /**
  * Actors and model instances that are not running.
  */
-not_running: Array<ActorHealth>, };
+not_running: Array<ActorHealth>, 
+/**
+ * Whether flights are recorded.
+ */
+recorder: RecorderStatus, };
 
 /**
  * How the node is.

@@ -1,6 +1,6 @@
 //! What is made of a node's answers.
 
-use super::{Findings, others};
+use super::{Findings, others, recorder};
 use serde_json::json;
 
 #[test]
@@ -22,4 +22,23 @@ fn a_clock_is_judged_by_how_well_it_is_known_and_not_by_when_its_node_was_starte
         let told = findings.lines.join("\n");
         assert!(told.contains(said), "{told}");
     }
+}
+
+#[test]
+fn what_keeps_flights_from_being_recorded_is_told_with_a_remedy() {
+    let told = |status: serde_json::Value| {
+        let mut findings = Findings::default();
+        recorder(&json!({ "recorder": status }), &mut findings);
+        findings.lines.join("\n")
+    };
+    let off = told(json!({ "state": "off" }));
+    assert!(off.is_empty(), "{off}");
+    let writes = told(json!({ "state": "recording", "file": "a.mcap" }));
+    assert!(writes.contains("ok    recorder: writes a.mcap"), "{writes}");
+    let full = told(json!({ "state": "interrupted", "why": "the disk is full" }));
+    assert!(
+        full.contains("warn  recorder: flights are not recorded: the disk is full"),
+        "{full}"
+    );
+    assert!(full.contains("make room"), "{full}");
 }
