@@ -192,10 +192,12 @@ fn restarted(node: &NodeHandle) -> Vec<String> {
         .chain(fleet.actors.iter().cloned())
         .filter(|health| health.incarnation.0 > 1)
         .map(|h| {
-            format!(
-                "{} (incarnation {}, last error: {})",
-                h.name, h.incarnation, h.last_error
-            )
+            // A plugin whose actor was killed has failed by nothing of its own.
+            let error = match h.last_error.as_str() {
+                "" => String::new(),
+                error => format!(", last error: {error}"),
+            };
+            format!("{} (incarnation {}{error})", h.name, h.incarnation)
         })
         .collect()
 }

@@ -4,18 +4,19 @@
 
 mod decisions;
 
-use skein_domain::NodeTime;
+use skein_domain::{FlightMode, LandedState, NodeTime, VehicleId};
 use skein_recording::{
     AuditChain, ClockOffset, ClockRecord, Encoded, RecorderState, TimeBase, Topic, VehicleTelemetry, scene,
 };
 use skein_runtime::NodeHandle;
 use skein_safety::Gate;
 use skein_state::Taken;
-use skein_view::{Audit, EventRecord, FleetSnapshot};
+use skein_view::{Audit, EventRecord, FleetSnapshot, VehicleSnapshot};
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// While somebody is armed vehicles are recorded so often, in hertz; while all stand, once a second.
+/// While somebody is armed vehicles are recorded so often, in hertz; while all stand, once a second. A change of mode, arming or landing is recorded at
+/// once.
 pub const FLYING_HZ: f64 = 5.0;
 /// Places on Earth, the scene and clocks are recorded so often, in hertz, and the whole picture half as often.
 const SLOW_HZ: f64 = 1.0;
@@ -29,8 +30,13 @@ pub struct Encoder {
     periods: Vec<NodeTime>,
     slow: Option<u64>,
     fast: Option<u64>,
+    states: Vec<State>,
+    shown: Option<u64>,
     everything: bool,
 }
+
+/// What of a vehicle is recorded as soon as it changes.
+type State = (VehicleId, bool, FlightMode, LandedState);
 
 /// Now, as this computer's clock has it, in nanoseconds since 1970.
 pub fn time_of_day_ns() -> u64 {
@@ -50,6 +56,8 @@ impl Encoder {
             periods: Vec::new(),
             slow: None,
             fast: None,
+            states: Vec::new(),
+            shown: None,
             everything,
         }
     }
@@ -63,7 +71,7 @@ impl Encoder {
     pub fn begin_file(&mut self, base: TimeBase) -> Vec<Encoded> {
         self.base = base;
         self.chain = AuditChain::after(self.chain.last());
-        (self.gate, self.slow, self.fast) = (None, None, None);
+        (self.gate, self.slow, self.fast, self.shown) = (None, None, None, None);
         self.periods.clear();
         let mut said = Said::default();
         let begins = Audit {
@@ -111,13 +119,20 @@ impl Encoder {
     }
 
     fn fleet(&mut self, said: &mut Said, fleet: &FleetSnapshot) {
+        // The last one is handed over again at the end.
+        if self.shown.replace(fleet.sequence) == Some(fleet.sequence) {
+            return;
+        }
         let at = fleet.time;
         let tick = |hz: f64| Some((at.as_seconds() * hz) as u64);
         let flies = fleet.vehicles.iter().any(|vehicle| vehicle.armed);
         let slow = self.everything || self.slow != tick(SLOW_HZ);
-        let fast = slow || flies && self.fast != tick(FLYING_HZ);
+        let state = |vehicle: &VehicleSnapshot| (vehicle.id, vehicle.armed, vehicle.mode, vehicle.landed);
+        let states: Vec<State> = fleet.vehicles.iter().map(state).collect();
+        let changed = states != self.states;
+        let fast = slow || changed || flies && self.fast != tick(FLYING_HZ);
         let whole = self.slow.is_none() || tick(SLOW_HZ).is_some_and(|tick| tick % 2 == 0);
-        (self.slow, self.fast) = (tick(SLOW_HZ), tick(FLYING_HZ));
+        (self.slow, self.fast, self.states) = (tick(SLOW_HZ), tick(FLYING_HZ), states);
         let unix_ns = self.base.unix_ns(at);
         if slow && (whole || self.everything) {
             said.json(Topic::Fleet, at, fleet);

@@ -47,6 +47,8 @@ pub struct RecorderState {
 impl Drop for RecorderState {
     /// Whoever stops the node kills its actors: this is where the thread is told to end the file.
     fn drop(&mut self) {
+        // How the vehicles stood at the end, if that was not seen before: they may have been disarmed just now.
+        self.node.tape().take(|| Taken::Fleet(self.node.snapshot()));
         self.node.tape().end();
         for task in &self.tasks {
             task.abort();

@@ -64,7 +64,15 @@ impl Recording {
     /// # Errors
     /// When it is none, or nothing of it can be read. Damage inside of it is no error: see [`Self::damage`].
     pub fn open(path: &Path) -> Result<Self, ReadError> {
-        opening::open(path)
+        opening::open(path, &mut |_| {})
+    }
+
+    /// The same, telling the share of the file that was gone through, 0 to 1. One that was finished is not gone through.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_telling(path: &Path, progress: &mut dyn FnMut(f64)) -> Result<Self, ReadError> {
+        opening::open(path, progress)
     }
 
     /// The file.

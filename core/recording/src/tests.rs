@@ -110,6 +110,12 @@ fn a_file_that_was_cut_off_anywhere_gives_what_was_flushed_before() {
         }
     }
     assert_eq!(most, 5);
+    let mut shares = Vec::new();
+    Recording::open_telling(&path, &mut |share| shares.push(share)).expect("opens");
+    assert!(
+        shares.is_sorted() && shares.last().is_some_and(|last| *last == 1.0),
+        "{shares:?}"
+    );
 }
 
 #[test]

@@ -86,8 +86,10 @@ fn opened(files: &[PathBuf]) -> anyhow::Result<Vec<Recording>> {
     files.iter().map(|file| open(file)).collect()
 }
 
-fn open(file: &Path) -> anyhow::Result<Recording> {
-    Ok(Recording::open(file)?)
+pub(crate) fn open(file: &Path) -> anyhow::Result<Recording> {
+    // One without its summary is gone through: a large one takes minutes.
+    let mut bar = Bar::new("opening");
+    Ok(Recording::open_telling(file, &mut |share| bar.at(share))?)
 }
 
 /// What could not be read is said, and is no failure: the rest is there.

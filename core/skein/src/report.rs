@@ -4,7 +4,6 @@
 
 use anyhow::{Context, bail};
 use clap::Args;
-use skein_recording::Recording;
 use skein_report::Report;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -48,7 +47,7 @@ fn offset_s(text: &str) -> Result<i32, String> {
 /// When the file is no recording, nothing of it can be read, or the page cannot be written.
 pub fn report(arguments: &ReportArguments) -> anyhow::Result<()> {
     let file = &arguments.file;
-    let recording = Recording::open(file)?;
+    let recording = crate::log::open(file)?;
     let report = Report::of(&recording).with_context(|| file.display().to_string())?;
     let report = report.at_utc_offset_s(arguments.utc_offset);
     let told = if arguments.json {

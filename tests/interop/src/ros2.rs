@@ -69,7 +69,13 @@ const KILTED: Distribution = Distribution {
     ],
 };
 
-const TOOLS: &[&str] = &["catkin_pkg==1.1.1", "numpy==2.4.6", "cmake==4.4.4", "ninja==1.13.2"];
+const TOOLS: &[&str] = &[
+    "catkin_pkg==1.1.1",
+    "numpy==2.4.6",
+    "cmake==4.4.4",
+    "ninja==1.13.2",
+    "mcap==1.6.0",
+];
 
 /// The wheels were built with these folders, and their cmake files name them.
 const BUILT_WITH: [&str; 2] = [

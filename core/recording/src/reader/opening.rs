@@ -36,7 +36,7 @@ struct Found {
     damage: Vec<Damage>,
 }
 
-pub(super) fn open(path: &Path) -> Result<Recording, ReadError> {
+pub(super) fn open(path: &Path, progress: &mut dyn FnMut(f64)) -> Result<Recording, ReadError> {
     let failed = |why| ReadError::Io {
         path: path.to_owned(),
         why,
@@ -60,7 +60,7 @@ pub(super) fn open(path: &Path) -> Result<Recording, ReadError> {
             library,
             ..Found::default()
         };
-        found.by_scan(&file, bytes);
+        found.by_scan(&file, bytes, progress);
     }
     found.into_recording(path, file, bytes)
 }
@@ -155,7 +155,7 @@ impl Found {
     }
 
     /// Goes through the file from its beginning to where it ends.
-    fn by_scan(&mut self, file: &File, bytes: u64) {
+    fn by_scan(&mut self, file: &File, bytes: u64, progress: &mut dyn FnMut(f64)) {
         self.library(file);
         let mut at = MAGIC;
         loop {
@@ -186,6 +186,7 @@ impl Found {
                 0 | 0x10..0x80 => return self.damage.push(Damage::Record),
             }
             at = next;
+            progress(at as f64 / bytes as f64);
         }
     }
 

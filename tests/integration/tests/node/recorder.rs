@@ -2,13 +2,14 @@
 
 use futures_util::{SinkExt, StreamExt};
 use serde_json::{Value, json};
-use skein_domain::VehicleId;
+use skein_domain::{VehicleCommand, VehicleId};
 use skein_recording::{
     AuditChain, AuditRecord, Message, Recording, Redecided, Redecider, Select, SetpointRecord, Topic, VehicleTelemetry,
 };
 use skein_testkit::{Swarm, eventually, free_tcp_port, patience};
 use skein_view::{EventRecord, FleetSnapshot};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 use tokio_tungstenite::tungstenite;
 use tokio_tungstenite::tungstenite::client::IntoClientRequest;
 use tokio_tungstenite::tungstenite::http::HeaderValue;
@@ -176,6 +177,12 @@ async fn a_flight_is_recorded_as_it_was_shown_and_its_decisions_come_out_the_sam
     );
     let base = format!("http://{}", swarm.web_address());
     asked_and_listed(&base).await;
+    swarm.command_all(VehicleCommand::Land).await;
+    swarm
+        .until("disarmed", Duration::from_secs(20), |fleet| {
+            fleet.vehicles.iter().all(|v| !v.armed)
+        })
+        .await;
     let shown = swarm.node().snapshot();
     swarm.stop().await;
 
@@ -183,6 +190,12 @@ async fn a_flight_is_recorded_as_it_was_shown_and_its_decisions_come_out_the_sam
     assert!(recording.is_finished());
     let messages = messages(&recording);
     is_as_shown(&messages, shown.vehicles.len());
+    // The node was stopped as soon as both were disarmed.
+    for vehicle in &shown.vehicles {
+        let last = of(&messages, Topic::Telemetry(vehicle.id)).next_back().expect("some");
+        let last: VehicleTelemetry = last.json().expect("is one");
+        assert_eq!((vehicle.armed, last.armed, last.mode), (false, false, vehicle.mode));
+    }
     is_audited(&messages);
     let again = redecided(&messages);
     assert_eq!(again.differences, []);

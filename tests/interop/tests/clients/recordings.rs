@@ -11,7 +11,7 @@ use skein_export::{Format, Overview, export, merge};
 use skein_recording::Recording;
 use skein_ros2::names::sanitised;
 use skein_testkit::Process;
-use skein_tests_interop::{Environment, Script, python_of};
+use skein_tests_interop::{Environment, Ros2, Script, python_of};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
@@ -277,6 +277,24 @@ fn check_demonstration(script: &mut Script, recording: &Recording) -> Result<()>
     Ok(())
 }
 
+/// How many messages of each topic of a bag rclpy has deserialised; what it plays comes whole.
+fn taken_by_ros2(bag: &Path) -> Result<Value> {
+    let ros2 = Ros2::jazzy()?;
+    let mut python = Command::new(ros2.python());
+    ros2.prepare(&mut python, 0);
+    let arguments = [bag.display().to_string()];
+    let mut script = Script::start_by(python, "ros2_bag.py", &arguments, Duration::from_secs(300))?;
+    let mut next = |phase: &str| {
+        let report = script.report()?.with_context(|| format!("a report on {phase}"))?;
+        ensure!(report["phase"] == phase, "{report}");
+        Ok(report["counts"].clone())
+    };
+    let (deserialised, played) = (next("deserialised")?, next("played")?);
+    ensure!(played == deserialised, "played {played} of {deserialised}");
+    ensure!(script.report()?.is_none(), "nothing after the end");
+    Ok(deserialised)
+}
+
 #[tokio::test]
 #[ignore = "long: part of `cargo xtask test interop`"]
 async fn the_recording_of_the_demonstration_is_read_by_the_same_programs() -> Result<()> {
@@ -305,5 +323,25 @@ async fn the_recording_of_the_demonstration_is_read_by_the_same_programs() -> Re
     ensure!(recording.is_finished(), "{:?}", recording.damage());
     let out = exported(&recording, folder.path())?;
     let arguments = [flight, flight, &out].map(|path| path.display().to_string());
-    check_demonstration(&mut read(&arguments)?, &recording)
+    check_demonstration(&mut read(&arguments)?, &recording)?;
+    let bag = out.join("bag");
+    let counts = tokio::task::spawn_blocking(move || taken_by_ros2(&bag)).await??;
+    let of = |topic: &str| counts[topic].as_u64().unwrap_or_default();
+    let overview = Overview::of(&recording);
+    let told = |topic: &str| {
+        overview
+            .topics
+            .iter()
+            .find(|of| of.topic == topic)
+            .map(|of| of.messages)
+    };
+    ensure!(overview.vehicles.len() == 3, "{overview:?}");
+    for vehicle in overview.vehicles {
+        let battery = of(&format!("/skein/uav_{vehicle}/battery"));
+        ensure!(
+            Some(battery) == told(&format!("/vehicles/{vehicle}/telemetry")),
+            "{counts}"
+        );
+    }
+    Ok(())
 }
