@@ -32,6 +32,11 @@ pub enum SwarmError {
         /// Which file.
         path: PathBuf,
     },
+    /// The configuration names Zenoh, and the program has none.
+    #[error(
+        "swarm.transports names \"zenoh\", which this program was built without: `cargo build --release -p skein` builds it with everything, or name \"dds\""
+    )]
+    WithoutZenoh,
     /// It is no secret.
     #[error("swarm.secret_file: {path} holds no secret: {reason}", path = path.display())]
     NoSecret {
@@ -50,6 +55,9 @@ pub fn setup(settings: &SwarmSettings, place: &Arc<Place>) -> Result<Option<Swar
     let (Some(id), Some(file)) = (&settings.id, &settings.secret_file) else {
         return Ok(None);
     };
+    if !cfg!(feature = "zenoh") && settings.transports.contains(&SwarmTransport::Zenoh) {
+        return Err(SwarmError::WithoutZenoh);
+    }
     let key = read_key(id, file)?;
     let (settings, place) = (settings.clone(), Arc::clone(place));
     let open = Arc::new(move || open(&settings, &place));
@@ -110,10 +118,13 @@ fn open_one(settings: &SwarmSettings, place: &Place, which: SwarmTransport) -> R
     let swarm = settings.id.clone().unwrap_or_default();
     let node = NodeId(settings.node.unwrap_or_default());
     match which {
+        #[cfg(feature = "zenoh")]
         SwarmTransport::Zenoh => {
             let opened = skein_bus_zenoh::Zenoh::open(&swarm, node, &settings.zenoh);
             Ok(Box::new(opened.map_err(|e| format!("swarm.zenoh: {e}"))?))
         }
+        #[cfg(not(feature = "zenoh"))]
+        SwarmTransport::Zenoh => Err(SwarmError::WithoutZenoh.to_string()),
         SwarmTransport::Dds => {
             let participant = place.participant().map_err(|e| format!("dds: {e}"))?;
             let opened = skein_bus_dds::Dds::open(&swarm, node, participant);

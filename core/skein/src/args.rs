@@ -66,6 +66,7 @@ pub enum Command {
     /// How well a detector sees, on clips whose truth is known.
     Vision(crate::vision::VisionArguments),
     /// Measure what the program costs.
+    #[cfg(feature = "bench")]
     Bench(BenchArguments),
     /// Show a recorded flight again in a browser: slower, quicker, from any moment on.
     Replay(crate::replay::ReplayArguments),
@@ -210,6 +211,7 @@ pub struct DoctorArguments {
 }
 
 /// `skein bench`
+#[cfg(feature = "bench")]
 #[derive(Debug, Clone, Args)]
 pub struct BenchArguments {
     /// What is measured.
@@ -218,6 +220,7 @@ pub struct BenchArguments {
 }
 
 /// The benches.
+#[cfg(feature = "bench")]
 #[derive(Debug, Clone, Subcommand)]
 pub enum Bench {
     /// The whole program against a load generator, beside a bare loop in the same run.

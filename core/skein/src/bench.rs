@@ -1,5 +1,6 @@
 //! `skein bench`: hands over to the bench library, which measures this program from outside, as its own child processes.
 
+use crate::args::Bench;
 use serde::Serialize;
 use skein_bench::{
     AssignmentBenchArgs, BusBenchArgs, FleetBenchArgs, ReplayBenchArgs, Ros2BenchArgs, SwarmBenchArgs, VideoBenchArgs,
@@ -9,6 +10,40 @@ use skein_bench::{
 use std::fmt::Display;
 use std::path::PathBuf;
 use std::process::ExitCode;
+
+/// The benches make their own runtimes: each measures one of its own.
+///
+/// # Errors
+/// When something cannot be measured.
+pub fn bench(what: Bench) -> anyhow::Result<ExitCode> {
+    match what {
+        Bench::Fleet {
+            vehicles,
+            seconds,
+            json,
+        } => fleet(vehicles, seconds, json),
+        Bench::Assignment { python, json } => assignment(python, json),
+        Bench::Replay {
+            vehicles,
+            minutes,
+            json,
+        } => replay(vehicles, minutes, json),
+        Bench::Swarm { vehicles, json } => swarm(vehicles, json),
+        Bench::Bus { nodes, seconds, json } => bus(nodes, seconds, json),
+        Bench::Ros2 { python, seconds, json } => ros2(python, seconds, json),
+        Bench::Video { ffmpeg, seconds, json } => video(ffmpeg, seconds, json),
+        Bench::Vision {
+            clips,
+            python,
+            ffmpeg,
+            models,
+            json,
+        } => vision(clips, (python, ffmpeg, models), json),
+        Bench::VideoViewer { settings } => video_viewer(&settings),
+        Bench::LoadGenerator { settings } => load_generator(&settings),
+        Bench::BareLoop { settings } => bare_loop(&settings),
+    }
+}
 
 /// The whole program against a load generator, beside a bare loop.
 ///

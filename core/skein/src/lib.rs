@@ -4,6 +4,7 @@
 #![forbid(unsafe_code)]
 
 pub mod args;
+#[cfg(feature = "bench")]
 pub mod bench;
 pub mod doctor;
 pub mod exit;
@@ -44,8 +45,9 @@ pub fn in_runtime(command: Command) -> Pin<Box<dyn Future<Output = anyhow::Resul
             Command::Swarm(arguments) => swarm::swarm(&arguments).map(done),
             Command::Plugin(arguments) => plugin::plugin(arguments).await,
             Command::Vision(arguments) => vision::vision(arguments).await,
-            Command::Bench(_)
-            | Command::Init(_)
+            #[cfg(feature = "bench")]
+            Command::Bench(_) => Ok(ExitCode::SUCCESS),
+            Command::Init(_)
             | Command::Log(_)
             | Command::Completions { .. }
             | Command::Man { .. }

@@ -2,7 +2,7 @@
 #![forbid(unsafe_code)]
 
 use clap::Parser;
-use skein::args::{Arguments, Bench, BenchArguments, Command};
+use skein::args::{Arguments, Command};
 use skein::{exit, init, log, logging, manual, replay_seed, report};
 use std::process::ExitCode;
 
@@ -30,7 +30,8 @@ fn main() -> ExitCode {
 
 fn execute(command: Command) -> anyhow::Result<ExitCode> {
     match command {
-        Command::Bench(BenchArguments { what }) => return bench(what),
+        #[cfg(feature = "bench")]
+        Command::Bench(arguments) => return skein::bench::bench(arguments.what),
         Command::Init(arguments) => return init::init(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Log(arguments) => return log::log(arguments),
         Command::Completions { shell } => return Ok(manual::completions(shell)),
@@ -57,35 +58,4 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
 fn plugin_host() -> anyhow::Result<ExitCode> {
     skein_plugin_host::child::serve()?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// The benches make their own runtimes: each measures one of its own.
-fn bench(what: Bench) -> anyhow::Result<ExitCode> {
-    match what {
-        Bench::Fleet {
-            vehicles,
-            seconds,
-            json,
-        } => skein::bench::fleet(vehicles, seconds, json),
-        Bench::Assignment { python, json } => skein::bench::assignment(python, json),
-        Bench::Replay {
-            vehicles,
-            minutes,
-            json,
-        } => skein::bench::replay(vehicles, minutes, json),
-        Bench::Swarm { vehicles, json } => skein::bench::swarm(vehicles, json),
-        Bench::Bus { nodes, seconds, json } => skein::bench::bus(nodes, seconds, json),
-        Bench::Ros2 { python, seconds, json } => skein::bench::ros2(python, seconds, json),
-        Bench::Video { ffmpeg, seconds, json } => skein::bench::video(ffmpeg, seconds, json),
-        Bench::Vision {
-            clips,
-            python,
-            ffmpeg,
-            models,
-            json,
-        } => skein::bench::vision(clips, (python, ffmpeg, models), json),
-        Bench::VideoViewer { settings } => skein::bench::video_viewer(&settings),
-        Bench::LoadGenerator { settings } => skein::bench::load_generator(&settings),
-        Bench::BareLoop { settings } => skein::bench::bare_loop(&settings),
-    }
 }

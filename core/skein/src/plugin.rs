@@ -2,6 +2,7 @@
 //!
 //! Must never do: judge by itself. What is right and what is not is the host's word, the same as in a node.
 
+#[cfg(feature = "bench")]
 mod bench;
 mod check;
 mod list;
@@ -11,6 +12,7 @@ mod node;
 use clap::{Args, Subcommand};
 use std::process::ExitCode;
 
+#[cfg(feature = "bench")]
 pub use bench::BenchArguments;
 pub use check::CheckArguments;
 pub use list::ListArguments;
@@ -35,6 +37,7 @@ pub enum PluginCommand {
     /// Say which plugins are in the directories.
     List(ListArguments),
     /// Measure what one call into a plugin costs, in the process and in a child process.
+    #[cfg(feature = "bench")]
     Bench(BenchArguments),
     /// The plugins of a running node: upgrade, roll back, restart, attach, command.
     Node(NodeArguments),
@@ -48,6 +51,7 @@ pub async fn plugin(arguments: PluginArguments) -> anyhow::Result<ExitCode> {
         PluginCommand::List(arguments) => list::list(&arguments),
         PluginCommand::Node(arguments) => node::node(&arguments).await,
         // It makes a runtime of its own.
+        #[cfg(feature = "bench")]
         PluginCommand::Bench(arguments) => tokio::task::spawn_blocking(move || bench::bench(&arguments)).await?,
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::args::RunArguments;
 use crate::versions::{self, Kept};
-use crate::{exit, service, swarm};
+use crate::{exit, service};
 use skein_config::{NodeConfig, Overlay};
 use skein_node::{Running, build, stop_asked, tell};
 use skein_upgrade::Swap;
@@ -76,7 +76,8 @@ async fn come_up(arguments: &RunArguments, kept: Option<&Kept>) -> anyhow::Resul
             arguments.config.display()
         ));
     }
-    swarm::with_threads_enough(&config.swarm)?;
+    #[cfg(feature = "zenoh")]
+    crate::swarm::with_threads_enough(&config.swarm)?;
     if let Some(kept) = kept {
         kept.use_own_plugins(&mut config);
     }

@@ -60,7 +60,7 @@ const FLIGHTS: [(&str, &[&str]); 8] = [
 /// Runs them all. `tell` says to a command where the artefacts under test are.
 pub fn run(workspace: &Workspace, report: &mut Report, tell: impl Fn(&mut Command)) {
     let built = report.check("soak: program built", "mend the compile error above", || {
-        crate::demo::build(workspace)
+        crate::demo::build_for(workspace, &[])
     });
     if built {
         for (name, arguments) in FLIGHTS {

@@ -71,9 +71,27 @@ pub fn build_with(workspace: &Workspace, profile: Profile, others: &[&str]) -> R
     if optional_features().is_empty() {
         println!("{WITHOUT_GSTREAMER}");
     }
-    let command = of_all(workspace, profile, others, optional_features())?;
-    let made = artifacts::build(workspace, command)?;
+    let command = of_all(workspace, profile, others, &[])?;
+    let made = artifacts::build(workspace, with_optional(command))?;
     collect(workspace, profile, &made)
+}
+
+/// A program without its default features, and the plugins without some: those that are there already stay.
+pub fn build_lean(workspace: &Workspace, program: &str, without: &[&str]) -> Result<()> {
+    if optional_features().is_empty() {
+        println!("{WITHOUT_GSTREAMER}");
+    }
+    let mut command = of_all(workspace, Profile::Release, &[program], without)?;
+    command.arg("--no-default-features");
+    let made = artifacts::build(workspace, with_optional(command))?;
+    let folder = workspace.target.join(Profile::Release.folder()).join("plugins");
+    collect_into(workspace, &folder, &made, without)?;
+    Ok(())
+}
+
+fn with_optional(mut command: Command) -> Command {
+    command.args(optional_features());
+    command
 }
 
 /// Program and plugins for a package: they need no library that only some computers have. For another computer than this one if `cross` says so.
@@ -87,12 +105,13 @@ pub fn build_to_ship(workspace: &Workspace, cross: Option<Architecture>) -> Resu
         folder.push(architecture.triple());
     }
     let made = artifacts::build(workspace, command)?;
-    collect_into(workspace, &folder.join("release/plugins"), &made)
+    collect_into(workspace, &folder.join("release/plugins"), &made, &[])
 }
 
-/// The cargo command that builds every plugin, and other packages.
-fn of_all(workspace: &Workspace, profile: Profile, others: &[&str], features: &[&str]) -> Result<Command> {
+/// The cargo command that builds every plugin but for some, and other packages.
+fn of_all(workspace: &Workspace, profile: Profile, others: &[&str], without: &[&str]) -> Result<Command> {
     let plugins = members(workspace).map(|package| package.name.as_str());
+    let plugins = plugins.filter(|name| !without.contains(name));
     let names: Vec<&str> = plugins.chain(others.iter().copied()).collect();
     let compiler = std::env::var_os("CXX").unwrap_or_else(|| "c++".into());
     ensure!(
@@ -108,7 +127,6 @@ fn of_all(workspace: &Workspace, profile: Profile, others: &[&str], features: &[
     command
         .arg("build")
         .args(profile.arguments())
-        .args(features)
         .args(names.iter().flat_map(|name| ["-p", name]));
     Ok(command)
 }
@@ -119,14 +137,19 @@ pub fn collect(workspace: &Workspace, profile: Profile, made: &[Artifact]) -> Re
         workspace,
         &workspace.target.join(profile.folder()).join("plugins"),
         made,
+        &[],
     )
 }
 
-fn collect_into(workspace: &Workspace, folder: &Path, made: &[Artifact]) -> Result<PathBuf> {
+fn collect_into(workspace: &Workspace, folder: &Path, made: &[Artifact], without: &[&str]) -> Result<PathBuf> {
     fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
     fs::set_permissions(folder, fs::Permissions::from_mode(0o755))?;
     let mut placed = BTreeSet::new();
     for package in members(workspace) {
+        if without.contains(&package.name.as_str()) {
+            placed.insert(format!("lib{}.so", package.name.replace('-', "_")).into());
+            continue;
+        }
         let library = library(package, made)?;
         let name = library.file_name().context("a library has a file name")?.to_owned();
         place(library, &folder.join(&name))?;

@@ -67,7 +67,7 @@ impl Drop for Instance {
 /// Builds the program, starts the instances and flies them.
 pub fn run(workspace: &Workspace, arguments: &Px4Arguments) -> Result<ExitCode> {
     let build = Build::find(&arguments.dir)?;
-    demo::build(workspace)?;
+    demo::build_for(workspace, &[])?;
     let folder = workspace.target.join("px4");
     println!(
         "starting {} instances of {}; their logs are in {}",
