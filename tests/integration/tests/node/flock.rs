@@ -71,6 +71,18 @@ async fn up(flock: &Flock) {
             .until(node, "the ground station coordinates", Duration::ZERO, led)
             .await;
     }
+    // Each is asked by the node that flies it: what that has not heard yet it refuses.
+    for node in flock.running() {
+        let permits = |_: &FleetSnapshot| flock.node(node).preflight().is_green();
+        flock
+            .until(
+                node,
+                "its preflight report permits arming",
+                Duration::from_secs(10),
+                permits,
+            )
+            .await;
+    }
     flock.judge();
     let receipts = flock
         .node(GROUND)
