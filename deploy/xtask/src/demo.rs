@@ -25,22 +25,26 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Result<ExitCode> {
 
 /// Dashboard, program and plugins, optimised, with everything. The dashboard first: the program embeds it.
 pub fn build(workspace: &Workspace) -> Result<()> {
-    dashboard(workspace, "ten to fifteen")?;
+    dashboard(workspace)?;
+    program("ten to fifteen");
     plugins::build_with(workspace, Profile::Release, &["skein"])?;
     Ok(())
 }
 
 /// What these arguments of the demonstration fly with, which is built in less time: no Zenoh, no benches, and the detector only where it looks.
 pub fn build_for(workspace: &Workspace, arguments: &[String]) -> Result<()> {
-    dashboard(workspace, "eight to twelve")?;
+    dashboard(workspace)?;
+    program("eight to twelve");
     let detects = arguments.iter().any(|argument| argument.contains(DETECTS));
     let without: &[&str] = if detects { &[] } else { &[DETECTOR] };
     plugins::build_lean(workspace, "skein", without)
 }
 
-fn dashboard(workspace: &Workspace, minutes: &str) -> Result<()> {
+fn dashboard(workspace: &Workspace) -> Result<()> {
     println!("[1/2] dashboard");
-    ui::build(workspace)?;
+    ui::build(workspace)
+}
+
+fn program(minutes: &str) {
     println!("[2/2] program and plugins (the first build takes {minutes} minutes on two cores)");
-    Ok(())
 }
