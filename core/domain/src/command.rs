@@ -65,7 +65,7 @@ pub enum VehicleCommand {
         #[n(1)]
         #[schemars(range(min = 0.0, max = 100_000.0))]
         stand_off_m: Option<f64>,
-        /// Height above the target to keep in metres; the present one if left out.
+        /// Height above the target to keep in metres; if left out the present one, or the one that a camera without a gimbal needs.
         #[n(2)]
         #[schemars(range(min = -10_000.0, max = 10_000.0))]
         height_m: Option<f64>,

@@ -129,19 +129,24 @@ impl ObservationUav {
     /// With which share of its speed the vehicle may fly: a camera that is fixed to it looks at the ground when it leans forward, and the faster it flies, the more
     /// it leans. 1 where a gimbal keeps the picture level, where there is no camera, or nobody says how the vehicle leans.
     pub(crate) fn speed_share(&self, at: &PositionNed) -> f64 {
-        let fixed = self.payloads.gimbal().is_none() && self.payloads.camera().is_some();
-        let lean_rad = self.uav.own_state().and_then(|own| own.pitch_rad).filter(|_| fixed);
+        let lean_rad = self.uav.own_state().and_then(|own| own.pitch_rad);
         let wanted = self.uav.position().and_then(|here| Direction::from_to(&here, at));
-        let (Some(lean_rad), Some(wanted)) = (lean_rad, wanted) else {
+        let (Some(camera_rad), Some(lean_rad), Some(wanted)) = (self.fixed_camera_pitch_rad(), lean_rad, wanted) else {
             return 1.0;
         };
-        let level_rad = wanted.pitch_rad - self.settings.fixed_camera_pitch_rad;
+        let level_rad = wanted.pitch_rad - camera_rad;
         let view_rad = self.field_rad() / 2.0 * HEIGHT_PER_WIDTH;
         if level_rad.abs() > view_rad {
             return 1.0; // No slower flight would bring it into view.
         }
         let share_of_view = (level_rad - lean_rad).abs() / view_rad;
         ((1.0 - share_of_view) / (1.0 - FULL_SPEED_VIEW)).clamp(0.0, 1.0)
+    }
+
+    /// Where the camera looks, in radians above the horizon, if it is fixed to the vehicle; none where a gimbal turns it, or there is no camera.
+    pub(crate) fn fixed_camera_pitch_rad(&self) -> Option<f64> {
+        let fixed = self.payloads.gimbal().is_none() && self.payloads.camera().is_some();
+        fixed.then_some(self.settings.fixed_camera_pitch_rad)
     }
 
     fn field_rad(&self) -> f64 {

@@ -185,6 +185,7 @@ impl ObservationUav {
         let own = self.uav.own_state().and_then(|own| own.kinematics);
         let place = self.uav.guided_reference().or(self.uav.position());
         let here = self.uav.position();
+        let camera_rad = self.fixed_camera_pitch_rad();
         let Some(observation) = &mut self.watch.observation else {
             return;
         };
@@ -196,7 +197,7 @@ impl ObservationUav {
         let (Some((at, velocity)), Some(place)) = (observation.aimed.motion(now, settings), place) else {
             return; // Stands until it is seen.
         };
-        let (height_m, level) = observation.height_over(&at, &place, settings.lowest_m);
+        let (height_m, level) = observation.height_over(&at, &place, camera_rad, settings.lowest_m);
         let velocity = if level {
             VelocityNed {
                 down_m_s: 0.0,

@@ -87,6 +87,9 @@ pub(crate) struct Observation {
 const WAITS_FROM_SHARE: f64 = 0.25;
 const FLIES_FROM_SHARE: f64 = 0.15;
 
+/// A camera that looks more steeply than this, in radians, is made for what is below: no height brings what is a stand-off distance away into its view.
+const STEEPEST_RAD: f64 = 1.0;
+
 impl Observation {
     /// Whether to stand still, since the target may be anywhere around where it is thought to be: whoever flies by that may fly into it, or away from it.
     pub(crate) fn waits(&mut self, out: &mut Effects) -> bool {
@@ -100,13 +103,24 @@ impl Observation {
     }
 
     /// How far over the target to stand, for a vehicle that is at `place` now; and whether that is so as not to go lower. Something that goes down, or
-    /// was never there, does not take the vehicle down with it.
-    pub(crate) fn height_over(&mut self, target: &PositionNed, place: &PositionNed, lowest_m: f64) -> (f64, bool) {
+    /// was never there, does not take the vehicle down with it. Where the command named no height, a camera that is fixed to the vehicle, and looks
+    /// `camera_rad` above the horizon, is taken to the height from which it looks at the target; every other vehicle keeps the height that it has.
+    pub(crate) fn height_over(
+        &mut self,
+        target: &PositionNed,
+        place: &PositionNed,
+        camera_rad: Option<f64>,
+        lowest_m: f64,
+    ) -> (f64, bool) {
         let lowest_down_m = *self.lowest_down_m.get_or_insert(match self.height_m {
             Some(_) => place.down_m.max(-lowest_m),
             None => place.down_m,
         });
-        let kept_m = *self.height_m.get_or_insert(target.down_m - place.down_m);
+        let level = camera_rad.filter(|camera_rad| camera_rad.abs() <= STEEPEST_RAD);
+        let framed_m = level.map(|camera_rad| -camera_rad.tan() * self.stand_off_m);
+        let kept_m = *self
+            .height_m
+            .get_or_insert(framed_m.unwrap_or(target.down_m - place.down_m));
         let least_m = target.down_m - lowest_down_m;
         (kept_m.max(least_m), least_m > kept_m)
     }

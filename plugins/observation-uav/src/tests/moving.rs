@@ -191,6 +191,43 @@ fn with_a_fixed_camera_it_flies_no_faster_than_it_can_look() {
 }
 
 #[test]
+fn a_fixed_camera_is_taken_to_the_height_from_which_it_looks_at_the_target() {
+    let height_m = |camera_rad: f64, gimbal: bool, asked_m: Option<f64>| {
+        let settings = Settings {
+            fixed_camera_pitch_rad: camera_rad,
+            ..Settings::default()
+        };
+        let mut rig = Rig::new(settings);
+        rig.camera = Some(skein_plugin_sdk::domain::payload::CameraState {
+            connected: true,
+            ..Default::default()
+        });
+        rig.gimbal.as_mut().expect("is there").state.connected = gimbal;
+        rig.track = Some(Mover {
+            position: Vector3::new(60.0, 0.0, -25.0),
+            velocity: Vector3::new(0.0, 2.0, 0.0),
+        });
+        rig.tick();
+        let id = rig.observe(THE_TRACK, Some(20.0), asked_m);
+        rig.run_until("on station", 90.0, |rig| rig.is_done(id));
+        rig.run(10.0);
+        assert!(gimbal || camera_rad.abs() > 1.0 || rig.report()["in_view"] == true);
+        -rig.position.z
+    };
+    let is = |height_m: f64, expected_m: f64| (height_m - expected_m).abs() < 0.3;
+    // It began at 20 m.
+    assert!(is(height_m(0.0, false, None), 25.0), "level: as high as the target");
+    assert!(
+        is(height_m(-0.5, false, None), 25.0 + 10.93),
+        "down by 0.5 rad over 20 m"
+    );
+    assert!(is(height_m(0.5, false, None), 20.0), "upwards: never lower than it was");
+    assert!(is(height_m(-1.5, false, None), 20.0), "down: no height would do");
+    assert!(is(height_m(0.0, true, None), 20.0), "the gimbal looks up");
+    assert!(is(height_m(0.0, false, Some(3.0)), 28.0), "as it was asked to");
+}
+
+#[test]
 fn a_gimbal_that_does_not_reach_is_helped_by_the_nose() {
     let mut rig = Rig::with_track(-30.0, 5.0);
     rig.gimbal.as_mut().expect("is there").fixed_yaw = true;

@@ -4173,7 +4173,7 @@ target: Target,
  */
 stand_off_m: number | null, 
 /**
- * Height above the target to keep in metres; the present one if left out.
+ * Height above the target to keep in metres; if left out the present one, or the one that a camera without a gimbal needs.
  */
 height_m: number | null, 
 /**
