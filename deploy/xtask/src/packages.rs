@@ -3,6 +3,7 @@
 //! Must never do: put into a package what was not built from this tree, or install anything outside a root of its own.
 
 mod chroot;
+mod service;
 mod target;
 
 pub use chroot::base;
@@ -26,7 +27,7 @@ pub struct PackagesArguments {
     /// For these computers; each but this computer's own is cross-compiled [default: both].
     #[arg(long = "arch", value_name = "ARCHITECTURE")]
     architectures: Vec<Architecture>,
-    /// Also holds each against lintian, and installs, upgrades, removes and purges it in a Debian of its own. Needs root.
+    /// Also holds each against lintian, installs, upgrades, removes and purges it in a Debian of its own, and flies it there as a service of systemd. Needs root.
     #[arg(long)]
     check: bool,
 }
@@ -41,6 +42,9 @@ pub fn run(workspace: &Workspace, arguments: &PackagesArguments) -> Result<ExitC
     if arguments.check {
         for (architecture, package) in &made {
             chroot::check(workspace, *architecture, package)?;
+            if *architecture == Architecture::of_this_computer()? {
+                service::check(workspace, *architecture, package)?;
+            }
         }
     }
     for (architecture, package) in &made {

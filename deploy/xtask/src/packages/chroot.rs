@@ -13,6 +13,8 @@ use std::process::{Command, Stdio};
 /// The oldest release that the packages are for, and what of it the package needs beside the essential packages.
 const RELEASE: &str = "bookworm";
 const NEEDED: &str = "adduser,libstdc++6,libgcc-s1";
+/// What else there is where systemd runs it: systemd itself, and what the check asks the node with.
+const BOOTED: &str = "systemd-sysv,dbus,curl,jq";
 /// Tags of lintian that are not heeded, each with its reason.
 const NOT_HEEDED: [&str; 2] = [
     // It is not uploaded to Debian, where the first entry would close a bug.
@@ -207,18 +209,35 @@ impl Drop for Root {
 
 /// A minimal Debian of that architecture, fetched if it is not there yet. Not to be changed.
 pub fn base(workspace: &Workspace, architecture: Architecture) -> Result<PathBuf> {
-    let base = workspace
-        .target
-        .join("debian")
-        .join(format!("{RELEASE}-{architecture}"));
+    fetched(
+        &folder(workspace, &format!("{RELEASE}-{architecture}")),
+        architecture,
+        NEEDED,
+    )
+}
+
+/// The same, which systemd can boot.
+pub fn booted_base(workspace: &Workspace, architecture: Architecture) -> Result<PathBuf> {
+    fetched(
+        &folder(workspace, &format!("{RELEASE}-{architecture}-systemd")),
+        architecture,
+        &format!("{NEEDED},{BOOTED}"),
+    )
+}
+
+fn folder(workspace: &Workspace, name: &str) -> PathBuf {
+    workspace.target.join("debian").join(name)
+}
+
+fn fetched(base: &Path, architecture: Architecture, packages: &str) -> Result<PathBuf> {
     if !base.join("var/lib/dpkg/status").exists() || base.join("debootstrap").exists() {
-        fetch(&base, architecture)?;
+        fetch(base, architecture, packages)?;
     }
-    Ok(base)
+    Ok(base.to_owned())
 }
 
 /// By debootstrap; that of another processor runs under qemu, which the kernel calls for it.
-fn fetch(base: &Path, architecture: Architecture) -> Result<()> {
+fn fetch(base: &Path, architecture: Architecture, packages: &str) -> Result<()> {
     if Command::new("debootstrap").arg("--version").output().is_err() {
         println!("no debootstrap found: installing it through apt-get");
         debian::install("debootstrap").context("install debootstrap")?;
@@ -240,7 +259,7 @@ fn fetch(base: &Path, architecture: Architecture) -> Result<()> {
             "--arch",
             &architecture.to_string(),
             "--include",
-            NEEDED,
+            packages,
             RELEASE,
         ])
         .arg(base)
