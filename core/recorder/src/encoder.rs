@@ -31,7 +31,7 @@ pub struct Encoder {
     slow: Option<u64>,
     fast: Option<u64>,
     states: Vec<State>,
-    shown: Option<u64>,
+    shown: Option<NodeTime>,
     everything: bool,
 }
 
@@ -119,10 +119,11 @@ impl Encoder {
     }
 
     fn fleet(&mut self, said: &mut Said, fleet: &FleetSnapshot) {
-        // The last one is handed over again at the end.
-        if self.shown.replace(fleet.sequence) == Some(fleet.sequence) {
+        // The last one is handed over at the end by somebody else than those before: one of these may come after it.
+        if self.shown.is_some_and(|shown| fleet.time <= shown) {
             return;
         }
+        self.shown = Some(fleet.time);
         let at = fleet.time;
         let tick = |hz: f64| Some((at.as_seconds() * hz) as u64);
         let flies = fleet.vehicles.iter().any(|vehicle| vehicle.armed);
