@@ -17,8 +17,6 @@ async fn with_odd_camera(plugins: &std::path::Path) -> Swarm {
     };
     Swarm::start_with(1, move |config, _| {
         config.plugins.directories.push(directory);
-        // It encodes, and makes a new encoder for another size: beside other tests that takes longer than a plugin has in flight.
-        config.plugins.call_deadline_s = 1.0;
         config.adopt = vec![AdoptionRule {
             payloads: vec![payload],
             ..AdoptionRule::default()
