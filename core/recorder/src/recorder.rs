@@ -47,13 +47,17 @@ pub struct RecorderState {
 impl Drop for RecorderState {
     /// Whoever stops the node kills its actors: this is where the thread is told to end the file.
     fn drop(&mut self) {
-        // How the vehicles stood at the end, if that was not seen before: they may have been disarmed just now.
-        self.node.tape().take(|| Taken::Fleet(self.node.snapshot()));
-        self.node.tape().end();
+        end(&self.node);
         for task in &self.tasks {
             task.abort();
         }
     }
+}
+
+/// Hands over the last that is to be recorded: how the vehicles stand, if that was not seen before. They may have been disarmed just now.
+fn end(node: &NodeHandle) {
+    node.tape().take(|| Taken::Fleet(node.snapshot()));
+    node.tape().end();
 }
 
 impl Actor for Recorder {
@@ -189,7 +193,8 @@ fn note_silent(node: &NodeHandle, state: RecorderWord, why: Option<String>) {
 
 /// Waits until the recording of a node that has stopped is ended. What the disk does not take in time can be read all the same.
 pub async fn ended(node: &NodeHandle) {
-    node.tape().end();
+    // The actor may not have been dropped yet.
+    end(node);
     let waiting = async {
         while node.tape().is_being_written() {
             tokio::time::sleep(Duration::from_millis(5)).await;
