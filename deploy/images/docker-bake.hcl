@@ -1,11 +1,13 @@
-# `docker buildx bake -f deploy/images/docker-bake.hcl` builds ground, vehicle and sim for amd64 and arm64.
+# `docker buildx bake -f deploy/images/docker-bake.hcl` builds ground, vehicle and sim for amd64 and arm64, and the vehicles of boards with cameras of their own for arm64.
 
 variable "PACKAGES" { default = "target/packages" }
 variable "REGISTRY" { default = "" }
 variable "VERSION" { default = "0.1.0" }
 variable "BASE" { default = "docker.io/library/debian:bookworm-slim" }
 
-group "default" { targets = ["ground", "vehicle", "sim"] }
+variable "JETSON_BASE" { default = "nvcr.io/nvidia/l4t-base:r36.2.0" }
+
+group "default" { targets = ["ground", "vehicle", "vehicle-pi", "vehicle-jetson", "sim"] }
 
 target "_all" {
   context    = PACKAGES
@@ -25,6 +27,20 @@ target "vehicle" {
   inherits = ["_all"]
   target   = "vehicle"
   tags     = ["${REGISTRY}skein-vehicle:${VERSION}"]
+}
+
+target "vehicle-pi" {
+  inherits  = ["vehicle"]
+  platforms = ["linux/arm64"]
+  args      = { BASE = BASE, BOARD = "pi" }
+  tags      = ["${REGISTRY}skein-vehicle-pi:${VERSION}"]
+}
+
+target "vehicle-jetson" {
+  inherits  = ["vehicle"]
+  platforms = ["linux/arm64"]
+  args      = { BASE = BASE, JETSON_BASE = JETSON_BASE, BOARD = "jetson" }
+  tags      = ["${REGISTRY}skein-vehicle-jetson:${VERSION}"]
 }
 
 target "sim" {

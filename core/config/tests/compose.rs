@@ -36,14 +36,21 @@ fn deploy() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../deploy")
 }
 
-fn files() -> Vec<(String, Compose)> {
+/// What a board with cameras of its own needs beside that is laid over a file.
+const OVER: &str = "board-";
+
+fn named(wanted: impl Fn(&str) -> bool) -> Vec<PathBuf> {
     let files = std::fs::read_dir(deploy().join("compose"))
         .expect("deploy/compose")
         .flatten();
-    let files = files
-        .map(|file| file.path())
-        .filter(|file| file.extension().is_some_and(|end| end == "yml"));
+    let names = |file: &PathBuf| file.file_name().is_some_and(|name| wanted(&name.to_string_lossy()));
+    files.map(|file| file.path()).filter(names).collect()
+}
+
+fn files() -> Vec<(String, Compose)> {
+    let files = named(|name| name.ends_with(".yml") && !name.starts_with(OVER));
     files
+        .into_iter()
         .map(|file| {
             let mut text = std::fs::read_to_string(&file).expect("readable");
             for (name, value) in IN_THE_FIELD {
@@ -141,6 +148,39 @@ fn every_vehicle_hears_its_autopilot_and_has_its_number() {
             });
             assert_eq!(id, number, "{name}: {service}");
         }
+    }
+}
+
+#[test]
+fn what_a_board_needs_is_laid_over_the_vehicle_alone_and_takes_no_protection_away() {
+    #[derive(Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Over {
+        services: BTreeMap<String, Beside>,
+    }
+    #[derive(Deserialize)]
+    #[serde(deny_unknown_fields, rename_all = "snake_case")]
+    #[expect(dead_code, reason = "what may stand there is what is tested")]
+    struct Beside {
+        runtime: Option<String>,
+        #[serde(default)]
+        environment: BTreeMap<String, String>,
+        #[serde(default)]
+        volumes: Vec<String>,
+        #[serde(default)]
+        device_cgroup_rules: Vec<String>,
+    }
+    let files = named(|name| name.starts_with(OVER));
+    assert_eq!(files.len(), 2, "{files:?}");
+    for file in files {
+        let text = std::fs::read_to_string(&file).expect("readable");
+        let over: Over = serde_saphyr::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        assert_eq!(
+            over.services.keys().collect::<Vec<_>>(),
+            ["vehicle"],
+            "{}",
+            file.display()
+        );
     }
 }
 

@@ -5,7 +5,6 @@
 //!
 //! Must never do: guess a file name that cargo can tell.
 
-use crate::plugins;
 use crate::workspace::{Package, Workspace};
 use anyhow::{Context, Result, ensure};
 use serde::Deserialize;
@@ -91,7 +90,7 @@ impl Message {
 pub fn builds(workspace: &Workspace, whole: bool, tiers: &[&Package]) -> Vec<Vec<String>> {
     let of = |selected: &[&str]| -> Vec<String> { selected.iter().map(|argument| (*argument).to_owned()).collect() };
     let tests = if whole { "--all-targets" } else { "--tests" };
-    let everything = [of(&["--workspace"]), of(plugins::optional_features())].concat();
+    let everything = of(&["--workspace"]);
     let mut first = [everything.clone(), of(&["--lib", "--bins", tests])].concat();
     let loaded = workspace.packages.iter().filter(|package| has_loaded_examples(package));
     first.extend(loaded.flat_map(|package| targets(package, "example")));

@@ -16,8 +16,16 @@ use std::process::{Command, ExitCode, Stdio};
 const DOCKERFILE: &str = "deploy/images/Dockerfile";
 /// The base that it names.
 const BASE: &str = "docker.io/library/debian:bookworm-slim";
-/// The targets that need no board of their own.
-const TARGETS: [&str; 3] = ["vehicle", "ground", "sim"];
+/// What is built: a target, for a board.
+const IMAGES: [(&str, &str); 5] = [
+    ("vehicle", PLAIN),
+    ("ground", PLAIN),
+    ("sim", PLAIN),
+    ("vehicle", "pi"),
+    ("vehicle", "jetson"),
+];
+/// No board in particular.
+const PLAIN: &str = "plain";
 /// A vehicle's image is no larger than this, as it is sent.
 const MOST_BYTES: u64 = 60_000_000;
 
@@ -43,15 +51,18 @@ pub fn run(workspace: &Workspace, arguments: &ImagesArguments) -> Result<ExitCod
     for architecture in wanted {
         let builder = Builder::new(workspace, architecture)?;
         builder.base(&base(workspace, architecture)?)?;
-        for target in TARGETS {
-            let image = builder.build(target)?;
+        for (target, board) in IMAGES {
+            let image = builder.build(target, board)?;
             let bytes = builder.size(&image)?;
             println!("{image} for {architecture}: {:.1} MB compressed", bytes as f64 / 1e6);
             ensure!(
-                target != "vehicle" || bytes <= MOST_BYTES,
+                (target, board) != ("vehicle", PLAIN) || bytes <= MOST_BYTES,
                 "that is more than {MOST_BYTES} bytes"
             );
             started::check(&builder, &image, target)?;
+            if board != PLAIN {
+                started::gives_pictures(&builder, &image)?;
+            }
         }
     }
     Ok(ExitCode::SUCCESS)
@@ -120,15 +131,22 @@ impl<'w> Builder<'w> {
         Ok(())
     }
 
-    /// One target; its name.
-    fn build(&self, target: &str) -> Result<String> {
-        let image = format!("skein-{target}:{}", self.workspace.version()?);
+    /// One target for a board; its name. What a board's base is named stands here for Debian's.
+    fn build(&self, target: &str, board: &str) -> Result<String> {
+        let version = self.workspace.version()?;
+        let image = if board == PLAIN {
+            format!("skein-{target}:{version}")
+        } else {
+            format!("skein-{target}-{board}:{version}")
+        };
         let arch = self.architecture.to_string();
         println!("building {image} for {arch}");
         let mut build = self.buildah();
         build
             .args(["build", "--pull-never", "--format", "docker", "--arch", &arch])
             .args(["--build-arg", &format!("TARGETARCH={arch}")])
+            .args(["--build-arg", &format!("BOARD={board}")])
+            .args(["--build-arg", &format!("JETSON_BASE={BASE}")])
             .args(["--target", target, "--tag", &image, "--file"])
             .arg(self.workspace.root.join(DOCKERFILE))
             .arg(self.workspace.target.join("packages"));

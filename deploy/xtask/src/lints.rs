@@ -2,7 +2,6 @@
 //!
 //! Must never do: leave out a program because it is not run by default.
 
-use crate::plugins;
 use crate::report::Report;
 use crate::step::Step;
 use crate::workspace::Workspace;
@@ -16,7 +15,6 @@ pub fn check(workspace: &Workspace, report: &mut Report) {
         let mut lints = workspace.cargo();
         lints
             .args(["clippy", "--workspace"])
-            .args(plugins::optional_features())
             .args(targets)
             .args(["--", "-D", "warnings"]);
         report.step(name, "mend what clippy names above", Step::new(lints));

@@ -11,23 +11,7 @@ use std::ffi::OsString;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
-
-/// The library of GStreamer that the camera plugin links where it is installed, by its name in pkg-config.
-const GSTREAMER: &str = "gstreamer-app-1.0";
-const WITHOUT_GSTREAMER: &str = "the camera plugin is built without `source = \"gstreamer\"`: pkg-config does not find gstreamer-app-1.0 (Debian: apt install libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev)";
-
-/// The arguments that turn on what of the plugins needs a library of the system, where that is installed.
-pub fn optional_features() -> &'static [&'static str] {
-    let mut search = Command::new("pkg-config");
-    search.args(["--exists", GSTREAMER]).stderr(Stdio::null());
-    let is_installed = search.status().is_ok_and(|status| status.success());
-    if is_installed {
-        &["--features", "camera-plugin/gstreamer"]
-    } else {
-        &[]
-    }
-}
+use std::process::Command;
 
 /// Which cargo profile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,33 +52,22 @@ pub fn build(workspace: &Workspace, profile: Profile) -> Result<PathBuf> {
 
 /// As [`build`], together with other packages, so that what they share is compiled once.
 pub fn build_with(workspace: &Workspace, profile: Profile, others: &[&str]) -> Result<PathBuf> {
-    if optional_features().is_empty() {
-        println!("{WITHOUT_GSTREAMER}");
-    }
     let command = of_all(workspace, profile, others, &[])?;
-    let made = artifacts::build(workspace, with_optional(command))?;
+    let made = artifacts::build(workspace, command)?;
     collect(workspace, profile, &made)
 }
 
 /// A program without its default features, and the plugins without some: those that are there already stay.
 pub fn build_lean(workspace: &Workspace, program: &str, without: &[&str]) -> Result<()> {
-    if optional_features().is_empty() {
-        println!("{WITHOUT_GSTREAMER}");
-    }
     let mut command = of_all(workspace, Profile::Release, &[program], without)?;
     command.arg("--no-default-features");
-    let made = artifacts::build(workspace, with_optional(command))?;
+    let made = artifacts::build(workspace, command)?;
     let folder = workspace.target.join(Profile::Release.folder()).join("plugins");
     collect_into(workspace, &folder, &made, without)?;
     Ok(())
 }
 
-fn with_optional(mut command: Command) -> Command {
-    command.args(optional_features());
-    command
-}
-
-/// Program and plugins for a package: they need no library that only some computers have. For another computer than this one if `cross` says so.
+/// Program and plugins for a package. For another computer than this one if `cross` says so.
 pub fn build_to_ship(workspace: &Workspace, cross: Option<Architecture>) -> Result<PathBuf> {
     let mut command = of_all(workspace, Profile::Release, &["skein"], &[])?;
     let mut folder = workspace.target.clone();

@@ -9,9 +9,6 @@ use skein_sim_payloads::scene::{Look, ObjectPath, SceneObject};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-const NO_GSTREAMER: &str = "this camera plugin was built without GStreamer: install libgstreamer1.0-dev and \
-    libgstreamer-plugins-base1.0-dev (Debian's names), and build the plugins again with `cargo xtask build-plugins`";
-
 /// More objects than this in a simulated world are refused: each is drawn and judged in every picture.
 const MOST_OBJECTS: usize = 64;
 /// Places are within this of the swarm frame's origin along each axis, in metres.
@@ -34,7 +31,7 @@ pub enum Source {
     Rtsp,
     /// RTP with H.264 that somebody sends to `listen`: it is passed on as it is.
     Rtp,
-    /// A pipeline of GStreamer that gives H.264, for cameras on this computer's own ports. Only where the plugin was built with GStreamer.
+    /// A pipeline of GStreamer that gives H.264, for cameras on this computer's own ports. It needs `gst-launch-1.0`.
     Gstreamer,
 }
 
@@ -222,11 +219,12 @@ impl Settings {
             return Err("url is needed for rtsp: rtsp://HOST[:PORT]/PATH".to_owned());
         }
         if self.source == Source::Gstreamer {
-            if !cfg!(feature = "gstreamer") {
-                return Err(NO_GSTREAMER.to_owned());
-            }
-            if self.pipeline.trim().is_empty() {
-                return Err("pipeline is needed for gstreamer: SOURCE ! ENCODER".to_owned());
+            match stream::words(&self.pipeline) {
+                None => return Err("pipeline: a quotation mark is left open".to_owned()),
+                Some(words) if words.is_empty() => {
+                    return Err("pipeline is needed for gstreamer: SOURCE ! ENCODER".to_owned());
+                }
+                Some(_) => {}
             }
         }
         if self.source == Source::Rtp {

@@ -3,11 +3,11 @@
 //! Must never do: decode, or keep more than a few pictures.
 
 mod file;
-#[cfg(feature = "gstreamer")]
 mod pipeline;
 mod rtp;
 mod rtsp;
 
+pub(crate) use pipeline::words;
 pub(crate) use rtp::{RtpPort, parameter_sets};
 
 use crate::feed::{Ended, Feed};
@@ -50,7 +50,6 @@ pub(crate) enum Origin {
     /// RTP that somebody sends here.
     Rtp(RtpPort),
     /// A pipeline in GStreamer's launch syntax.
-    #[cfg(feature = "gstreamer")]
     Pipeline(String),
 }
 
@@ -88,7 +87,6 @@ pub(crate) enum StreamFault {
     Rtsp { url: String, reason: String },
     #[error("{url} has no H.264 video; it has {has}")]
     NoH264 { url: String, has: String },
-    #[cfg(feature = "gstreamer")]
     #[error(transparent)]
     Pipeline(#[from] pipeline::PipelineFault),
     #[error("{listen} cannot be listened on: {reason}")]
@@ -121,7 +119,6 @@ impl StreamReader {
             Origin::File(path) => file::read(path, outlet),
             Origin::Rtsp(camera) => rtsp::read(camera, outlet),
             Origin::Rtp(port) => rtp::read(port, logger.as_ref(), outlet),
-            #[cfg(feature = "gstreamer")]
             Origin::Pipeline(description) => pipeline::read(description, outlet),
         })?;
         Ok(Self { feed, waiting: None })

@@ -19,6 +19,18 @@ pub(super) fn check(builder: &Builder<'_>, image: &str, target: &str) -> Result<
     checked.with_context(|| image.to_owned())
 }
 
+/// The image's GStreamer gives H.264 as the camera plugin asks for it: from a test picture, for want of the board's camera.
+pub(super) fn gives_pictures(builder: &Builder<'_>, image: &str) -> Result<()> {
+    let working = builder.said(builder.buildah().args(["from", "--pull-never", image]))?;
+    let line = "gst-launch-1.0 -q videotestsrc num-buffers=10 ! openh264enc ! h264parse ! rtph264pay ! rtpstreampay ! fdsink | wc -c";
+    let given = builder.said(builder.buildah().args(["run", &working, "--", "/bin/sh", "-ec", line]));
+    builder.said(builder.buildah().args(["rm", &working]))?;
+    let bytes: u64 = given?.parse().with_context(|| format!("{image}: {line}"))?;
+    ensure!(bytes > 1_000, "{image}: GStreamer gave {bytes} bytes of H.264");
+    println!("  GStreamer gives {bytes} bytes of H.264");
+    Ok(())
+}
+
 fn within(builder: &Builder<'_>, working: &str, target: &str) -> Result<()> {
     let run = |line: &str| builder.said(builder.buildah().args(["run", working, "--", "/bin/sh", "-ec", line]));
     let id = run("id -u")?;

@@ -61,11 +61,7 @@ fn origin_of(settings: &Settings) -> Option<stream::Origin> {
             listen: settings.listen_address().ok()?,
             parameter_sets: stream::parameter_sets(&settings.parameter_sets).ok()?,
         })),
-        #[cfg(feature = "gstreamer")]
         Source::Gstreamer => Some(stream::Origin::Pipeline(settings.pipeline.clone())),
-        // Without it the configuration is refused before this.
-        #[cfg(not(feature = "gstreamer"))]
-        Source::Gstreamer => None,
         Source::Mavlink | Source::Synthetic | Source::Stills => None,
     }
 }

@@ -1,63 +1,74 @@
-//! A pipeline of GStreamer that gives H.264: cameras on a computer's own ports, and its encoders.
+//! A pipeline of GStreamer that gives H.264: cameras on a computer's own ports, and its encoders. It runs as a program of its own, `gst-launch-1.0`,
+//! which gives RTP over a socket of its own, with the length of each packet in front (RFC 4571).
 //!
 //! Must never do: wait for a pipeline without an end, or leave one that runs.
 
+mod said;
+
+use super::rtp::{Lack, Reception};
 use super::{Coded, Outlet, StreamFault};
-use gstreamer::prelude::*;
-use gstreamer::{ClockTime, MessageType, MessageView, ParseContext, ParseFlags, Pipeline, State};
-use gstreamer_app::AppSink;
+use rustix::process::{Pid, Signal};
+use said::Said;
+use std::io::{ErrorKind, Read};
+use std::os::fd::OwnedFd;
+use std::os::unix::net::UnixStream;
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
-/// What makes access units of what the configured pipeline gives, with parameter sets before each key picture.
-const BEHIND: &str = "h264parse config-interval=-1 ! video/x-h264,stream-format=byte-stream,alignment=au ! appsink name=skein sync=false max-buffers=8";
-const SINK: &str = "skein";
+/// Its data stands apart from what it prints. It ends with the thread that has started it, whatever becomes of that, and who no longer listens is no reason to
+/// be ended on the spot: then it would not give its camera back.
+const SHELL: &str = r#"trap '' PIPE; exec setpriv --pdeathsig KILL gst-launch-1.0 -q -- "$@" 3>&1 >&2"#;
+/// What makes packets of what the configured pipeline gives, with parameter sets before each key picture.
+const BEHIND: &str = "! h264parse ! rtph264pay config-interval=-1 mtu=9000 ! rtpstreampay ! fdsink fd=3 sync=false";
 /// A pipeline that gives nothing for so long is made anew.
 const SILENT_AFTER: Duration = Duration::from_secs(5);
-/// How often it is looked for faults, and whether anybody still wants the stream.
-const LOOK_EVERY: ClockTime = ClockTime::from_mseconds(100);
+/// How often it is looked whether anybody still wants the stream.
+const LOOK_EVERY: Duration = Duration::from_millis(100);
+/// A pipeline has so long to give its camera back.
+const END_WITHIN: Duration = Duration::from_secs(1);
 
 /// Why a pipeline gives nothing.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub(crate) enum PipelineFault {
-    #[error("GStreamer does not start: {0}")]
-    Library(String),
+    #[error("gst-launch-1.0 does not start (Debian: apt install gstreamer1.0-tools): {0}")]
+    NotInstalled(String),
     #[error("GStreamer has no element {0}: a package of its plugins is missing, or the name is wrong")]
     NoElement(String),
     #[error("the pipeline cannot be made: {0}")]
     Unmade(String),
     #[error("{element} of the pipeline: {reason}")]
     Element { element: String, reason: String },
-    #[error("the pipeline does not start")]
-    Unstarted,
-    #[error("the pipeline gave no picture within {within_s} s")]
-    Silent { within_s: u64 },
+    #[error("the pipeline gave no picture within {within_s} s: {lack}")]
+    Silent { within_s: u64, lack: Lack },
     #[error("the pipeline has ended")]
     Ended,
 }
 
-/// Reads until nobody wants it any more.
-pub(super) fn read(description: &str, outlet: &Outlet) -> Result<(), StreamFault> {
-    Ok(give_all(description, outlet)?)
+/// The words of a pipeline as a shell has them; none if a quotation mark is left open.
+pub(crate) fn words(description: &str) -> Option<Vec<String>> {
+    shlex::split(description)
 }
 
-fn give_all(description: &str, outlet: &Outlet) -> Result<(), PipelineFault> {
-    gstreamer::init().map_err(|error| PipelineFault::Library(error.message().to_owned()))?;
-    let running = Running::start(description)?;
-    let mut last_picture = Instant::now();
+/// Reads until nobody wants it any more.
+pub(super) fn read(description: &str, outlet: &Outlet) -> Result<(), StreamFault> {
+    let mut running = Running::start(description)?;
+    let began = Instant::now();
+    let mut last_picture = began;
+    let mut reception = Reception::new(Vec::new());
     while outlet.is_wanted() {
-        if let Some(sample) = running.sink.try_pull_sample(LOOK_EVERY) {
-            last_picture = Instant::now();
-            let readable = sample.buffer().and_then(|buffer| buffer.map_readable().ok());
-            let bytes = readable.map(|bytes| bytes.to_vec()).unwrap_or_default();
-            if !outlet.give(Ok(Coded::at_once(bytes))) {
-                break;
+        running.read()?;
+        while let Some(packet) = running.next_packet() {
+            for picture in reception.take(began.elapsed(), &packet) {
+                last_picture = Instant::now();
+                if !outlet.give(Ok(Coded::at_once(picture.bytes))) {
+                    return Ok(());
+                }
             }
         }
-        running.check()?;
         if last_picture.elapsed() >= SILENT_AFTER {
-            let within_s = SILENT_AFTER.as_secs();
-            return Err(PipelineFault::Silent { within_s });
+            let (within_s, lack) = (SILENT_AFTER.as_secs(), reception.take_lack());
+            return Err(PipelineFault::Silent { within_s, lack }.into());
         }
     }
     Ok(())
@@ -65,54 +76,107 @@ fn give_all(description: &str, outlet: &Outlet) -> Result<(), PipelineFault> {
 
 /// A pipeline that ends with this value.
 struct Running {
-    pipeline: Pipeline,
-    sink: AppSink,
+    program: Child,
+    data: UnixStream,
+    printed: UnixStream,
+    said: Said,
+    /// Of the data, what is no whole packet yet.
+    received: Vec<u8>,
 }
 
 impl Running {
     fn start(description: &str) -> Result<Self, PipelineFault> {
-        let mut context = ParseContext::new();
-        let whole = format!("{description} ! {BEHIND}");
-        let made = gstreamer::parse::launch_full(&whole, Some(&mut context), ParseFlags::FATAL_ERRORS);
-        let element = made.map_err(|error| match context.missing_elements() {
-            missing if missing.is_empty() => PipelineFault::Unmade(error.message().to_owned()),
-            missing => PipelineFault::NoElement(missing.join(", ")),
-        })?;
-        let pipeline = element.downcast::<Pipeline>();
-        let pipeline = pipeline.map_err(|_| PipelineFault::Unmade("it is no chain of elements".to_owned()))?;
-        let sink = pipeline.by_name(SINK).and_then(|sink| sink.downcast::<AppSink>().ok());
-        let sink = sink.ok_or_else(|| PipelineFault::Unmade(format!("the name {SINK} is taken")))?;
-        let running = Self { pipeline, sink };
-        if running.pipeline.set_state(State::Playing).is_err() {
-            // Why is on the bus.
-            running.check()?;
-            return Err(PipelineFault::Unstarted);
-        }
-        Ok(running)
+        let words =
+            words(description).ok_or_else(|| PipelineFault::Unmade("a quotation mark is left open".to_owned()))?;
+        Self::spawn(&words).map_err(|error| PipelineFault::NotInstalled(error.to_string()))
     }
 
-    /// Whether it goes on; else why not.
-    fn check(&self) -> Result<(), PipelineFault> {
-        let bus = self.pipeline.bus();
-        let message = bus.and_then(|bus| bus.pop_filtered(&[MessageType::Error, MessageType::Eos]));
-        match message.as_ref().map(|message| message.view()) {
-            None => Ok(()),
-            Some(MessageView::Error(error)) => {
-                let element = error.src().map(|element| element.name().to_string());
-                Err(PipelineFault::Element {
-                    element: element.unwrap_or_default(),
-                    reason: error.error().message().to_owned(),
-                })
+    fn spawn(words: &[String]) -> std::io::Result<Self> {
+        let (data, its_data) = UnixStream::pair()?;
+        let (printed, its_printed) = UnixStream::pair()?;
+        data.set_read_timeout(Some(LOOK_EVERY))?;
+        printed.set_nonblocking(true)?;
+        let program = Command::new("/bin/sh")
+            .args(["-c", SHELL, "gst-launch-1.0"])
+            .args(words)
+            .args(BEHIND.split(' '))
+            // What it says is read here.
+            .env("LC_ALL", "C")
+            .stdin(Stdio::null())
+            .stdout(OwnedFd::from(its_data))
+            .stderr(OwnedFd::from(its_printed))
+            .spawn()?;
+        Ok(Self {
+            program,
+            data,
+            printed,
+            said: Said::default(),
+            received: Vec::new(),
+        })
+    }
+
+    /// Waits a moment for data. The error is why there will be none.
+    fn read(&mut self) -> Result<(), PipelineFault> {
+        let mut bytes = [0; 16 << 10];
+        self.listen();
+        match self.data.read(&mut bytes) {
+            Ok(0) => Err(self.why_it_ended()),
+            Ok(len) => {
+                self.received.extend_from_slice(bytes.get(..len).unwrap_or_default());
+                Ok(())
             }
-            Some(_) => Err(PipelineFault::Ended),
+            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => Ok(()),
+            Err(error) => Err(PipelineFault::Unmade(error.to_string())),
         }
+    }
+
+    /// Takes what it has printed, so that it never waits for that.
+    fn listen(&mut self) {
+        let mut bytes = [0; 4 << 10];
+        while let Ok(len) = self.printed.read(&mut bytes)
+            && len > 0
+        {
+            self.said.take(bytes.get(..len).unwrap_or_default());
+        }
+    }
+
+    /// The first packet of what was received, if it is whole.
+    fn next_packet(&mut self) -> Option<Vec<u8>> {
+        let (length, rest) = self.received.split_first_chunk::<2>()?;
+        let len = usize::from(u16::from_be_bytes(*length));
+        let packet = rest.get(..len)?.to_vec();
+        self.received.drain(..2 + len);
+        Some(packet)
+    }
+
+    fn why_it_ended(&mut self) -> PipelineFault {
+        let code = self.wait(END_WITHIN);
+        self.listen();
+        self.said.fault(code)
+    }
+
+    /// Its exit status, if it ends in time by itself.
+    fn wait(&mut self, within: Duration) -> Option<i32> {
+        let since = Instant::now();
+        while since.elapsed() < within {
+            if let Ok(Some(status)) = self.program.try_wait() {
+                return status.code();
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        None
     }
 }
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // What does not end now has its device taken from it when the process ends.
-        let _ = self.pipeline.set_state(State::Null);
+        if let Ok(None) = self.program.try_wait() {
+            // What ends so gives its camera back.
+            let _ = rustix::process::kill_process(Pid::from_child(&self.program), Signal::INT);
+            self.wait(END_WITHIN);
+        }
+        let _ = self.program.kill();
+        let _ = self.program.wait();
     }
 }
 

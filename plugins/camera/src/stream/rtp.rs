@@ -7,8 +7,9 @@ mod order;
 mod reception;
 
 pub(crate) use reception::Lack;
+pub(super) use reception::Reception;
 
-use self::reception::{Counts, MOST_DATAGRAM_BYTES, Reception};
+use self::reception::{Counts, MOST_DATAGRAM_BYTES};
 use super::{Coded, Outlet, StreamFault};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;

@@ -46,8 +46,8 @@ fn foreign(header: u8, rest: &[u8]) -> Result<(), Foreign> {
 
 /// An access unit, and how many were left out before it.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Picture {
-    pub(super) bytes: Vec<u8>,
+pub(in crate::stream) struct Picture {
+    pub(in crate::stream) bytes: Vec<u8>,
     pub(super) left_out: u64,
 }
 

@@ -81,7 +81,7 @@ impl Counts {
 
 /// Takes what comes to one port.
 #[derive(Debug)]
-pub(super) struct Reception {
+pub(in crate::stream) struct Reception {
     parameter_sets: Vec<u8>,
     order: Order,
     assembly: Assembly,
@@ -94,7 +94,7 @@ pub(super) struct Reception {
 
 impl Reception {
     /// `parameter_sets` in Annex B's byte stream, for a sender that does not send them.
-    pub(super) fn new(parameter_sets: Vec<u8>) -> Self {
+    pub(in crate::stream) fn new(parameter_sets: Vec<u8>) -> Self {
         Self {
             order: Order::default(),
             assembly: Assembly::new(&parameter_sets),
@@ -114,12 +114,12 @@ impl Reception {
     }
 
     /// What has been wrong since the last picture, or since this was asked.
-    pub(super) fn take_lack(&mut self) -> Lack {
+    pub(in crate::stream) fn take_lack(&mut self) -> Lack {
         std::mem::replace(&mut self.lack, Lack::Nothing)
     }
 
     /// Takes a datagram that came at `now`, on any clock that only goes forward; what it completes is given.
-    pub(super) fn take(&mut self, now: Duration, datagram: &[u8]) -> Vec<Picture> {
+    pub(in crate::stream) fn take(&mut self, now: Duration, datagram: &[u8]) -> Vec<Picture> {
         self.counts.datagrams += 1;
         let mut pictures = Vec::new();
         if let Err(lack) = self.judge(now, datagram, &mut pictures) {
