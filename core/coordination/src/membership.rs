@@ -6,7 +6,7 @@
 use crate::formation::{Formation, available};
 use crate::state::Coordination;
 use skein_domain::{FlightState, NodeTime, VehicleId};
-use skein_view::{PeerEntry, PeerSnapshot};
+use skein_view::PeerSnapshot;
 use std::collections::BTreeSet;
 
 /// A member that has not taken up its task after so long, in seconds, has left the formation.
@@ -21,6 +21,8 @@ pub struct Judging<'a> {
     pub withdrawn: &'a BTreeSet<VehicleId>,
     /// A leader not heard for so long is replaced, in seconds.
     pub leader_lost_after_s: f64,
+    /// How long the formation's leader has not been heard, in seconds, without the time in which this computer stood still.
+    pub leader_silence_s: f64,
     /// Now.
     pub now: NodeTime,
 }
@@ -42,14 +44,14 @@ impl Judging<'_> {
     pub fn lost_leader(&self, formation: &Formation) -> Option<VehicleId> {
         let leader = formation.leader?;
         let fit = self.peers.entry(leader).is_some_and(|entry| {
-            let heard = entry.link.connected && !self.is_silent(entry);
+            let heard = entry.link.connected && !self.leader_is_silent();
             heard && !entry.under_order && entry.flight_state.is_available_in_air()
         });
         (!fit).then_some(leader)
     }
 
-    fn is_silent(&self, entry: &PeerEntry) -> bool {
-        self.now.seconds_since(entry.link.last_heard) > self.leader_lost_after_s
+    fn leader_is_silent(&self) -> bool {
+        self.leader_silence_s > self.leader_lost_after_s
     }
 
     /// Whether a member cannot be counted on any more.
@@ -60,7 +62,7 @@ impl Judging<'_> {
             return true;
         }
         let leads = formation.leader == Some(id);
-        if !entry.link.connected || entry.under_order || (leads && self.is_silent(entry)) {
+        if !entry.link.connected || entry.under_order || (leads && self.leader_is_silent()) {
             return true;
         }
         let wanted = if leads {

@@ -528,8 +528,15 @@ fn who_is_not_heard_any_more_is_neither_a_newcomer_nor_a_stray() {
         peers: &peers,
         withdrawn: &withdrawn,
         leader_lost_after_s: 1.0,
+        leader_silence_s: 0.9,
         now: now(),
     };
+    assert_eq!(judging.lost_leader(&formation), None);
+    let silent = Judging {
+        leader_silence_s: 1.1,
+        ..judging
+    };
+    assert_eq!(silent.lost_leader(&formation), Some(VehicleId(1)));
     let changed = judging.changed(&formation, &[], false).expect("one is gone");
     assert_eq!(changed.gone, [VehicleId(4)]);
     assert_eq!(changed.members.len(), 3);

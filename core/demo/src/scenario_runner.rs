@@ -193,6 +193,19 @@ impl<'a> ScenarioRunner<'a> {
     /// Everyone lands on the spot under its slot.
     pub async fn land(&self) -> anyhow::Result<()> {
         let frame = self.node.snapshot().frame.context("the swarm frame is not known")?;
+        // While the formation closes up some have no slot, and would not be told to land.
+        let placed = self.until(5.0, "a slot for everybody in flight", |fleet| {
+            let slots = self.node.slots();
+            let has_slot = |id| {
+                slots
+                    .as_ref()
+                    .is_some_and(|s| s.leader == Some(id) || s.slots.iter().any(|(of, _)| *of == id))
+            };
+            let flies = |v: &&VehicleSnapshot| v.flight_state.is_available_in_air();
+            fleet.vehicles.iter().filter(flies).all(|v| has_slot(v.id))
+        });
+        // Who flies beside the formation never has one.
+        let _ = placed.await;
         let spots = self.spots(&frame)?;
         self.referee.expect_landings(&spots);
         self.say("landing, each on its spot");

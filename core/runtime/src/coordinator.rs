@@ -274,7 +274,10 @@ impl CoordinatorState {
         };
         let peers = self.shared.peers();
         let withdrawn = self.shared.vehicles.withdrawn();
-        if let Some(lost) = self.judging(&peers, &withdrawn, now).lost_leader(&formation) {
+        if let Some(lost) = self
+            .judging(&formation, &peers, &withdrawn, now)
+            .lost_leader(&formation)
+        {
             let order = self.plan_limits().leader_order;
             if let Some(next) = coordination::succeed(&formation, lost, now, &order, &peers) {
                 self.note_passed_over(&peers, lost);
@@ -332,7 +335,7 @@ impl CoordinatorState {
             return;
         }
         let withdrawn = self.shared.vehicles.withdrawn();
-        let judging = self.judging(&peers, &withdrawn, now);
+        let judging = self.judging(&formation, &peers, &withdrawn, now);
         if let Some(changed) = judging.changed(&formation, &self.joins, self.reshape) {
             self.note_unheard(&peers, &changed.gone);
             if self.is_apart(&formation) {
@@ -345,14 +348,18 @@ impl CoordinatorState {
 
     fn judging<'a>(
         &self,
+        formation: &Formation,
         peers: &'a PeerSnapshot,
         withdrawn: &'a BTreeSet<VehicleId>,
         now: NodeTime,
     ) -> coordination::Judging<'a> {
+        let leader = formation.leader.and_then(|leader| peers.entry(leader));
+        let overrun = self.shared.overrun();
         coordination::Judging {
             peers,
             withdrawn,
             leader_lost_after_s: self.shared.config.coordinator.leader_lost_after_s,
+            leader_silence_s: leader.map_or(0.0, |leader| overrun.silence_s(leader.link.last_heard, now)),
             now,
         }
     }

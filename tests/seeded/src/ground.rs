@@ -253,7 +253,7 @@ impl Ground {
         let Some(formation) = self.coordination.formation.clone() else {
             return;
         };
-        let lost = self.judging(peers, now).lost_leader(&formation);
+        let lost = self.judging(&formation, peers, now).lost_leader(&formation);
         if let Some(lost) = lost {
             let order = self.limits.leader_order.clone();
             if let Some(next) = coordination::succeed(&formation, lost, now, &order, peers) {
@@ -268,11 +268,13 @@ impl Ground {
         }
     }
 
-    fn judging<'a>(&'a self, peers: &'a PeerSnapshot, now: NodeTime) -> Judging<'a> {
+    fn judging<'a>(&'a self, formation: &Formation, peers: &'a PeerSnapshot, now: NodeTime) -> Judging<'a> {
+        let leader = formation.leader.and_then(|leader| peers.entry(leader));
         Judging {
             peers,
             withdrawn: &self.withdrawn,
             leader_lost_after_s: self.config.coordinator.leader_lost_after_s,
+            leader_silence_s: leader.map_or(0.0, |leader| now.seconds_since(leader.link.last_heard)),
             now,
         }
     }
@@ -292,7 +294,9 @@ impl Ground {
         if self.pending.iter().any(|p| p.regroup.is_some()) || now < self.not_before {
             return;
         }
-        let changed = self.judging(peers, now).changed(&formation, &self.joins, self.reshape);
+        let changed = self
+            .judging(&formation, peers, now)
+            .changed(&formation, &self.joins, self.reshape);
         let Some(Changed { members, gone, joins }) = changed else {
             return;
         };
