@@ -12,6 +12,7 @@ use skein_runtime::{FormationSlots, NodeHandle};
 use skein_sim::{ModeCause, Simulation, TruthFrame, VehicleTruth};
 use std::collections::BTreeSet;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 /// A leader within this of the route's speed, in metres per second, flies at it.
 const AT_SPEED_M_S: f64 = 0.5;
@@ -21,6 +22,11 @@ const STRAIGHT_RAD_S: f64 = 0.01;
 const STEADY_AFTER_S: f64 = 1.5;
 /// A leader faster than this, in metres per second, is under way.
 const UNDER_WAY_M_S: f64 = 1.0;
+
+/// Between two looks there is less than that, unless the machine does not let the program run.
+const STOOD_STILL: Duration = Duration::from_millis(250);
+/// What a vehicle or a gimbal did meanwhile is made good after this; until then nobody judges how well it flies, only how near it comes to another.
+const MADE_GOOD_AFTER: Duration = Duration::from_secs(5);
 
 /// A landing spot assigned to a vehicle.
 #[derive(Debug, Clone, Copy)]
@@ -65,6 +71,8 @@ pub struct Figures {
     filtered: (u64, u64),
     up: BTreeSet<u8>,
     looks: Option<pointing::Looks>,
+    looked_at: Option<Instant>,
+    stood_still_at: Option<Instant>,
     steady_since_s: Option<f64>,
     airborne: bool,
 }
@@ -73,6 +81,18 @@ impl Figures {
     /// Whether gimbals were told to look at something.
     pub fn expects_gimbals(&self) -> bool {
         self.looks.is_some()
+    }
+
+    /// Whether the machine did not let the program run a moment ago.
+    fn is_disturbed(&self) -> bool {
+        self.stood_still_at.is_some_and(|at| at.elapsed() < MADE_GOOD_AFTER)
+    }
+
+    fn note_look(&mut self, now: Instant) {
+        let last = self.looked_at.replace(now);
+        if last.is_some_and(|last| now.duration_since(last) > STOOD_STILL) {
+            self.stood_still_at = Some(now);
+        }
     }
 
     /// In what share of the flight, all vehicles together, the separation filter changed what was flown; in percent.
@@ -183,6 +203,11 @@ impl Referee {
         )
     }
 
+    /// Whether the machine did not let the program run a moment ago, and what came of that is not made good yet.
+    pub fn is_disturbed(&self) -> bool {
+        self.figures.lock().is_disturbed()
+    }
+
     /// How far the farthest vehicle is from its slot now, in metres.
     pub fn farthest_from_slot_m(&self) -> f64 {
         let Some(slots) = self.node.slots() else {
@@ -222,12 +247,20 @@ impl Referee {
 
 /// One look at the truth.
 fn look(figures: &mut Figures, truth: &TruthFrame, node: &NodeHandle) {
+    figures.note_look(Instant::now());
     watch_distances(figures, truth);
-    pointing::watch(figures, truth);
+    let judged = !figures.is_disturbed();
+    if judged {
+        pointing::watch(figures, truth);
+    }
     if !figures.airborne || !figures.landings.is_empty() {
         return;
     }
     watch_heights(figures, truth);
+    if !judged {
+        figures.steady_since_s = None;
+        return;
+    }
     for vehicle in node
         .snapshot()
         .vehicles
