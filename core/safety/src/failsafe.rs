@@ -33,6 +33,13 @@ use tracker::{Change, Tracker};
 /// Not heard for longer than this, in seconds, a vehicle was silent: what it could not say meanwhile is not missing.
 const SILENCE_S: f64 = 3.0;
 
+/// Between two looks there is less than that, in seconds, unless this computer stood still.
+const STOOD_STILL_S: f64 = 0.25;
+/// What was said meanwhile has been read so long after it, and a step of a clock been measured, in seconds. Until then nothing is taken for old.
+const READ_AFTER_S: f64 = 0.5;
+/// So soon after the last time nobody is given that time again, in seconds: a computer that is always late judges all the same.
+const AGAIN_AFTER_S: f64 = 3.0;
+
 /// The failsafe policy of one vehicle.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct FailsafePolicy {
@@ -50,6 +57,9 @@ pub struct FailsafePolicy {
     ineffective_since: Option<NodeTime>,
     /// The latest time it was told: the node's clock may be at fault too.
     now: NodeTime,
+    /// When it last looked again after this computer had stood still.
+    #[serde(default)]
+    looked_again: Option<NodeTime>,
 }
 
 impl Default for FailsafePolicy {
@@ -73,6 +83,7 @@ impl FailsafePolicy {
             order: None,
             ineffective_since: None,
             now: NodeTime::default(),
+            looked_again: None,
         }
     }
 
@@ -80,6 +91,7 @@ impl FailsafePolicy {
     /// [`FailsafeEventKind::Ordered`]; at most one per call.
     pub fn step(&mut self, now: NodeTime, health: &Health, settings: &FailsafeSettings) -> Vec<FailsafeEvent> {
         let clock_deviation_s = self.clock.deviation_s(now, health, &settings.clock_fault);
+        self.note_stall(now);
         self.now = self.now.max(now);
         let mut events = Vec::new();
         self.note_control(health, &mut events);
@@ -95,6 +107,19 @@ impl FailsafePolicy {
         }
         self.give_orders(health, settings, &mut events);
         events
+    }
+
+    fn note_stall(&mut self, now: NodeTime) {
+        let stood_still = self.now != NodeTime::default() && now.seconds_since(self.now) > STOOD_STILL_S;
+        let again = (self.looked_again).is_some_and(|before| now.seconds_since(before) < AGAIN_AFTER_S);
+        if stood_still && !again {
+            self.looked_again = Some(now);
+        }
+    }
+
+    /// Whether what was said while this computer stood still may not have been read yet.
+    fn is_reading(&self) -> bool {
+        (self.looked_again).is_some_and(|at| self.now.seconds_since(at) < READ_AFTER_S)
     }
 
     /// The autopilot restarted: its clock began anew, and where that is now is no fault of it.
@@ -196,10 +221,14 @@ impl FailsafePolicy {
         memory: &Memory,
         events: &mut Vec<FailsafeEvent>,
     ) {
+        let is_reading = self.is_reading();
         let Some((trigger, tracker)) = self.trackers.get_mut(index) else {
             return;
         };
         let trigger = *trigger;
+        if is_reading && readings::is_age(trigger) {
+            return;
+        }
         let reading = readings::read(trigger, self.now, health, settings, memory, tracker);
         let since = tracker.since();
         let change = tracker.advance(

@@ -12,10 +12,6 @@ use std::collections::VecDeque;
 const LATE_S: f64 = 0.25;
 /// So long without a late tick it is over, in seconds.
 const OVER_AFTER_S: f64 = 5.0;
-/// What was said while this computer stood still has been read so long after it, in seconds.
-const READ_AFTER_S: f64 = 0.25;
-/// So soon after another stall nobody is given that time again, in seconds: a computer that is late all the time would never judge.
-const AGAIN_AFTER_S: f64 = 2.0;
 /// So many late ticks are remembered: more than there can be in a silence that is judged.
 const MOST_LATE: usize = 32;
 
@@ -56,29 +52,10 @@ impl Overrun {
         ))
     }
 
-    /// Whether this computer has just stood still, and has not read yet what was said meanwhile: what it knows is old, and nobody's fault.
-    #[must_use]
-    pub fn is_reading(&self, now: NodeTime) -> bool {
-        if self.overdue_s(now) > LATE_S {
-            return true;
-        }
-        let mut ends = self.stood_still.iter().rev().map(|(end, _)| *end);
-        let (newest, before) = (ends.next(), ends.next());
-        newest.is_some_and(|newest| {
-            let again = before.is_some_and(|before| newest.seconds_since(before) < AGAIN_AFTER_S);
-            !again && now.seconds_since(newest) < READ_AFTER_S
-        })
-    }
-
-    /// By how much the next tick is late already, in seconds.
-    fn overdue_s(&self, now: NodeTime) -> f64 {
-        self.last.map_or(0.0, |last| now.seconds_since(last) - self.period_s)
-    }
-
     /// How long nothing has been heard at `now` from somebody who was last heard at `heard`, in seconds, without the time in which this
     /// computer stood still: what was said meanwhile may still lie in its sockets.
     pub fn silence_s(&self, heard: NodeTime, now: NodeTime) -> f64 {
-        let overdue_s = self.overdue_s(now);
+        let overdue_s = self.last.map_or(0.0, |last| now.seconds_since(last) - self.period_s);
         let still_now = (overdue_s > LATE_S).then_some((now, overdue_s));
         let stood_still = self.stood_still.iter().copied().chain(still_now);
         // one that began before the last word counts from there
@@ -145,22 +122,6 @@ mod tests {
         // heard in the middle of it, and after it
         near(overrun.silence_s(at(10.5), at(11.02)), 0.0);
         near(overrun.silence_s(at(11.1), at(11.2)), 0.1);
-    }
-
-    #[test]
-    fn what_was_said_in_a_stall_is_read_first_but_not_forever() {
-        let at = NodeTime::from_seconds;
-        let mut overrun = Overrun::default();
-        overrun.tick(at(10.0), 0.02);
-        assert!(!overrun.is_reading(at(10.02)));
-        assert!(overrun.is_reading(at(12.0)), "not ticked yet");
-        overrun.tick(at(12.0), 0.02);
-        assert!(overrun.is_reading(at(12.2)));
-        overrun.tick(at(12.22), 0.02);
-        assert!(!overrun.is_reading(at(12.3)));
-        // late again and again
-        overrun.tick(at(12.6), 0.02);
-        assert!(!overrun.is_reading(at(12.6)));
     }
 
     #[test]

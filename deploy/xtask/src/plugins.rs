@@ -13,6 +13,9 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+/// What of the release profile is another for what is shipped, from the root.
+const SMALLER: &str = "deploy/debian/smaller.toml";
+
 /// Which cargo profile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Profile {
@@ -70,6 +73,7 @@ pub fn build_lean(workspace: &Workspace, program: &str, without: &[&str]) -> Res
 /// Program and plugins for a package. For another computer than this one if `cross` says so.
 pub fn build_to_ship(workspace: &Workspace, cross: Option<Architecture>) -> Result<PathBuf> {
     let mut command = of_all(workspace, Profile::Release, &["skein"], &[])?;
+    command.arg("--config").arg(workspace.root.join(SMALLER));
     let mut folder = workspace.target.clone();
     if let Some(architecture) = cross {
         command

@@ -28,9 +28,6 @@ impl VehicleState {
         let Some(entry) = peers.entry(self.record.id) else {
             return;
         };
-        if self.shared.overrun().is_reading(now) {
-            return;
-        }
         let settings = self.shared.config.safety.failsafe.clone();
         let (events, state) = {
             let mut monitor = self.record.failsafe.lock();

@@ -119,6 +119,14 @@ pub(super) fn read<'a>(
     }
 }
 
+/// Whether a trigger's value is for how long something has not been heard.
+pub(super) fn is_age(trigger: Trigger) -> bool {
+    matches!(
+        trigger,
+        Trigger::LinkLoss | Trigger::GnssLoss | Trigger::StaleEstimate | Trigger::CoordinatorLoss
+    )
+}
+
 /// Whether the autopilot is on a way of its own: where a setpoint would have the vehicle means nothing then.
 fn flies_by_itself(mode: FlightMode) -> bool {
     matches!(

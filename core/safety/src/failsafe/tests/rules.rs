@@ -44,6 +44,41 @@ fn of_several_triggers_the_strongest_is_ordered_and_all_are_reported() {
     );
 }
 
+/// What was measured before this computer stood still is all that there is of a vehicle, as long as nothing newer was read.
+fn unread_since(at: NodeTime) -> impl Fn(&mut Health, f64) {
+    move |health, _| health.position_time = Some(at)
+}
+
+#[test]
+fn what_was_said_while_this_computer_stood_still_is_read_before_anybody_is_judged() {
+    let mut rig = Rig::new();
+    rig.run(1.0, |_, _| ());
+    let before = rig.now;
+    rig.now = rig.now.plus_seconds(2.1);
+    rig.run(0.4, unread_since(before));
+    rig.run(1.0, |_, _| ());
+    assert_eq!(rig.events, []);
+}
+
+#[test]
+fn who_stays_silent_after_a_stall_of_this_computer_is_judged_and_a_computer_that_is_always_late_judges_too() {
+    let mut rig = Rig::new();
+    rig.run(1.0, |_, _| ());
+    let before = rig.now;
+    rig.now = rig.now.plus_seconds(2.1);
+    rig.run(0.6, unread_since(before));
+    assert_eq!(rig.order(), Some(Reaction::Release));
+
+    let mut rig = Rig::new();
+    rig.run(1.0, |_, _| ());
+    let before = rig.now;
+    while rig.now.seconds_since(before) < 4.0 {
+        rig.now = rig.now.plus_seconds(0.3);
+        rig.run(PERIOD_S, unread_since(before));
+    }
+    assert_eq!(rig.order(), Some(Reaction::Release));
+}
+
 fn bad_clock(health: &mut Health) {
     health.clock_offset_s = Some(f64::NAN);
 }
