@@ -19,6 +19,8 @@ const STEADY_SHARE: f64 = 0.2;
 const SIMULATED_DRIFT_S_PER_S: f64 = 0.75;
 /// This node looks at each vehicle fifty times a second: who did not for so long stood still.
 const STOOD_STILL_S: f64 = 0.25;
+/// A computer that goes on after a stall is late for another moment, in which the vehicle's clock runs already: so much less of that time it may be behind.
+const LESS_SHARE: f64 = 0.25;
 /// Within this time the link has measured a step of a clock.
 const EXPLAINS_FOR_S: f64 = 3.0;
 
@@ -77,7 +79,7 @@ impl ClockWatch {
             recent
         };
         if let Some((stood_s, _)) = self.stood_still
-            && (expected_s - offset_s - stood_s).abs() <= rule.limit_s
+            && ((1.0 - LESS_SHARE) * stood_s - rule.limit_s..=stood_s + rule.limit_s).contains(&(expected_s - offset_s))
         {
             (self.expected_s, self.stood_still) = (Some(offset_s), None);
         }
