@@ -1,6 +1,6 @@
 //! The demonstration as a user starts it: it flies, meets its criteria by the simulator's truth, and says so in its report.
 
-use skein_testkit::Process;
+use skein_testkit::{Process, eventually};
 use std::path::Path;
 use std::time::Duration;
 
@@ -8,6 +8,11 @@ use std::time::Duration;
 const FLIGHT: Duration = Duration::from_secs(300);
 
 async fn fly(extra: &[&str]) -> serde_json::Value {
+    fly_with(extra, async |_| {}).await
+}
+
+/// The same; meanwhile something is done to the program.
+async fn fly_with(extra: &[&str], meanwhile: impl AsyncFnOnce(&mut Process)) -> serde_json::Value {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("report.json");
     let report = file.to_str().expect("is text");
@@ -23,6 +28,7 @@ async fn fly(extra: &[&str]) -> serde_json::Value {
     ];
     arguments.extend(extra);
     let mut demo = Process::skein(&arguments);
+    meanwhile(&mut demo).await;
     let code = demo.exit_code(FLIGHT).await;
     assert_eq!(code, 0, "{}", demo.output());
     read(&file)
@@ -61,6 +67,25 @@ async fn with_faults_the_criteria_still_hold() {
         restarts.len() >= 4,
         "two plugins, an actor and the coordinator were killed: {restarts:?}"
     );
+}
+
+#[tokio::test]
+#[ignore = "long: part of `cargo xtask test e2e`"]
+async fn a_computer_that_stands_still_for_two_seconds_flies_on() {
+    let report = fly_with(&["--vehicles", "6"], async |demo| {
+        for part in [
+            "the others follow",
+            "Line behind",
+            "Circle behind",
+            "landing, each on its spot",
+        ] {
+            eventually(FLIGHT, part, async || demo.output().contains(part).then_some(())).await;
+            demo.signal("STOP").await;
+            tokio::time::sleep(Duration::from_secs(2)).await;
+            demo.signal("CONT").await;
+        }
+    });
+    check(&report.await, 6, 10);
 }
 
 #[tokio::test]
