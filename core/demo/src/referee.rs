@@ -26,7 +26,7 @@ const UNDER_WAY_M_S: f64 = 1.0;
 /// Between two looks there is less than that, unless the machine does not let the program run.
 const STOOD_STILL: Duration = Duration::from_millis(250);
 /// What a vehicle or a gimbal did meanwhile is made good after this; until then nobody judges how well it flies, only how near it comes to another.
-const MADE_GOOD_AFTER: Duration = Duration::from_secs(5);
+const MADE_GOOD_AFTER: Duration = Duration::from_secs(10);
 
 /// A landing spot assigned to a vehicle.
 #[derive(Debug, Clone, Copy)]
