@@ -152,7 +152,7 @@ fn every_vehicle_hears_its_autopilot_and_has_its_number() {
 }
 
 #[test]
-fn what_a_board_needs_is_laid_over_the_vehicle_alone_and_takes_no_protection_away() {
+fn what_a_board_needs_is_laid_over_the_vehicle_alone_and_asks_for_no_privileges() {
     #[derive(Deserialize)]
     #[serde(deny_unknown_fields)]
     struct Over {

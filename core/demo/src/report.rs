@@ -257,7 +257,7 @@ impl Report {
             let (stall_s, raw_s) = (self.machine_longest_stall_s, self.raw_setpoint_gap_s.unwrap_or(0.0));
             let _ = writeln!(
                 text,
-                "this machine did not let the program run for up to {stall_s:.2} s; with that the longest setpoint gap is {raw_s:.2} s, and how well it was flown just after that is not judged"
+                "this machine did not let the program run for up to {stall_s:.2} s; with that the longest setpoint gap is {raw_s:.2} s, and how well it was flown in the 10 s after that is not judged"
             );
         }
         for change in &self.unplanned_mode_changes {

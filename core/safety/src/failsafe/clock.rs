@@ -7,7 +7,7 @@
 //! is simulated on a computer that stood still with this node, or this computer's own clock went ahead. Nothing was missed, and the offset
 //! is known: no fault.
 
-use super::Health;
+use super::{Health, STOOD_STILL_S};
 use serde::{Deserialize, Serialize};
 use skein_domain::NodeTime;
 use skein_domain::failsafe::ClockFaultRule;
@@ -17,8 +17,6 @@ const STEADY_SHARE: f64 = 0.2;
 /// How fast the offset of a simulated clock may wander, in seconds per second: a pace of 0.5 to 1.5, and now and then a moment in
 /// which it stands still.
 const SIMULATED_DRIFT_S_PER_S: f64 = 0.75;
-/// This node looks at each vehicle fifty times a second: who did not for so long stood still.
-const STOOD_STILL_S: f64 = 0.25;
 /// A computer that goes on after a stall is late for another moment, in which the vehicle's clock runs already: so much less of that time it may be behind.
 const LESS_SHARE: f64 = 0.25;
 /// Within this time the link has measured a step of a clock.

@@ -16,8 +16,8 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
-/// Its data stands apart from what it prints. It ends with the thread that has started it, whatever becomes of that, and who no longer listens is no reason to
-/// be ended on the spot: then it would not give its camera back.
+/// Data goes to descriptor 3, all that is printed to standard error. `setpriv` has it killed when the thread that started it ends. Without `trap` a closed socket would
+/// kill it before it has given its camera back.
 const SHELL: &str = r#"trap '' PIPE; exec setpriv --pdeathsig KILL gst-launch-1.0 -q -- "$@" 3>&1 >&2"#;
 /// What makes packets of what the configured pipeline gives, with parameter sets before each key picture.
 const BEHIND: &str = "! h264parse ! rtph264pay config-interval=-1 mtu=9000 ! rtpstreampay ! fdsink fd=3 sync=false";
