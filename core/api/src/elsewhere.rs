@@ -6,7 +6,7 @@
 use crate::app::App;
 use crate::control::HEADER;
 use crate::error::ApiError;
-use crate::{body, endpoints};
+use crate::{body, endpoints, trace};
 use axum::Router;
 use axum::body::{Body, Bytes, to_bytes};
 use axum::extract::{DefaultBodyLimit, Request, State};
@@ -78,6 +78,7 @@ async fn pass_on(node: &NodeHandle, to: NodeId, request: Request) -> Result<Resp
                 content_type: parts.headers.get(header::CONTENT_TYPE).and_then(text),
                 // Control authority over a vehicle holds at every node.
                 console: parts.headers.get(HEADER).and_then(text),
+                traceparent: skein_telemetry::traceparent(),
                 body: body.to_vec(),
             },
         )
@@ -104,6 +105,7 @@ pub fn serve_others(node: NodeHandle) -> ApiServer {
         .fold(Router::new(), |routes, one| routes.route(one.path, one.handler))
         .with_state(app)
         .layer(DefaultBodyLimit::max(body::MAX_BODY_BYTES));
+    let routes = trace::traced(routes);
     Arc::new(move |request| {
         let routes = routes.clone();
         Box::pin(async move { answer(routes, request).await })
@@ -117,6 +119,9 @@ async fn answer(routes: Router, asked: ApiRequest) -> ApiAnswer {
     }
     if let Some(console) = asked.console {
         request = request.header(HEADER, console);
+    }
+    if let Some(traceparent) = asked.traceparent {
+        request = request.header(trace::HEADER, traceparent);
     }
     let failed = |status: StatusCode| ApiAnswer {
         status: status.as_u16(),

@@ -44,6 +44,7 @@ mod settings;
 mod stream;
 mod supervision;
 mod swarm;
+mod trace;
 mod trajectories;
 mod upgrades;
 mod video;

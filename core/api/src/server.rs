@@ -9,11 +9,11 @@ use crate::guard::{Guard, keep_foreign_pages_out};
 use crate::open_replays::{OpenReplays, Served};
 use crate::settings::ApiSettings;
 use crate::webrtc::LocalAddress;
-use crate::{assets, audit, body, elsewhere, endpoints, metrics, openapi, replay, replays};
+use crate::{assets, audit, body, elsewhere, endpoints, metrics, openapi, replay, replays, trace};
 use axum::Extension;
 use axum::Router;
 use axum::extract::DefaultBodyLimit;
-use axum::http::{HeaderName, HeaderValue, Method, Request, Uri, header};
+use axum::http::{HeaderName, HeaderValue, Method, Uri, header};
 use axum::middleware;
 use axum::routing::any;
 use hyper::body::Incoming;
@@ -31,7 +31,6 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{oneshot, watch};
 use tokio::time::{interval, sleep, timeout};
 use tower_http::set_header::SetResponseHeaderLayer;
-use tower_http::trace::TraceLayer;
 
 /// The head of a request has to be there within this time.
 const HEAD_WITHIN: Duration = Duration::from_secs(10);
@@ -88,7 +87,7 @@ fn around(app: App, settings: &ApiSettings, beside: Router<App>) -> Router {
     let unless_said = |name: HeaderName, value: &'static str| {
         SetResponseHeaderLayer::if_not_present(name, HeaderValue::from_static(value))
     };
-    routes
+    let routes = routes
         .fallback(assets::dashboard)
         .method_not_allowed_fallback(wrong_method)
         .layer(middleware::from_fn_with_state(
@@ -112,11 +111,8 @@ fn around(app: App, settings: &ApiSettings, beside: Router<App>) -> Router {
         .layer(always(
             HeaderName::from_static("cross-origin-opener-policy"),
             "same-origin",
-        ))
-        .layer(TraceLayer::new_for_http().make_span_with(|request: &Request<_>| {
-            // The path without the query, and no headers: nothing that somebody would not want in a log.
-            tracing::debug_span!("request", method = %request.method(), path = request.uri().path())
-        }))
+        ));
+    trace::traced(routes)
 }
 
 async fn wrong_method(method: Method, uri: Uri) -> ApiError {

@@ -292,9 +292,7 @@ impl VehicleState {
 
     /// Writes a command's progress to the event log.
     fn record_progress(&self, id: CommandId, name: &str, progress: &CommandProgress) {
-        if !matches!(progress, CommandProgress::Executing) {
-            self.record.commanded.end(id);
-        }
+        self.record.commanded.progress(id, progress);
         let words = name.replace('_', " ");
         let (severity, text) = match progress {
             CommandProgress::Executing => (Severity::Info, format!("{}: {words} taken up", self.record.name)),

@@ -8,10 +8,14 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    if let Err(error) = logging::start(arguments.log_format, &arguments.log) {
-        eprintln!("skein: {error}");
-        return ExitCode::from(2);
-    }
+    // Until the end of the program: what is still to be sent then is.
+    let _export = match logging::start(arguments.log_format, &arguments.log) {
+        Ok(export) => export,
+        Err(error) => {
+            eprintln!("skein: {error:#}");
+            return ExitCode::from(2);
+        }
+    };
     exit::quietly_without_reader();
     // Actors and plugins are caught where they run; what comes through to here is a fault of the program itself.
     match std::panic::catch_unwind(|| execute(arguments.command)) {

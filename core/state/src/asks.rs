@@ -32,6 +32,9 @@ pub struct ApiRequest {
     /// The console that it comes from, if it says so.
     #[serde(default)]
     pub console: Option<String>,
+    /// Where it stands in a trace, as W3C Trace Context has it.
+    #[serde(default)]
+    pub traceparent: Option<String>,
     /// The body.
     #[serde(with = "serde_bytes")]
     pub body: Vec<u8>,
@@ -62,6 +65,9 @@ pub struct Order {
     pub delay_s: f64,
     /// An operator gave it; otherwise the coordinator did.
     pub by_operator: bool,
+    /// Where it stands in a trace, as W3C Trace Context has it.
+    #[serde(default)]
+    pub traceparent: Option<String>,
 }
 
 /// What is asked about one track that the swarm made.

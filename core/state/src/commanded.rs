@@ -8,8 +8,12 @@ mod tests;
 
 use parking_lot::Mutex;
 use skein_domain::exchange::CommandProgress;
-use skein_domain::{CommandId, VehicleCommand};
-use std::collections::VecDeque;
+use skein_domain::{CommandId, Refusal, VehicleCommand};
+use std::collections::{BTreeMap, VecDeque};
+use tracing::Span;
+
+/// So many commands are followed at once; a vehicle carries out one.
+const MOST_TRACED: usize = 16;
 
 /// A command in several legs.
 #[derive(Debug, Clone)]
@@ -42,6 +46,8 @@ pub enum LegProgress {
 pub struct Commanded {
     command: Mutex<Option<(CommandId, VehicleCommand)>>,
     itinerary: Mutex<Option<Itinerary>>,
+    /// Spans of those whose end was not told yet.
+    traced: Mutex<BTreeMap<CommandId, Span>>,
 }
 
 impl Commanded {
@@ -56,9 +62,37 @@ impl Commanded {
         *self.command.lock() = Some((id, command));
     }
 
-    /// This one is done, or refused.
-    pub fn end(&self, ended: CommandId) {
-        self.command.lock().take_if(|(id, _)| *id == ended);
+    /// How this one goes on.
+    pub fn progress(&self, of: CommandId, progress: &CommandProgress) {
+        if matches!(progress, CommandProgress::Executing) {
+            return;
+        }
+        self.command.lock().take_if(|(id, _)| *id == of);
+        let Some(span) = self.traced.lock().remove(&of) else {
+            return;
+        };
+        match progress {
+            CommandProgress::Refused { refusal } => {
+                span.record("outcome", tracing::field::display(refusal));
+                // That a newer command takes its place is no fault.
+                if *refusal != Refusal::Superseded {
+                    span.record("otel.status_code", "ERROR");
+                }
+            }
+            _ => drop(span.record("outcome", "done")),
+        }
+    }
+
+    /// Its span lasts until [`Self::progress`] tells its end.
+    pub fn trace(&self, id: CommandId, span: Span) {
+        if span.is_disabled() {
+            return;
+        }
+        let mut traced = self.traced.lock();
+        if traced.len() >= MOST_TRACED {
+            traced.pop_first();
+        }
+        traced.insert(id, span);
     }
 
     /// The first leg of an itinerary has been taken up.

@@ -24,6 +24,7 @@ fn request(bytes: usize) -> Ask {
         path: "/api/v1/commands".into(),
         content_type: None,
         console: Some("c0ffee".into()),
+        traceparent: None,
         body,
     })
 }

@@ -50,6 +50,7 @@ impl CoordinatorState {
                     legs,
                     delay_s: 0.0,
                     by_operator: false,
+                    traceparent: None,
                 };
                 self.ask_elsewhere(node, Ask::Orders(vec![order]));
                 continue;

@@ -92,6 +92,7 @@ impl NodeHandle {
             }
             _ => BTreeMap::new(),
         };
+        let traceparent = skein_telemetry::traceparent();
         let (mut orders, mut receipts) = (Vec::new(), Vec::new());
         for (i, id) in ids.iter().enumerate() {
             match legs_of(&self.shared, *id, &command, legs.remove(id).unwrap_or_default()) {
@@ -101,6 +102,7 @@ impl NodeHandle {
                     legs,
                     delay_s: stagger_s * i as f64,
                     by_operator: true,
+                    traceparent: traceparent.clone(),
                 }),
                 Err(refusal) => receipts.push(self.refused(*id, refusal)),
             }
@@ -194,6 +196,7 @@ impl NodeHandle {
             legs,
             delay_s,
             by_operator,
+            traceparent,
         } = order;
         let not_before = self.shared.now().plus_seconds(delay_s);
         let id = self.shared.next_command_id();
@@ -209,6 +212,16 @@ impl NodeHandle {
         let Some(actor) = record.actor.get() else {
             return refused(not_running);
         };
+        let span = tracing::debug_span!(
+            "command",
+            otel.name = format!("command {}", command.name()),
+            otel.status_code = tracing::field::Empty,
+            vehicle = vehicle.0,
+            command_id = id.0,
+            outcome = tracing::field::Empty,
+        );
+        skein_telemetry::follow(&span, traceparent.as_deref());
+        record.commanded.trace(id, span);
         let message = |reply| VehicleMessage::Command {
             id,
             command,

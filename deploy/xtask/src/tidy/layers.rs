@@ -5,7 +5,7 @@ use crate::workspace::{Package, Workspace};
 
 /// The crates of `core` from the binary to the words; each may depend on what stands below it.
 /// Names of crates that are not built yet keep their place.
-const ORDER: [&str; 40] = [
+const ORDER: [&str; 41] = [
     "skein",
     "skein-demo",
     "skein-node",
@@ -41,6 +41,7 @@ const ORDER: [&str; 40] = [
     "skein-sim-payloads",
     "skein-config",
     "skein-realtime",
+    "skein-telemetry",
     "skein-failover",
     "skein-vision",
     "skein-flight",

@@ -5,3 +5,4 @@ mod demo;
 mod doctor;
 mod scenarios;
 mod service;
+mod traces;
