@@ -121,7 +121,7 @@ async fn answer(routes: Router, asked: ApiRequest) -> ApiAnswer {
         request = request.header(HEADER, console);
     }
     if let Some(traceparent) = asked.traceparent {
-        request = request.header(trace::HEADER, traceparent);
+        request = request.header(skein_telemetry::TRACEPARENT, traceparent);
     }
     let failed = |status: StatusCode| ApiAnswer {
         status: status.as_u16(),

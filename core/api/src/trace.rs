@@ -10,9 +10,6 @@ use tower_http::trace::TraceLayer;
 use tracing::Span;
 use tracing::field::Empty;
 
-/// The header of W3C Trace Context: a trace that goes on here.
-pub(crate) const HEADER: &str = "traceparent";
-
 /// The routes, each request in a span of its own.
 pub(crate) fn traced(routes: Router) -> Router {
     routes.layer(TraceLayer::new_for_http().make_span_with(begun).on_response(answered))
@@ -29,7 +26,10 @@ fn begun<B>(request: &Request<B>) -> Span {
         url.path = path,
         http.response.status_code = Empty,
     );
-    let parent = request.headers().get(HEADER).and_then(|value| value.to_str().ok());
+    let parent = request
+        .headers()
+        .get(skein_telemetry::TRACEPARENT)
+        .and_then(|value| value.to_str().ok());
     skein_telemetry::follow(&span, parent);
     span
 }

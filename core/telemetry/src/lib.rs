@@ -29,7 +29,7 @@ const ROOMS: [&str; 2] = ["skein_api", "skein_runtime"];
 /// Variables that name a collector.
 const ENDPOINTS: [&str; 2] = ["OTEL_EXPORTER_OTLP_ENDPOINT", "OTEL_EXPORTER_OTLP_TRACES_ENDPOINT"];
 /// The header of W3C Trace Context.
-const TRACEPARENT: &str = "traceparent";
+pub const TRACEPARENT: &str = "traceparent";
 
 /// What exports; its end sends what is still to be sent.
 #[derive(Debug, Default)]
