@@ -3,6 +3,7 @@
 //!
 //! Must never do: pull an image, or build from another file than the one that is shipped.
 
+mod limits;
 mod started;
 
 use crate::debian;

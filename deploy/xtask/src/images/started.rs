@@ -3,10 +3,9 @@
 //! Must never do: take more for right than the compose files give.
 
 use super::Builder;
+use super::limits::{Limits, MEMORY_BYTES};
 use anyhow::{Context, Result, ensure};
-
-/// What the compose files give a node, in kibibytes.
-const MEMORY_KIB: u64 = 256 * 1024;
+use std::process::Stdio;
 
 /// Programs that have no business in an image.
 const COMPILERS: [&str; 6] = ["cc", "gcc", "c++", "cargo", "rustc", "make"];
@@ -60,14 +59,15 @@ fn within(builder: &Builder<'_>, working: &str, target: &str) -> Result<()> {
     );
     let (ready_s, memory_kib) = started(builder, working, target)?;
     println!(
-        "  {version} is up after {ready_s} s with {:.0} MB, as user 10001",
-        memory_kib as f64 / 1024.0
+        "  {version} is up after {ready_s} s with {:.0} of {} MB and half a core, as user 10001",
+        memory_kib as f64 / 1024.0,
+        MEMORY_BYTES >> 20,
     );
-    ensure!(memory_kib <= MEMORY_KIB, "it takes {memory_kib} KiB");
     Ok(())
 }
 
-/// Starts the node or the simulation, waits until it is up, and gives how long that took and the most memory it had, in kibibytes.
+/// Starts the node or the simulation with what the compose files give it, waits until it is up, and gives how long that took and the most memory
+/// it had, in kibibytes.
 fn started(builder: &Builder<'_>, working: &str, target: &str) -> Result<(f64, u64)> {
     let program = if target == "sim" {
         "skein sim --vehicles 1 --send-to 127.0.0.1:14540"
@@ -86,7 +86,8 @@ kill -INT $node; wait $node || true"#
     );
     let mut command = builder.buildah();
     command.args(["run", working, "--", "/bin/sh", "-ec", &script]);
-    let said = builder.said(&mut command)?;
+    let limits = Limits::new()?;
+    let said = builder.said(limits.within(&command).stdin(Stdio::null()))?;
     let last = said.lines().last().unwrap_or_default();
     let (took_ms, memory) = last.split_once(' ').with_context(|| said.clone())?;
     Ok((took_ms.parse::<f64>()? / 1000.0, memory.parse()?))
