@@ -101,6 +101,7 @@ pub fn check(workspace: &Workspace) -> Result<()> {
     findings.extend(manifests::check(workspace, &files));
     findings.extend(layers::check(workspace));
     findings.extend(modules::check(workspace, &files));
+    findings.extend(modules::undeclared(&files));
     findings.extend(tiers::check(workspace));
     findings.extend(documents::check(workspace, &files));
     let findings = exceptions::apply(&workspace.root, findings)?;

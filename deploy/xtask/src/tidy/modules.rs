@@ -1,5 +1,6 @@
 //! Imports inside a crate only point down, too: no module imports, over others or not, one that imports it. A module is a file beside `lib.rs`
-//! with its folder. What `lib.rs` takes out of a module under its own name counts as imported from there.
+//! with its folder. What `lib.rs` takes out of a module under its own name counts as imported from there. And each file is a module of the one above
+//! it: one that nobody declares is not even compiled.
 //!
 //! Must never do: look at tests, which may see everything.
 
@@ -27,6 +28,44 @@ pub fn of_crate(folder: &str, files: &[File]) -> Vec<Finding> {
         Finding::of(format!("{root}lib.rs"), "modules", what)
     };
     circles(&imports).into_iter().map(finding).collect()
+}
+
+/// Files of crates that no file above them declares as a module.
+pub fn undeclared(files: &[File]) -> Vec<Finding> {
+    let texts: BTreeMap<&str, &str> = files
+        .iter()
+        .map(|file| (file.path.as_str(), file.text.as_str()))
+        .collect();
+    let declares = |path: &str, module: &str| {
+        let text = texts.get(path).copied().unwrap_or_default();
+        let declared = format!("mod {module};");
+        text.lines().any(|line| line.trim_end().ends_with(&declared))
+    };
+    let is_declared = |path: &str| {
+        let (folder, name) = path.rsplit_once('/').unwrap_or_default();
+        let module = name.trim_end_matches(".rs");
+        if !folder.ends_with("/src") {
+            return declares(&format!("{folder}.rs"), module);
+        }
+        let is_root = ["lib", "main"].contains(&module);
+        is_root
+            || ["lib", "main"]
+                .iter()
+                .any(|root| declares(&format!("{folder}/{root}.rs"), module))
+    };
+    let of_crates = files
+        .iter()
+        .filter(|file| file.is("rs") && file.path.contains("/src/") && !file.path.contains("/src/bin/"));
+    of_crates
+        .filter(|file| !is_declared(&file.path))
+        .map(|file| {
+            Finding::of(
+                &file.path,
+                "modules",
+                "no file above it declares it as a module: nothing compiles it",
+            )
+        })
+        .collect()
 }
 
 fn imports<'f>(root: &str, files: &'f [File]) -> Imports<'f> {

@@ -339,6 +339,23 @@ fn imports_inside_a_crate_do_not_go_round() {
 }
 
 #[test]
+fn a_file_that_no_module_declares_is_found() {
+    let files = [
+        file("core/x/src/lib.rs", "mod a;\npub(crate) mod c;\n"),
+        file("core/x/src/a.rs", "mod b;\n"),
+        file("core/x/src/a/b.rs", ""),
+        file("core/x/src/c.rs", "// mod d is gone\n"),
+        file("core/x/src/c/d.rs", ""),
+        file("core/x/src/bin/tool.rs", ""),
+        file("core/x/src/e.rs", ""),
+    ];
+    let found = modules::undeclared(&files);
+    let paths: Vec<_> = found.iter().map(|finding| finding.path.as_str()).collect();
+    assert_eq!(paths, ["core/x/src/c/d.rs", "core/x/src/e.rs"]);
+    assert_eq!(rules(&found), ["modules", "modules"]);
+}
+
+#[test]
 fn a_name_that_was_given_up_does_not_come_back() {
     let old = concat!("fn f(shared: &Bo", "ard) {}\n");
     assert_eq!(rules(&retired::check(&file("core/x/src/a.rs", old))), ["retired"]);
