@@ -41,6 +41,9 @@ pub fn check(workspace: &Workspace, files: &[File]) -> Vec<Finding> {
         if let Some(what) = forbidden(workspace, package) {
             broken("dependencies", what);
         }
+        for name in unused(package, files) {
+            broken("dependencies", format!("depends on {name}, which no file here names"));
+        }
         if let Some(file) = tests_that_never_run(package, files) {
             broken("test", format!("says `test = false`, and {file} has tests"));
         }
@@ -50,6 +53,21 @@ pub fn check(workspace: &Workspace, files: &[File]) -> Vec<Finding> {
         }
     }
     findings
+}
+
+/// Dependencies whose names stand in no file of the package.
+fn unused<'p>(package: &'p Package, files: &[File]) -> Vec<&'p str> {
+    let beside = format!("{}/", package.folder);
+    let own: Vec<&File> = files
+        .iter()
+        .filter(|file| file.is("rs") && file.path.starts_with(&beside))
+        .collect();
+    let names = package.dependencies.iter().map(|on| on.name.as_str());
+    let is_named = |name: &str| {
+        let word = name.replace('-', "_");
+        own.iter().any(|file| file.text.contains(&word))
+    };
+    names.filter(|name| !is_named(name)).collect()
 }
 
 /// A file with tests of a library whose manifest says that it has none.

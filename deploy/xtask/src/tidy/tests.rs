@@ -144,7 +144,7 @@ fn roles_rule_out_dependencies() {
         kind: None,
     };
     let manifest = |folder: &str| file(&format!("{folder}/Cargo.toml"), "[lints]\nworkspace = true\n");
-    let broken = |name: &str, folder: &str, dependency: &str| {
+    let broken = |name: &str, folder: &str, dependency: &str, source: &str| {
         let package = Package {
             dependencies: vec![on(dependency)],
             ..package(name, folder)
@@ -154,16 +154,22 @@ fn roles_rule_out_dependencies() {
             target: "/".into(),
             packages: vec![package],
         };
-        rules(&manifests::check(&workspace, &[manifest(folder)])).join(" ")
+        let source = file(&format!("{folder}/src/lib.rs"), source);
+        rules(&manifests::check(&workspace, &[manifest(folder), source])).join(" ")
     };
-    assert_eq!(broken("skein-safety", "core/safety", "tokio"), "dependencies");
-    assert_eq!(broken("skein-safety", "core/safety", "thiserror"), "");
-    assert_eq!(
-        broken("skein-plugin-abi", "core/plugin-abi", "thiserror"),
-        "dependencies"
-    );
-    assert_eq!(broken("skein-sim", "core/sim", "anyhow"), "dependencies");
-    assert_eq!(broken("skein", "core/skein", "anyhow"), "");
+    for (name, folder, dependency, found) in [
+        ("skein-safety", "core/safety", "tokio", "dependencies"),
+        ("skein-safety", "core/safety", "thiserror", ""),
+        ("skein-plugin-abi", "core/plugin-abi", "thiserror", "dependencies"),
+        ("skein-sim", "core/sim", "anyhow", "dependencies"),
+        ("skein", "core/skein", "anyhow", ""),
+    ] {
+        let source = format!("use {dependency}::A;\n");
+        assert_eq!(broken(name, folder, dependency, &source), found);
+    }
+    let of_none = broken("skein-sim", "core/sim", "mp4-atom", "use mp4::A;\n");
+    assert_eq!(of_none, "dependencies");
+    assert_eq!(broken("skein-sim", "core/sim", "mp4-atom", "use mp4_atom::A;\n"), "");
 }
 
 #[test]
