@@ -91,12 +91,12 @@ impl<'w> Builder<'w> {
     fn buildah(&self) -> Command {
         let mut command = Command::new("buildah");
         command
-            .arg("--root")
+            // With a root of its own buildah takes no driver from the environment. Overlays stay mounted when it ends.
+            .args(["--storage-driver", "vfs", "--root"])
             .arg(self.store.join("root"))
             .arg("--runroot")
             .arg(self.store.join("run"))
             .env("BUILDAH_ISOLATION", "chroot")
-            .env("STORAGE_DRIVER", "vfs")
             .stdin(Stdio::null());
         command
     }
