@@ -2,7 +2,7 @@
 //! with its folder. What `lib.rs` takes out of a module under its own name counts as imported from there. And each file is a module of the one above
 //! it: one that nobody declares is not even compiled.
 //!
-//! Must never do: look at tests, which may see everything.
+//! Must never do: judge what tests import, which may see everything.
 
 use super::{File, Finding};
 use crate::workspace::Workspace;
@@ -39,7 +39,14 @@ pub fn undeclared(files: &[File]) -> Vec<Finding> {
     let declares = |path: &str, module: &str| {
         let text = texts.get(path).copied().unwrap_or_default();
         let declared = format!("mod {module};");
-        text.lines().any(|line| line.trim_end().ends_with(&declared))
+        let is_comment = |line: &str| line.trim_start().starts_with("//");
+        text.lines().any(|line| {
+            !is_comment(line)
+                && line
+                    .split(' ')
+                    .skip_while(|word| *word != "mod")
+                    .eq(declared.split(' '))
+        })
     };
     let is_declared = |path: &str| {
         let (folder, name) = path.rsplit_once('/').unwrap_or_default();

@@ -350,7 +350,7 @@ fn a_file_that_no_module_declares_is_found() {
         file("core/x/src/lib.rs", "mod a;\npub(crate) mod c;\n"),
         file("core/x/src/a.rs", "mod b;\n"),
         file("core/x/src/a/b.rs", ""),
-        file("core/x/src/c.rs", "// mod d is gone\n"),
+        file("core/x/src/c.rs", "// mod d;\n"),
         file("core/x/src/c/d.rs", ""),
         file("core/x/src/bin/tool.rs", ""),
         file("core/x/src/e.rs", ""),
