@@ -4,11 +4,13 @@
 //! that exist. Bound: [`PictureSettings::most_tracks`] tracks; of more boxes than [`PictureSettings::most_found`] the best are looked at.
 
 mod filter;
+mod stillness;
 
 use crate::assignment::assign;
 use crate::{Bounds, ClassScores, Turn};
 use filter::{BoxFilter, Noise};
 use skein_domain::NodeTime;
+use stillness::Stillness;
 
 /// One box of a detector.
 #[derive(Debug, Clone, PartialEq)]
@@ -91,6 +93,8 @@ pub struct PictureTrack {
     pub coasted_s: f64,
     /// The box of this picture that it was given, as it was found.
     pub found: Option<Bounds>,
+    /// Whether it has ever moved otherwise than the scene: by a fifth of its longer side, or 8 pixels if that is less, within 2 s.
+    pub moved: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -103,6 +107,7 @@ struct Track {
     /// Its last box.
     last: Bounds,
     boxes: u32,
+    stillness: Stillness,
     /// Pictures, one after the other, in which its box was nearly that of an older track.
     doubled: u32,
 }
@@ -149,6 +154,7 @@ impl PictureTracker {
         let noise = self.noise();
         for track in &mut self.tracks {
             track.filter.advance(since_s, turn, &noise);
+            track.stillness.advance(turn);
         }
         found.retain(|one| one.bounds.is_sound() && one.score() >= self.settings.doubtful_score);
         found.sort_by(|a, b| b.score().total_cmp(&a.score()));
@@ -182,6 +188,7 @@ impl PictureTracker {
             age_s: now.seconds_since(track.began),
             coasted_s: now.seconds_since(track.found),
             found: (track.found == now).then_some(track.last),
+            moved: track.stillness.moved(),
         })
     }
 
@@ -213,6 +220,7 @@ impl PictureTracker {
             track.boxes = track.boxes.saturating_add(1);
             track.found = time;
             track.last = one.bounds;
+            track.stillness.take(time, &track.filter.bounds());
             taken[column] = true;
         }
         let left = found.into_iter().zip(taken).filter(|(_, taken)| !taken);
@@ -232,6 +240,7 @@ impl PictureTracker {
             found: time,
             last: one.bounds,
             boxes: 1,
+            stillness: Stillness::default(),
             doubled: 0,
         });
     }

@@ -21,6 +21,9 @@ const BLACK_BELOW: u8 = 8;
 
 /// The class of which [`Settings::drone_score`] speaks.
 const DRONE: &str = "drone";
+/// What our own models take for a drone and what has not moved within this time is taken for a part of the scene, in seconds. Aeroplanes that come nearer
+/// and helicopters stand still in the picture; so the others are not asked.
+const STANDS_AFTER_S: f64 = 0.6;
 
 /// What was seen in one picture.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -141,7 +144,8 @@ impl Eye {
             classifier.look(time, gray, tracks)?;
         }
         for (track, sure) in tracks.iter_mut().zip(sure) {
-            if sure < self.drone_score {
+            let scene = self.classifier.is_some() && stands(track);
+            if sure < self.drone_score || scene {
                 track.scores = track.scores.renamed(DRONE, UNKNOWN_CLASS);
             }
         }
@@ -162,6 +166,11 @@ impl Eye {
         }
         (time.seconds_since(since) >= FROZEN_AFTER_S).then_some(PictureFault::Frozen)
     }
+}
+
+/// Whether it is more likely a part of the scene than something that flies.
+pub(crate) fn stands(track: &PictureTrack) -> bool {
+    !track.moved && track.age_s >= STANDS_AFTER_S
 }
 
 fn finding(track: &PictureTrack) -> Finding {

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from cache import CHANNELS, Cache
+from cache import CHANNELS, LABELS_FROM_PX, Cache
 from clips import CLASSES, SIZES_PX
 
 # What is computed at once in training. Whole objects must fit, much empty sky is not needed.
@@ -36,6 +36,12 @@ def affine(scale: float, angle_rad: float, mirror: bool) -> np.ndarray:
     if mirror:
         matrix[:, 0] = -matrix[:, 0]
     return matrix
+
+
+def for_cv2(matrix: np.ndarray, offset: np.ndarray) -> np.ndarray:
+    """The same transformation [2, 3], for functions that count from the middle of the first pixel and not from its edge."""
+    half = np.full(2, 0.5)
+    return np.column_stack([matrix, matrix @ half + offset - half])
 
 
 def turned_size(size: np.ndarray, scale: float, angle_rad: float) -> np.ndarray:
@@ -128,9 +134,8 @@ class Augmenter:
         low_edge, high_edge = half, source_room - half
         middle = np.where(low_edge < high_edge, np.clip(middle, low_edge, high_edge), source_room / 2)
         offset = room / 2 - matrix @ middle
-        full = np.column_stack([matrix, offset])
         picture = cv2.warpAffine(
-            source, full, (width, height), flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+            source, for_cv2(matrix, offset), (width, height), flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
         )
         picture = picture.reshape(height, width, source.shape[2])
 
@@ -162,7 +167,7 @@ class Augmenter:
         return Sample(canvas, np.concatenate(boxes), np.concatenate(classes))
 
     def cut_out(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, int] | None:
-        """An object without its background: difference, opaque picture, box size, class."""
+        """An object without its background: difference, opaque picture, its box in them, class."""
         source, boxes, class_id = self.pick()
         box = boxes[0]
         margin = max(3, int(0.35 * box[2:].max()))
@@ -178,7 +183,7 @@ class Augmenter:
         background = np.median(patch[ring], axis=0)
         if np.abs(patch[ring] - background).mean() > 6:
             return None  # trees or clouds around it, that would come along
-        return patch - background, patch, box[2:], class_id
+        return patch - background, patch, box - np.array([left, top, 0, 0]), class_id
 
     def paste(self, sample: Sample) -> Sample:
         """Puts the object of another clip somewhere onto the picture."""
@@ -186,7 +191,8 @@ class Augmenter:
         cut = self.cut_out()
         if cut is None:
             return sample
-        difference, opaque, size, class_id = cut
+        difference, opaque, cut_box, class_id = cut
+        size = cut_box[2:]
         room = np.array(self.canvas_px, float)
         scale = self.pick_scale(size, room / 2)
         angle = rng.uniform(-0.3, 0.3)
@@ -195,11 +201,12 @@ class Augmenter:
         shape = np.array(difference.shape[1::-1])
         out_shape = np.ceil(np.abs(matrix) @ shape).astype(int) + 2
         at = np.floor(rng.uniform((0, 0), np.maximum(room - out_shape, 1))).astype(int)
-        middle = at + out_shape / 2
+        offset = out_shape / 2 - matrix @ (shape / 2)
+        middle = at + matrix @ (cut_box[:2] + size / 2) + offset
         box = np.concatenate([middle - out_size / 2, middle + out_size / 2])
         if (at + out_shape > room).any() or overlaps(box, sample.boxes):
             return sample
-        full = np.column_stack([matrix, out_shape / 2 - matrix @ (shape / 2)])
+        full = for_cv2(matrix, offset)
         target = tuple(int(v) for v in out_shape)
 
         def warp(picture: np.ndarray) -> np.ndarray:
@@ -266,7 +273,8 @@ class Augmenter:
             sample = self.window(*self.canvas_px)
         for _ in range(int(self.rng.integers(0, 3))):
             sample = self.paste(sample)
-        return Sample(self.light(sample.picture), sample.boxes, sample.classes)
+        # told as the labels tell it
+        return Sample(self.light(sample.picture), sample.boxes + LABELS_FROM_PX, sample.classes)
 
 
 def overlaps(box: np.ndarray, boxes: np.ndarray) -> bool:

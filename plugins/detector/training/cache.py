@@ -14,8 +14,9 @@ from clips import SIZES_PX, Clip, read_boxes, read_extra_boxes, read_pictures, r
 # Neighbouring pictures are nearly the same: each second one, and each fifth, are plenty.
 PICTURE_STEP = {"infrared": 2, "visible": 5}
 CHANNELS = {"infrared": 1, "visible": 3}
-# The labels lie so far right of what they label. Pictures are mirrored in training: it would be learned as a doubt about where the sides are.
-LABELS_RIGHT_PX = {"infrared": 1.2, "visible": 0.0}
+# The labels count pixels from 1: they lie so far right of and below what they label. In pictures that are mirrored it would be learned as a doubt about where
+# the sides are.
+LABELS_FROM_PX = 1.0
 
 
 @dataclass(frozen=True)
@@ -23,7 +24,7 @@ class Cache:
     """Pictures, and for each its clip (an index into `clips`) and its objects."""
 
     pictures: np.ndarray  # [n, height, width, channels], uint8
-    boxes: list[np.ndarray]  # for each [objects, 4]: x, y, width, height in pixels
+    boxes: list[np.ndarray]  # for each [objects, 4]: x, y, width, height in pixels, from 0
     clip_ids: np.ndarray  # [n]
     clips: list[Clip]
 
@@ -73,6 +74,6 @@ def load(data: Path, camera: str, directory: Path) -> Cache:
     index = np.load(directory / f"{camera}.npz")
     shape = (len(index["counts"]), height, width, CHANNELS[camera])
     pictures = np.memmap(path, np.uint8, "r", shape=shape)
-    labelled = index["boxes"] - np.float32([LABELS_RIGHT_PX[camera], 0, 0, 0])
+    labelled = index["boxes"] - np.float32([LABELS_FROM_PX, LABELS_FROM_PX, 0, 0])
     boxes = np.split(labelled, np.cumsum(index["counts"])[:-1])
     return Cache(pictures, boxes, index["clip_ids"], read_split(camera))

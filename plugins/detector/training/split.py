@@ -1,11 +1,16 @@
 """Writes `split.csv`: five folds of clips, of which fold 0 is the test part.
 
-Neighbours in numbering whose pictures look alike are one run, of three clips at most, and a run
-is never divided. Runs are dealt to the folds so that each fold gets its share of every class.
+Neighbours in numbering whose pictures look alike are one run, of three clips at most. Runs are dealt to
+five groups so that each gets its share of every class. Groups 1 to 4 are the folds that are tuned on: no
+run is divided among them. The test part is a fifth of the clips of every class, drawn clip by clip from
+all groups but the first, on which thresholds were chosen. So it holds other clips of recordings that are
+trained on, as a clip of the same set does that nobody has seen. For a recording of which nothing was
+trained on, leave a fold out.
 """
 
 import argparse
 import csv
+import itertools
 import random
 from collections import defaultdict
 from pathlib import Path
@@ -14,8 +19,12 @@ import av
 import cv2
 import numpy as np
 
+# camera, label, clip, run, fold, labels
+Row = tuple[str, str, str, int, int, str]
+
 SEED = 1
 FOLDS = 5
+TUNED_ON_GROUP = 1
 RUN_CLIPS = 3
 SAME_SCENE_CORRELATION = 0.9
 # Looked at by eye: boxes that lie beside the birds, so they teach and measure nothing.
@@ -47,6 +56,15 @@ def runs_of(clips: list[dict[str, str]], data: Path) -> list[list[dict[str, str]
     return runs
 
 
+def with_test_part(dealt: list[Row]) -> list[Row]:
+    """Draws the test part of one class. What is left of group 0 goes to the other folds in turn."""
+    rng = random.Random(SEED)
+    choice = [row for row in dealt if row[4] != TUNED_ON_GROUP and row[5] == "good"]
+    test = set(rng.sample(choice, round(len(dealt) / FOLDS)))
+    others = itertools.cycle(range(TUNED_ON_GROUP + 1, FOLDS))
+    return [(*row[:4], 0 if row in test else row[4] or next(others), row[5]) for row in dealt]
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--data", type=Path, required=True)
@@ -65,7 +83,7 @@ def main() -> None:
         runs = runs_of(clips, arguments.data)
         rng.shuffle(runs)
         runs.sort(key=len, reverse=True)
-        sizes = [0] * FOLDS
+        sizes, dealt = [0] * FOLDS, []
         order = rng.sample(range(FOLDS), FOLDS)
         for run in runs:
             fold = min(order, key=lambda f: sizes[f])
@@ -75,8 +93,9 @@ def main() -> None:
                 labels = "none" if clip["labelled_frames"] == "0" else "good"
                 if clip["clip"] in WRONG_LABELS:
                     labels = "wrong"
-                out.append((camera, label, clip["clip"], run_number, fold, labels))
-        print(camera, label, "clips per fold", sizes, "runs", sorted(len(r) for r in runs))
+                dealt.append((camera, label, clip["clip"], run_number, fold, labels))
+        out += with_test_part(sorted(dealt))
+        print(camera, label, "runs", sorted(len(r) for r in runs))
 
     with arguments.out.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")

@@ -147,6 +147,38 @@ fn a_few_wrong_names_do_not_change_the_class() {
     );
 }
 
+/// The track of something 14 pixels wide that moves so many pixels from picture to picture while what is behind it moves as it does, two seconds long.
+fn after_two_s(moves_px: f64, scene_px: f64) -> PictureTrack {
+    let mut tracker = PictureTracker::new(PictureSettings::default());
+    for index in 0..60 {
+        // Boxes wander by a pixel.
+        let wander_px = if index % 2 == 0 { 0.5 } else { -0.5 };
+        let found = at(300.0 + moves_px * f64::from(index) + wander_px, 50.0, "drone", 0.8);
+        let turn = Turn::default().put_right(Some((scene_px, 0.0)));
+        tracker.take(picture(index), &turn, vec![found]);
+    }
+    told(&tracker).remove(0)
+}
+
+#[test]
+fn what_moves_with_the_scene_has_not_moved() {
+    assert!(!after_two_s(0.0, 0.0).moved);
+    assert!(!after_two_s(2.0, 2.0).moved, "the camera turns, and it stands");
+    assert!(after_two_s(0.0, 2.0).moved, "the camera follows it");
+    assert!(after_two_s(0.1, 0.0).moved, "a fifth of its size in a second");
+}
+
+#[test]
+fn what_has_moved_once_does_not_become_a_part_of_the_scene() {
+    let mut tracker = PictureTracker::new(PictureSettings::default());
+    for index in 0..300_u32 {
+        let x_px = 100.0 + f64::from(index.min(30));
+        tracker.take(picture(index), &Turn::default(), vec![at(x_px, 50.0, "drone", 0.8)]);
+    }
+    let track = told(&tracker).remove(0);
+    assert!(track.moved && track.age_s > 9.0);
+}
+
 proptest! {
     #[test]
     fn whatever_is_found_the_tracks_are_sound_and_bounded(

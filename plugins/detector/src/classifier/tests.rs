@@ -103,6 +103,7 @@ fn track(id: u64, number: u32) -> PictureTrack {
         age_s: 1.0,
         coasted_s: 0.0,
         found: Some(bounds(number)),
+        moved: true,
     }
 }
 
@@ -123,4 +124,18 @@ fn what_both_say_counts_and_how_sure_the_finder_is_stays() {
     assert!((whole - 0.6).abs() < 1e-3, "{whole}");
     let unknown = ClassScores::one("unknown", 0.5);
     assert_eq!(past([0.25; 4], 3).joined(&unknown), unknown);
+}
+
+#[test]
+fn what_has_not_moved_for_a_while_is_a_part_of_the_scene() {
+    let moving = track(1, 0);
+    let still = PictureTrack {
+        moved: false,
+        ..track(1, 0)
+    };
+    let new = PictureTrack {
+        age_s: 0.3,
+        ..still.clone()
+    };
+    assert_eq!([&moving, &still, &new].map(crate::eye::stands), [false, true, false]);
 }
