@@ -93,7 +93,7 @@ pub struct PictureTrack {
     pub coasted_s: f64,
     /// The box of this picture that it was given, as it was found.
     pub found: Option<Bounds>,
-    /// Whether it has ever moved otherwise than the scene: by a fifth of its longer side, or 8 pixels if that is less, within 2 s.
+    /// Whether it has ever moved relative to the scene: by a fifth of its longer side, or 8 pixels if that is less, within 2 s.
     pub moved: bool,
 }
 

@@ -21,8 +21,8 @@ const BLACK_BELOW: u8 = 8;
 
 /// The class of which [`Settings::drone_score`] speaks.
 const DRONE: &str = "drone";
-/// What our own models take for a drone and what has not moved within this time is taken for a part of the scene, in seconds. Aeroplanes that come nearer
-/// and helicopters stand still in the picture; so the others are not asked.
+/// A track that is older than this, in seconds, and has not moved yet is no drone but a part of the scene. The rule is for drones alone: a helicopter, or an
+/// aeroplane that comes nearer, does stand still in the picture.
 const STANDS_AFTER_S: f64 = 0.6;
 
 /// What was seen in one picture.

@@ -1,11 +1,11 @@
 """Writes `split.csv`: five folds of clips, of which fold 0 is the test part.
 
 Neighbours in numbering whose pictures look alike are one run, of three clips at most. Runs are dealt to
-five groups so that each gets its share of every class. Groups 1 to 4 are the folds that are tuned on: no
-run is divided among them. The test part is a fifth of the clips of every class, drawn clip by clip from
-all groups but the first, on which thresholds were chosen. So it holds other clips of recordings that are
-trained on, as a clip of the same set does that nobody has seen. For a recording of which nothing was
-trained on, leave a fold out.
+five groups so that each gets its share of every class. The test part is a fifth of the clips of every
+class, drawn clip by clip from all groups but group 1, on which thresholds were chosen. What is left of
+groups 1 to 4 are the folds that are tuned on; what is left of group 0 goes to them clip by clip, so a few
+of its runs are divided. The test part may hold neighbours of clips that are trained on, as the rest of the
+published set does.
 """
 
 import argparse

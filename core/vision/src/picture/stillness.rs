@@ -1,4 +1,6 @@
-//! Whether something moves otherwise than the scene behind it: a detector takes parts of the scene for things that fly, and those stand still in it.
+//! Whether something moves relative to the scene behind it: a detector takes parts of the scene for things that fly, and those stand still in it.
+//!
+//! Must never do: name what it is.
 
 use crate::{Bounds, Turn};
 use skein_domain::NodeTime;

@@ -147,7 +147,7 @@ fn a_few_wrong_names_do_not_change_the_class() {
     );
 }
 
-/// The track of something 14 pixels wide that moves so many pixels from picture to picture while what is behind it moves as it does, two seconds long.
+/// The track of something 14 pixels wide after two seconds. It moves by `moves_px` from picture to picture, and the scene behind it by `scene_px`.
 fn after_two_s(moves_px: f64, scene_px: f64) -> PictureTrack {
     let mut tracker = PictureTracker::new(PictureSettings::default());
     for index in 0..60 {

@@ -49,6 +49,23 @@ fn what_is_too_unsure_for_a_drone_is_told_as_unknown() {
 }
 
 #[test]
+fn what_stands_still_is_a_drone_to_other_models_alone() {
+    // The same findings at the same place, looked at as another model's and as our own's, which the classifier helps.
+    let is_drone = |settings: &Settings| -> Vec<bool> {
+        let mut eye = Eye::new(settings, model("constant").expect("is a model"), 0).expect("sees");
+        let looks = (0..30).map(|index| {
+            let (header, bytes) = frame(index, 100);
+            let found = eye.look(&header, &bytes).found;
+            found.findings.iter().any(|one| one.classes.contains_key("drone"))
+        });
+        looks.collect()
+    };
+    let (own, other) = (is_drone(&Settings::default()), is_drone(&settings("constant")));
+    assert_eq!((own[10], own[29]), (true, false));
+    assert_eq!((other[10], other[29]), (true, true));
+}
+
+#[test]
 fn numbers_that_are_none_are_a_fault_and_what_was_followed_is_not_invented() {
     let mut eye = eye("no-numbers");
     for index in 0..4 {
